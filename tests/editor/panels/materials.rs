@@ -14,7 +14,7 @@ use sunroom::scene::{ConductorIor, Material, Parameter, Shape, SquarePath, Textu
 
 use super::inspector::inspect;
 use super::subjects::{checkerboard, textured, with_material};
-use super::{click, drag, drag_between, entity, item, show_beside_picture, slide};
+use super::{click, drag, drag_between, entity, item, press_and_move_in_one_frame, show_beside_picture, slide};
 
 fn only_material(commands: &[Command]) -> &Material {
     match commands.last() {
@@ -150,6 +150,16 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
     };
     assert_eq!(preset.path(), "Metal/gold");
     assert!(at.abs_diff_eq(Vec2::splat(0.5), 0.1), "{at}");
+    // In a slow frame the press and the way onto the next material come together.
+    let neighbor = harness.get_by_label("silver").rect().center();
+    press_and_move_in_one_frame(&mut harness, gold, neighbor);
+    harness.hover_at(Pos2::new(410.0, 200.0));
+    harness.run_steps(2);
+    harness.drop_at(Pos2::new(410.0, 200.0));
+    harness.run_steps(2);
+    let commands = &harness.state().commands;
+    assert_eq!(commands.len(), 3, "{commands:?}");
+    assert!(matches!(&commands[2], Command::DropPreset { preset, .. } if preset.path() == "Metal/gold"));
 }
 
 #[test]

@@ -159,3 +159,17 @@ fn drag_between<T>(harness: &mut Harness<T>, from: Pos2, to: Pos2) {
     harness.drop_at(to);
     harness.run_steps(3);
 }
+
+fn press_and_move_in_one_frame<T>(harness: &mut Harness<T>, from: Pos2, to: Pos2) {
+    harness.input_mut().events.extend([
+        egui::Event::PointerMoved(from),
+        egui::Event::PointerButton {
+            pos: from,
+            button: egui::PointerButton::Primary,
+            pressed: true,
+            modifiers: egui::Modifiers::NONE,
+        },
+        egui::Event::PointerMoved(to),
+    ]);
+    harness.run_steps(1);
+}

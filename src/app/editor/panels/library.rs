@@ -2,6 +2,7 @@
 
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 
+use super::drag_start::is_drag_of;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::DraggedPreset;
 use crate::app::editor::command::presets::Preset;
@@ -73,8 +74,8 @@ fn cell(
         ui.painter().rect_stroke(face, 2.0, stroke, egui::StrokeKind::Inside);
     }
     name(ui, &preset.name, Rect::from_min_max(face.left_bottom(), rect.max));
-    if response.drag_started() {
-        response.dnd_set_drag_payload(DraggedPreset(preset.clone()));
+    if is_drag_of(ui, &response) {
+        egui::DragAndDrop::set_payload(ui.ctx(), DraggedPreset(preset.clone()));
     }
     if response.clicked() {
         let shapes = model.selected_shapes();

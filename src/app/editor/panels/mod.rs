@@ -7,6 +7,7 @@ pub mod caption;
 pub mod color_field;
 pub mod comparison;
 pub mod diagnostics;
+pub(crate) mod drag_start;
 pub mod emission;
 pub mod excerpt;
 pub mod fields;

@@ -68,8 +68,12 @@ impl PointerState {
         if ui.input(|input| !input.pointer.any_down() && !input.pointer.any_released()) {
             self.hold = None;
         }
-        if is_over && let Some(button) = pressed_button(ui) {
-            self.hold = Some(self.hold_of(button, ui.input(|input| input.modifiers), pointer, screen, model, *pose));
+        // The pointer may have moved on since the press.
+        let pressed_at = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+        let is_pressed_here = is_over && response.interact_rect.contains(pressed_at);
+        if is_pressed_here && let Some(button) = pressed_button(ui) {
+            let modifiers = ui.input(|input| input.modifiers);
+            self.hold = Some(self.hold_of(button, modifiers, pressed_at, screen, model, *pose));
         }
         if is_over && self.hold.is_some() && response.clicked_by(PointerButton::Primary) {
             self.click(ui, pointer, screen, model, commands);

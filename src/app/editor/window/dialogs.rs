@@ -6,6 +6,7 @@ use bevy::prelude::Resource;
 use bevy_egui::egui;
 use egui_file_dialog::{DialogState, FileDialog};
 
+use super::late_enter::LateEnter;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
@@ -20,6 +21,7 @@ pub struct Dialogs {
     picture_folder: Option<PathBuf>,
     /// The folder from which something was last imported.
     import_folder: Option<PathBuf>,
+    late_enter: LateEnter,
 }
 
 impl Dialogs {
@@ -61,6 +63,7 @@ impl Dialogs {
             requests.dialog = None;
             return;
         }
+        self.late_enter.hold_back(context);
         dialog.update(context);
         if let Some(path) = dialog.take_picked() {
             let folder = path.parent().map(Path::to_path_buf);

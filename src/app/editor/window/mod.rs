@@ -4,6 +4,7 @@ pub(crate) mod dialogs;
 pub(crate) mod docking;
 pub(crate) mod dropping;
 pub mod full_film;
+pub(crate) mod late_enter;
 pub mod palette;
 pub(crate) mod preview;
 pub mod recovery_question;

@@ -13,6 +13,7 @@ use bevy_egui::egui::{self, Key, Response, Sense, Stroke, Ui};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::model::{Item, Model, Outline};
+use crate::app::editor::panels::drag_start::is_drag_of;
 use lines::{Folding, Line, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
@@ -197,7 +198,9 @@ impl Folder<'_> {
             if response.clicked() {
                 commands.push(Command::Select(self.members.to_vec(), how(ui)));
             }
-            response.dnd_set_drag_payload(Dragged(self.members.to_vec()));
+            if is_drag_of(ui, &response) {
+                egui::DragAndDrop::set_payload(ui.ctx(), Dragged(self.members.to_vec()));
+            }
             if let Some(Dragged(things)) = dropped(ui, &response) {
                 let folder = Some(self.path.to_owned());
                 commands.push(Command::PutInto { things, folder });

@@ -11,6 +11,7 @@ use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
+use crate::app::editor::panels::drag_start::is_drag_of;
 
 /// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
 const KIND: f32 = 18.0;
@@ -162,8 +163,8 @@ impl Row<'_> {
                 }
             }
         }
-        if response.drag_started() {
-            response.dnd_set_drag_payload(Dragged(self.meant()));
+        if is_drag_of(ui, &response) {
+            egui::DragAndDrop::set_payload(ui.ctx(), Dragged(self.meant()));
         }
         if let Some(before) = self.dropped_before(ui, &response) {
             commands.push(before);
