@@ -226,12 +226,12 @@ impl Emitter {
                     Some(texture) => Parameter::Texture(texture),
                     None => Parameter::Constant(Rgb::ONE),
                 };
-                slide.set_picture_at(place, path);
+                slide.set_picture_at(place, path.into());
                 if let Parameter::Texture(slide) = slide {
                     *texture = Some(slide);
                 }
             }
-            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture_at(place, path),
+            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture_at(place, path.into()),
             _ => {}
         }
     }

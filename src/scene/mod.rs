@@ -82,5 +82,5 @@ pub use status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
 };
 pub use sun_sky::SunSky;
-pub use texture::{Bitmap, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
+pub use texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
 pub use watch::SceneWatch;

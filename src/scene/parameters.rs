@@ -1,14 +1,14 @@
 //! The kinds of parameters that plugins have, and what values of those consist of.
 
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use bevy::prelude::*;
 
 use super::declare::declare_parameters;
 use super::parameter_info::ParameterInfo;
 use super::sensor::FovAxis;
-use super::texture::{Parameter, SquarePath, Texture};
+use super::texture::{ChosenPicture, Parameter, SquarePath, Texture};
 use crate::color::Rgb;
 
 /// Declares the kinds of parameters: a reference to the value, to be read or to be changed.
@@ -77,23 +77,23 @@ kinds! {
 }
 
 impl ParameterMut<'_> {
-    /// Puts the picture at `path` at a place of the value if that has the name `parameter` in the file. Where there was no texture before, a
+    /// Puts the picture at a place of the value if that has the name `parameter` in the file. Where there was no texture before, a
     /// picture of anything but colours is looked at raw.
-    pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, path: &Path) {
+    pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
         let is = |info: &ParameterInfo| info.name == parameter;
         match self {
-            Self::Reflectance(color) if is(info) => set_picture(color, place, path, false),
-            Self::Normals(normals) if is(info) => set_picture(normals, place, path, true),
-            Self::Float(number) | Self::Height(number) if is(info) => set_picture(number, place, path, true),
-            Self::ConductorIor(ConductorIor::Given { eta, .. }) if is(&ETA) => set_picture(eta, place, path, true),
-            Self::ConductorIor(ConductorIor::Given { k, .. }) if is(&K) => set_picture(k, place, path, true),
+            Self::Reflectance(color) if is(info) => set_picture(color, place, picture, false),
+            Self::Normals(normals) if is(info) => set_picture(normals, place, picture, true),
+            Self::Float(number) | Self::Height(number) if is(info) => set_picture(number, place, picture, true),
+            Self::ConductorIor(ConductorIor::Given { eta, .. }) if is(&ETA) => set_picture(eta, place, picture, true),
+            Self::ConductorIor(ConductorIor::Given { k, .. }) if is(&K) => set_picture(k, place, picture, true),
             Self::Absorption(Absorption::Given { sigma_a, .. }) if is(&SIGMA_A) => {
-                set_picture(sigma_a, place, path, true)
+                set_picture(sigma_a, place, picture, true)
             }
             Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
-                Roughness::Isotropic(alpha) if is(&ALPHA) => set_picture(alpha, place, path, true),
-                Roughness::Anisotropic { u, .. } if is(&ALPHA_U) => set_picture(u, place, path, true),
-                Roughness::Anisotropic { v, .. } if is(&ALPHA_V) => set_picture(v, place, path, true),
+                Roughness::Isotropic(alpha) if is(&ALPHA) => set_picture(alpha, place, picture, true),
+                Roughness::Anisotropic { u, .. } if is(&ALPHA_U) => set_picture(u, place, picture, true),
+                Roughness::Anisotropic { v, .. } if is(&ALPHA_V) => set_picture(v, place, picture, true),
                 _ => {}
             },
             _ => {}
@@ -101,9 +101,9 @@ impl ParameterMut<'_> {
     }
 }
 
-fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, path: &Path, raw: bool) {
+fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, picture: &ChosenPicture, raw: bool) {
     let was_plain = matches!(value, Parameter::Constant(_));
-    value.set_picture_at(place, path.to_owned());
+    value.set_picture_at(place, picture.clone());
     if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
         && was_plain
     {

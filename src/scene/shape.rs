@@ -25,6 +25,22 @@ impl Shape {
             _ => Vec3::ZERO,
         }
     }
+
+    /// Whether v grows from the bottom up, as seen from the side where u grows to the right. Pictures begin with their uppermost row, so that they
+    /// are upside down there.
+    pub(crate) fn shows_pictures_upside_down(&self) -> bool {
+        match &self.kind {
+            ShapeKind::Rectangle | ShapeKind::Cylinder { .. } => true,
+            // Programs that write such files count from the bottom up.
+            ShapeKind::Mesh(file) => file.format != MeshFormat::Serialized && !file.flip_tex_coords,
+            // There v grows downwards, or around the middle.
+            ShapeKind::Sphere { .. }
+            | ShapeKind::Cube
+            | ShapeKind::Disk
+            | ShapeKind::Triangle { .. }
+            | ShapeKind::Instance => false,
+        }
+    }
 }
 
 /// The kinds of shapes, by their plugins.

@@ -17,24 +17,49 @@ pub enum Parameter<T> {
     Texture(Texture),
 }
 
+/// A picture that is put where there was a value or another picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChosenPicture {
+    /// The absolute path.
+    pub path: PathBuf,
+    /// What is applied to uv before the look-up if there was no picture before it.
+    pub to_uv: Affine2,
+}
+
+impl<P: Into<PathBuf>> From<P> for ChosenPicture {
+    /// The picture as uv has it.
+    fn from(path: P) -> Self {
+        Self {
+            path: path.into(),
+            to_uv: Affine2::IDENTITY,
+        }
+    }
+}
+
 impl<T> Parameter<T> {
-    /// The picture at `path` instead.
-    pub fn set_picture(&mut self, path: PathBuf) {
+    /// The picture instead. It is read in the same way as the one before it.
+    pub fn set_picture(&mut self, picture: ChosenPicture) {
         let before = match self {
             Self::Constant(_) => None,
             Self::Texture(texture) => Some(&*texture),
         };
-        *self = Self::Texture(Texture::of_picture(path, before));
+        let mut texture = Texture::of_picture(picture.path, before);
+        if !matches!(before, Some(Texture::Bitmap(_)))
+            && let Texture::Bitmap(bitmap) = &mut texture
+        {
+            bitmap.to_uv = picture.to_uv;
+        }
+        *self = Self::Texture(texture);
     }
 
-    /// Sets the picture at `path` in place of the texture at a place within. A place that does not exist changes nothing.
-    pub fn set_picture_at(&mut self, place: SquarePath, path: PathBuf) {
+    /// Sets the picture in place of the texture at a place within. A place that does not exist changes nothing.
+    pub fn set_picture_at(&mut self, place: SquarePath, picture: ChosenPicture) {
         let Some((square, rest)) = place.split() else {
-            return self.set_picture(path);
+            return self.set_picture(picture);
         };
         if let Self::Texture(Texture::Checkerboard { color0, color1, .. }) = self {
             let inside = if square == 0 { color0 } else { color1 };
-            inside.set_picture_at(rest, path);
+            inside.set_picture_at(rest, picture);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bevy::math::{Affine2, Affine3A};
-use glam::{Mat4, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 
 use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
@@ -99,9 +99,20 @@ impl IntoObject<'_> {
                 Vec4::Z,
                 Vec4::new(offset.x, offset.y, 0.0, 1.0),
             );
-            self.put(TO_UV.name, Value::Transform(vec![TransformOp::Matrix(matrix)]));
+            let steps = match (x.y, y.x) {
+                (0.0, 0.0) => scaled_and_moved(Vec3::new(x.x, y.y, 1.0), offset.extend(0.0)),
+                _ => vec![TransformOp::Matrix(matrix)],
+            };
+            self.put(TO_UV.name, Value::Transform(steps));
         }
     }
+}
+
+/// The steps of a map without a turn, each where it does something.
+fn scaled_and_moved(scale: Vec3, by: Vec3) -> Vec<TransformOp> {
+    let scale = (scale != Vec3::ONE).then_some(TransformOp::Scale(scale));
+    let by = (by != Vec3::ZERO).then_some(TransformOp::Translate(by));
+    scale.into_iter().chain(by).collect()
 }
 
 fn property(name: &str, value: Value) -> Property {

@@ -3,11 +3,9 @@
 mod models;
 mod principled;
 
-use std::path::Path;
-
 use bevy::prelude::*;
 
-use super::texture::{SquarePath, Texture};
+use super::texture::{ChosenPicture, SquarePath, Texture};
 
 pub use models::Material;
 pub use principled::{Principled, PrincipledThin};
@@ -32,10 +30,10 @@ impl Material {
         });
     }
 
-    /// The picture at `path` at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
+    /// The picture at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
     /// is looked at raw.
-    pub fn set_picture(&mut self, parameter: &str, place: SquarePath, path: &Path) {
-        self.visit_mut(&mut |info, value| value.set_picture(info, parameter, place, path));
+    pub fn set_picture(&mut self, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
+        self.visit_mut(&mut |info, value| value.set_picture(info, parameter, place, picture));
     }
 }
 

@@ -213,7 +213,7 @@ pub fn every_inspected() -> Vec<Inspected> {
             pictured.set_picture(
                 parameter,
                 SquarePath::WHOLE,
-                "/pictures/a-long-name-of-a-file.exr".as_ref(),
+                &"/pictures/a-long-name-of-a-file.exr".into(),
             );
         }
         cases.extend([with_material(material), with_material(pictured)]);

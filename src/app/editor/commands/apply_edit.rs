@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::edits::{delete_selection, duplicate, group, hide, put_into, rename, reorder, set_picture, visible_things};
+use super::edits::{delete_selection, duplicate, group, hide, put_into, rename, reorder, visible_things};
+use super::pictures::set_picture;
 use super::things::{need, replace, transform};
 use super::{adding, materials, mixing, placing, several, view};
 use crate::app::editor::camera::pose::view_pose;

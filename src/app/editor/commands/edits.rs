@@ -1,7 +1,6 @@
 //! The edits of the scene. Each is made through an [`Edit`], which records the former state.
 
 use std::collections::HashSet;
-use std::path::PathBuf;
 
 use bevy::math::Vec3A;
 use bevy::prelude::*;
@@ -13,10 +12,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::scene::insert::{free_name, names, next_order};
-use crate::scene::{
-    AreaLight, DocumentOrder, Emitter, Hidden, Material, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, SquarePath,
-    ToWorld,
-};
+use crate::scene::{DocumentOrder, Emitter, Hidden, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ToWorld};
 
 pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
     for entity in selected(edit)? {
@@ -155,22 +151,5 @@ pub fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
             (true, false) => {}
             (false, _) => edit.remove::<Hidden>(entity),
         }
-    }
-}
-
-/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture. Lights have one parameter that may be a
-/// picture.
-pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
-    if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
-        edited.set_picture(parameter, place, &path);
-        edit.set(owner, edited);
-    }
-    if let Some(mut edited) = edit.world.get::<AreaLight>(owner).cloned() {
-        edited.radiance.set_picture_at(place, path.clone());
-        edit.set(owner, edited);
-    }
-    if let Some(mut edited) = edit.world.get::<Emitter>(owner).cloned() {
-        edited.set_picture(place, path);
-        edit.set(owner, edited);
     }
 }

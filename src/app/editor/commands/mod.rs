@@ -13,6 +13,7 @@ pub(crate) mod flight;
 pub(crate) mod full_film;
 mod materials;
 mod mixing;
+mod pictures;
 mod placing;
 mod projection;
 pub mod scene_watch;
