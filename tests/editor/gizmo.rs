@@ -7,7 +7,9 @@ use bevy::math::{Affine3A, Quat, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{Key, Pos2, Rect, vec2};
 use sunroom::app::editor::camera::screen::Screen;
+use sunroom::app::editor::camera::solid::Solid;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode, Pivot, Steps};
+use sunroom::app::editor::command::snapping::{SnapTo, Snapping};
 use sunroom::app::editor::model::freedom::Freedom;
 use sunroom::app::editor::viewport::gizmo::constraint::Constraint;
 use sunroom::app::editor::viewport::gizmo::drag::{Change, Drag, lowest_point};
@@ -438,4 +440,81 @@ fn the_lower_end_comes_onto_the_surface() {
         let surface = Vec3::new(-1.0, 0.5, 7.0);
         assert_eq!(moved(drag.onto_surface(surface, up)), surface - lower_end);
     }
+}
+
+/// With the mouse a thing comes to numbers of few digits, and to what was typed with the number that was typed.
+#[test]
+fn places_are_short_numbers() {
+    let off = Vec3::new(0.1, -9.536_743e-7, 1.0 / 3.0);
+    let target = cube(1, Affine3A::from_translation(off));
+    for screen in screens() {
+        let mut drag = begin(&[target], settings(Mode::Move), Constraint::Axis(0), at(&screen, off));
+        let change = drag.follow(&screen, at(&screen, off) + vec2(33.3, 4.0), false, 1.0);
+        let place = drag.apply(change)[0].1.translation;
+        assert!(place.x != off.x && place.x.to_string().len() <= 6, "{place}");
+        // What does not move stays as it was.
+        assert_eq!((place.y, place.z), (off.y, off.z));
+        let mut typed = begin(&[target], settings(Mode::Move), Constraint::Axis(0), Pos2::ZERO);
+        for key in [Key::Period, Key::Num2] {
+            typed.typed.press(key);
+        }
+        let change = typed.follow(&screen, Pos2::ZERO, false, 1.0);
+        assert_eq!(typed.apply(change)[0].1.translation.x.to_string(), "0.3");
+    }
+}
+
+#[test]
+fn on_the_grid_things_come_to_multiples_of_the_step() {
+    let off = Vec3::new(0.33, 0.1, -0.27);
+    let target = cube(1, Affine3A::from_translation(off));
+    let on_grid = |constraint| {
+        let snap = Snapping {
+            to: SnapTo::Grid,
+            ..Snapping::default()
+        };
+        let settings = GizmoSettings {
+            snap,
+            ..settings(Mode::Move)
+        };
+        let screen = screens()[0];
+        let mut drag = begin(&[target], settings, constraint, at(&screen, off));
+        let change = drag.follow(&screen, at(&screen, off + Vec3::new(0.4, 0.0, 0.3)), true, 0.05);
+        drag.apply(change)[0].1.translation
+    };
+    let place = on_grid(Constraint::Plane(1));
+    assert_eq!(
+        [place.x, place.y, place.z].map(|x| x.to_string()),
+        ["0.75", "0.1", "0.05"]
+    );
+    let place = on_grid(Constraint::Axis(0));
+    assert_eq!((place.y, place.z), (0.1, -0.27));
+    assert!((place.x / 0.05 - (place.x / 0.05).round()).abs() < 1e-4, "{place}");
+}
+
+#[test]
+fn things_are_laid_onto_a_slope() {
+    let off = Vec3::new(0.0, 1.0, 0.0);
+    let target = cube(1, Affine3A::from_translation(off));
+    let bounds = target.bounds.expect("it has a surface");
+    let screen = screens()[0];
+    let mut drag = begin(&[target], settings(Mode::Move), Constraint::Free, at(&screen, off));
+    let normal = Vec3::new(0.6, 0.8, 0.0);
+    let solids = [Solid::of_bounds(bounds)];
+    let place = Vec3::new(1.0, 0.5, 0.0);
+    let change = drag.onto_plane(&screen, &solids, place, normal, Some(Vec3::Y));
+    let pose = drag.apply(change)[0].1;
+    assert!(Vec3::from(pose.matrix3.y_axis).abs_diff_eq(normal, 1e-5), "{pose:?}");
+    assert!(
+        Vec3::from(pose.translation).abs_diff_eq(place + normal, 1e-3),
+        "{pose:?}"
+    );
+    let change = drag.onto_plane(&screen, &solids, place, normal, None);
+    let pose = drag.apply(change)[0].1;
+    // Without a turn its lower edge lies on the slope.
+    let lowest = (Vec3::from(pose.translation) - place).dot(normal) - 1.4;
+    assert!(lowest.abs() < 1e-3, "{lowest}");
+    let corners = solids[0].corners();
+    let change = drag.onto_place(&screen, at(&screen, off), &corners, Vec3::new(1.2, 2.1, -0.9));
+    let moved = Vec3::from(drag.apply(change)[0].1.translation) - off;
+    assert!(moved.abs_diff_eq(Vec3::new(0.2, 0.1, 0.1), 1e-4), "{moved}");
 }

@@ -65,6 +65,7 @@ impl Plugin for EditorPlugin {
             Some(_) => Resolution::Full,
             None => preferences.resolution,
         };
+        settings.gizmo.snap = preferences.snapping;
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {

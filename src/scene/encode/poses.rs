@@ -31,7 +31,7 @@ fn shortened(step: &TransformOp) -> TransformOp {
 }
 
 /// The numbers with six digits.
-pub fn short(numbers: Vec3) -> Vec3 {
+fn short(numbers: Vec3) -> Vec3 {
     numbers.map(|number| {
         let number = f64::from(number);
         if number == 0.0 {
@@ -39,6 +39,25 @@ pub fn short(numbers: Vec3) -> Vec3 {
         }
         let unit = 10f64.powf(number.abs().log10().floor() - 5.0);
         ((number / unit).round() * unit) as f32
+    })
+}
+
+/// Points with so many digits of the largest coordinate among them: beside 3 a coordinate of 2.4e-7 is nothing.
+pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; N] {
+    let largest = points
+        .iter()
+        .fold(0.0f32, |most, point| most.max(point.abs().max_element()));
+    let unit = 10f64.powf(f64::from(largest).log10().floor()) * 10f64.powi(1 - digits);
+    points.map(|point| {
+        point.map(|number| {
+            let multiple = (f64::from(number) / unit).round() * unit;
+            // Adding zero turns -0 into 0.
+            if multiple.is_finite() {
+                multiple as f32 + 0.0
+            } else {
+                number
+            }
+        })
     })
 }
 
@@ -96,22 +115,29 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let target = origin + distance * rotation.z_axis;
     (is_rigid && target.is_finite()).then(|| {
         let up = rotation.y_axis;
-        let plain = TransformOp::LookAt {
-            origin: short(origin),
-            target: short(target),
-            // A camera that is upright is described by short numbers.
-            up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
-                Vec3::Y
-            } else {
-                up
-            },
+        let plain = |digits| {
+            let [origin, target] = short_together([origin, target], digits);
+            TransformOp::LookAt {
+                origin,
+                target,
+                // A camera that is upright is described by short numbers.
+                up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
+                    Vec3::Y
+                } else {
+                    up
+                },
+            }
         };
-        let made = plain.affine();
-        let is_turned_alike = made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED);
-        if is_turned_alike && made.translation.abs_diff_eq(map.translation, SHORTENED * distance) {
-            return plain;
-        }
-        TransformOp::LookAt { origin, target, up }
+        let is_alike = |step: &TransformOp| {
+            let made = step.affine();
+            made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED)
+                && made.translation.abs_diff_eq(map.translation, SHORTENED * distance)
+        };
+        [6, 7]
+            .map(plain)
+            .into_iter()
+            .find(is_alike)
+            .unwrap_or(TransformOp::LookAt { origin, target, up })
     })
 }
 
@@ -138,6 +164,23 @@ mod tests {
         // This also holds for something small that is far away.
         let small = Affine3A::from_translation(Vec3::splat(100.0)) * shear * Affine3A::from_scale(Vec3::splat(1e-4));
         assert_eq!(as_steps(&small), [TransformOp::Matrix(Mat4::from(small))]);
+    }
+
+    #[test]
+    fn a_camera_has_no_coordinates_that_are_nothing() {
+        let step = TransformOp::LookAt {
+            origin: Vec3::new(3.0, 2.0, -4.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+        };
+        let again = as_look_at(&step.affine());
+        let Some(TransformOp::LookAt { origin, target, .. }) = again else {
+            panic!("{again:?}");
+        };
+        for number in origin.to_array().into_iter().chain(target.to_array()) {
+            assert!(number.to_string().len() < 9, "{number}");
+        }
+        assert_eq!((origin, target), (Vec3::new(3.0, 2.0, -4.0), Vec3::ZERO));
     }
 
     #[test]

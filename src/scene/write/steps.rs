@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Vec3};
 
 use crate::document::TransformOp;
-use crate::scene::encode::poses::short;
+use crate::scene::encode::poses::short_together;
 
 /// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the same.
 const SAME: f32 = 1e-5;
@@ -70,11 +70,8 @@ fn shortened(looking: &[TransformOp]) -> Option<Vec<TransformOp>> {
     let &[TransformOp::LookAt { origin, target, up }] = looking else {
         return None;
     };
-    Some(vec![TransformOp::LookAt {
-        origin: short(origin),
-        target: short(target),
-        up,
-    }])
+    let [origin, target] = short_together([origin, target], 6);
+    Some(vec![TransformOp::LookAt { origin, target, up }])
 }
 
 /// Steps of the same kinds, with the old numbers where they are as good.

@@ -4,4 +4,7 @@ pub mod navigation;
 pub mod orbit;
 pub(crate) mod picking;
 pub mod pose;
+pub mod rounding;
 pub mod screen;
+pub mod snapping;
+pub mod solid;

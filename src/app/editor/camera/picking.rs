@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
-use crate::accel::Detail;
+use crate::accel::{Detail, Hit};
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray, offset_origin};
 use crate::render::camera::Camera;
@@ -45,6 +45,20 @@ const BEHIND: f32 = 1e-5;
 /// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
 pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     let geometry = &packed.scene.as_ref()?.geometry;
+    let (rest, hit, entity) = first_hit(packed, ray, is_passed)?;
+    let point = geometry.surface_in(&rest, &hit, Detail::Plain);
+    let normal = point.geometric_normal;
+    Some(SeenSurface {
+        position: point.position,
+        error: point.error,
+        normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
+        entity,
+    })
+}
+
+/// The first hit of [`surface`], with the ray that it is a hit of.
+pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<(Ray, Hit, Entity)> {
+    let geometry = &packed.scene.as_ref()?.geometry;
     let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
     let mut passed = 0.0;
     for _ in 0..MOST_PASSED {
@@ -57,14 +71,7 @@ pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bo
         let hit = geometry.intersect(&rest)?;
         let entity = *packed.entity_of_instance.get(hit.instance as usize)?;
         if !is_passed(entity) {
-            let point = geometry.surface_in(&rest, &hit, Detail::Plain);
-            let normal = point.geometric_normal;
-            return Some(SeenSurface {
-                position: point.position,
-                error: point.error,
-                normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
-                entity,
-            });
+            return Some((rest, hit, entity));
         }
         passed += hit.t + step + BEHIND * (passed + hit.t);
     }

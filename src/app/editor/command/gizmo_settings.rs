@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+use super::snapping::Snapping;
+
 /// The effect of a drag of the gizmo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
@@ -120,6 +122,8 @@ pub struct GizmoSettings {
     pub pivot: Pivot,
     /// The steps of drags with Control and of arrow keys.
     pub steps: Steps,
+    /// What moves snap to.
+    pub snap: Snapping,
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ pub mod recovery_offer;
 pub mod resolution;
 pub mod selection;
 pub mod shell;
+pub mod snapping;
 pub mod stored_view;
 pub mod tool;
 
@@ -157,6 +158,8 @@ pub enum Command {
     Nudge(Direction),
     /// Drops each selected thing onto what is below it.
     Drop,
+    /// Puts the origin of each selected thing onto the grid of the gizmo's step.
+    SnapToGrid,
     /// Places several things at once, each by world from local.
     Transform(Vec<(Entity, Affine3A)>),
     /// Sets the geometry of a shape.
@@ -355,6 +358,7 @@ impl Command {
             | Self::Lock(..)
             | Self::Nudge(_)
             | Self::Drop
+            | Self::SnapToGrid
             | Self::SetPicture { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
@@ -422,7 +426,7 @@ impl Command {
         }
     }
 
-    /// The label of an edit in the history. The name of the thing follows where there is one.
+    /// The label of an edit in the history. The names of its things follow there.
     pub fn label(&self) -> &'static str {
         match self {
             Self::OnSelection(command) => command.label(),
@@ -444,6 +448,7 @@ impl Command {
             Self::Lock(_, false) => "Unlock",
             Self::Transform(_) | Self::Nudge(_) => "Move",
             Self::Drop => "Drop",
+            Self::SnapToGrid => "Put onto the grid",
             Self::SetShape(..) => "Edit shape",
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use super::gizmo_settings::Steps;
 use super::resolution::{Enlarging, Resolution};
+use super::snapping::Snapping;
 use crate::memory;
 
 /// The version of the file's format.
@@ -71,6 +72,8 @@ pub struct Preferences {
     pub speed: f32,
     /// The steps of the gizmo.
     pub steps: Steps,
+    /// What moves snap to.
+    pub snapping: Snapping,
     /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
     /// The pixels of the film that are traced.
@@ -105,6 +108,7 @@ impl Default for Preferences {
             autosave_seconds: 60,
             speed: 1.0,
             steps: Steps::default(),
+            snapping: Snapping::default(),
             moving_scale: 0.5,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),

@@ -8,7 +8,8 @@ use bevy::prelude::*;
 use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
-use crate::app::editor::camera::pose;
+use super::view;
+use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
@@ -53,19 +54,22 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     let Spot { foot, size, on } = spot;
     // A light that is not placed hangs above what it shines on.
     let above = match addition.at {
-        None if is_light && has_spot(addition.kind) => {
-            let above = foot + up * spot::headroom(edit.world, &spot, ABOVE * size);
-            spot::rounded_place(above, size)
-        }
+        None if is_light && has_spot(addition.kind) => foot + up * spot::headroom(edit.world, &spot, ABOVE * size),
         _ => foot,
     };
+    // Places that the user gives are kept, up to the half size that is added to them.
+    let placed = |place: Vec3| match addition.at {
+        Some(at) => rounding::sum_of_places(at, rounding::without_residue(place - at)),
+        None => spot::rounded_place(place, size),
+    };
+    let above = placed(above);
     // A flat thing must not coincide with what it lies on.
     let ground = match on {
         Some(_) => foot + up * (FLAT * size),
         None => foot,
     };
     let scale = Affine3A::from_scale(Vec3::splat(size));
-    let at = Affine3A::from_translation;
+    let at = |place: Vec3| Affine3A::from_translation(placed(place));
     // For axes that are the world's this gives exact zeros and ones.
     let facing = |direction: Vec3| {
         let (x, y) = direction.any_orthonormal_pair();
@@ -216,7 +220,7 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
         .unwrap_or_default();
     let lens = pose::lens(world).unwrap_or(sensor.lens);
     (
-        pose::view_pose(world).unwrap_or_default(),
+        view::rounded_view(world).unwrap_or_default(),
         Sensor { lens, ..sensor },
         film,
     )

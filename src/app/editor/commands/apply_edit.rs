@@ -6,7 +6,6 @@ use super::edits::{delete_selection, duplicate, group, hide, put_into, rename, r
 use super::pictures::set_picture;
 use super::things::{need, replace, transform};
 use super::{adding, materials, mixing, placing, several, view};
-use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -60,7 +59,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         }
         Command::MoveCameraToView => {
             let sensor = edit.world.resource::<ActiveSensor>().0;
-            let (Some(sensor), Some(pose)) = (sensor, view_pose(edit.world)) else {
+            let (Some(sensor), Some(pose)) = (sensor, view::rounded_view(edit.world)) else {
                 return Err("There is no camera.".into());
             };
             if let Some(lens) = edit.world.resource::<FreeView>().lens
@@ -73,6 +72,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         }
         Command::Nudge(direction) => placing::nudge(edit, direction)?,
         Command::Drop => placing::drop(edit)?,
+        Command::SnapToGrid => placing::onto_grid(edit)?,
         Command::Transform(poses) => transform(edit, poses)?,
         Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
         Command::SetMaterial(entity, material) => {

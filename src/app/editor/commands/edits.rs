@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use bevy::math::Vec3A;
 use bevy::prelude::*;
 
 use super::placing;
 use super::things::{call, check_name, delete, is_no_name, selected};
+use crate::app::editor::camera::rounding;
 use crate::app::editor::command::Direction;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -42,7 +42,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
         state.order = Some(DocumentOrder(order));
         state.declared_in = None;
         if let Some(ToWorld(pose)) = &mut state.to_world {
-            pose.translation += Vec3A::from(aside);
+            pose.translation = rounding::sum_of_places(pose.translation.into(), aside).into();
         }
         order = order.saturating_add(1);
         let copy = edit.spawn(());

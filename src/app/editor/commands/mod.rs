@@ -23,10 +23,10 @@ mod spot;
 #[cfg(test)]
 mod tests;
 pub mod things;
+mod titles;
 mod view;
 pub mod world;
 
-use bevy::math::Mat3A;
 use bevy::prelude::*;
 
 use crate::app::editor::camera::picking;
@@ -49,10 +49,9 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{InputStamp, PackedScene, RenderControl, RenderFilm, WakeUp};
 use crate::scene::write::OnChange;
-use crate::scene::{
-    ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
-};
+use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
 pub(crate) use files::keep_image;
+use titles::Title;
 use world::{control, set_resource};
 
 /// Applies this frame's commands in order.
@@ -120,12 +119,12 @@ pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
 
 fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), CommandError> {
     let (label, targets) = (command.label(), command.targets());
-    let verb = verb(world, &command);
+    let title = Title::before(world, &command);
     let interaction = world.resource::<Requests>().interaction;
     let mut edit = Edit::begin(world);
     match apply_edit::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
-            let title = edit.titled(verb, &targets);
+            let title = title.after(edit.world);
             keep_what_is_there(edit.world);
             edit.finish(title, merges.then_some((interaction, (label, targets))));
             Ok(())
@@ -135,27 +134,6 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
             Err(error)
         }
     }
-}
-
-/// The verb of a command: [`Command::label`], but for a change of pose it tells what happens to the first thing.
-fn verb(world: &World, command: &Command) -> &'static str {
-    let change = match command {
-        Command::Transform(poses) => poses.first().and_then(|(entity, after)| {
-            let before = world.get::<ToWorld>(*entity)?.0.matrix3;
-            Some([before, after.matrix3])
-        }),
-        _ => None,
-    };
-    let Some([before, after]) = change.filter(|[before, after]| before != after) else {
-        return command.label();
-    };
-    // A rotation keeps the lengths of the axes.
-    let lengths = |matrix: Mat3A| [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
-    let is_turn = lengths(before)
-        .iter()
-        .zip(lengths(after))
-        .all(|(before, after)| (after - before).abs() <= 1e-4 * before);
-    if is_turn { "Rotate" } else { "Scale" }
 }
 
 fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
@@ -300,21 +278,6 @@ fn keep_what_is_there(world: &mut World) {
         let first = sensors.iter(world).min().map(|(_, entity)| entity);
         if first != active {
             view::look_through_first(world, first);
-        }
-    }
-}
-
-/// The names and descriptions of edits.
-impl Edit<'_> {
-    /// The title of an edit, such as "Move ball", "Move 3 things", "Delete".
-    fn titled(&self, label: &str, targets: &[Entity]) -> String {
-        match targets {
-            [] => label.to_owned(),
-            [only] => match self.world.get::<Name>(*only) {
-                Some(name) => format!("{label}: {name}"),
-                None => label.to_owned(),
-            },
-            several => format!("{label}: {} things", several.len()),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Moves the selection without the mouse: by steps, and down onto what is below.
 
-use bevy::math::{Affine3A, Vec3, Vec3A};
+use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::things;
-use crate::app::editor::camera::{picking, pose};
+use crate::app::editor::camera::{picking, pose, rounding};
 use crate::app::editor::command::Direction;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
@@ -16,7 +16,8 @@ use crate::scene::ToWorld;
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let by = step(edit.world, direction);
-    move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect())
+    let exact = 0.0;
+    move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect(), exact)
 }
 
 /// A step of the gizmo, in world space.
@@ -46,7 +47,8 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
 
 pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
-    let up = edit.world.resource::<ViewSettings>().navigation.up;
+    let navigation = edit.world.resource::<ViewSettings>().navigation;
+    let up = navigation.up;
     let packed = edit.world.resource::<PackedScene>();
     let bounds = picking::bounds_of_each(packed, &selected);
     let falls = selected.iter().zip(bounds).filter_map(|(&entity, bounds)| {
@@ -56,19 +58,35 @@ pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
         });
         // The ray starts at the middle, so that a thing that has sunk in a little comes up again.
         let below = picking::surface(packed, &Ray::new(middle, -up), |other| selected.contains(&other))?;
-        Some((entity, below.position + up * half - middle))
+        Some((entity, up * (below.position + up * half - middle).dot(up)))
     });
     let falls: Vec<(Entity, Vec3)> = falls.collect();
     if falls.is_empty() {
         return Err("There is nothing below.".into());
     }
-    move_each(edit, falls)
+    move_each(edit, falls, rounding::unit_of_scene(navigation.scene_size))
 }
 
-fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>) -> Result<(), CommandError> {
+/// Puts the origins of things onto multiples of the step.
+pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
+    let ViewSettings { gizmo, navigation, .. } = edit.world.resource::<ViewSettings>();
+    let step = f64::from(gizmo.steps.length_in(navigation.scene_size));
+    let poses = things::selected(edit)?.into_iter().filter_map(|entity| {
+        let pose = edit.world.get::<ToWorld>(entity)?.0;
+        let place = rounding::rounded_place(pose.translation.into(), step);
+        // A step such as 0.1 is no number of single precision.
+        let translation = rounding::rounded_place(place, rounding::unit_below(1e-3 * step as f32)).into();
+        Some((entity, Affine3A { translation, ..pose }))
+    });
+    let poses = poses.collect();
+    things::transform(edit, poses)
+}
+
+/// Moves things, and rounds the coordinates that change to `unit`.
+fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>, unit: f64) -> Result<(), CommandError> {
     let moved = moves.into_iter().filter_map(|(entity, by)| {
         let mut pose = edit.world.get::<ToWorld>(entity)?.0;
-        pose.translation += Vec3A::from(by);
+        pose.translation = rounding::moved(pose.translation.into(), by, unit).into();
         Some((entity, pose))
     });
     let moved: Vec<(Entity, Affine3A)> = moved.collect();

@@ -4,7 +4,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use crate::app::editor::camera::picking::{self, SeenSurface};
-use crate::app::editor::camera::pose;
+use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
@@ -253,8 +253,7 @@ pub fn rounded(size: f32) -> f32 {
 
 /// Rounds a place to a hundredth of `size` or finer, so that the numbers are short in a file.
 pub fn rounded_place(place: Vec3, size: f32) -> Vec3 {
-    let step = 0.01 * 10f64.powf(f64::from(size.max(f32::MIN_POSITIVE)).log10().floor());
-    place.map(|number| ((f64::from(number) / step).round() * step) as f32)
+    rounding::rounded_place(place, 0.01 * rounding::unit_below(size))
 }
 
 #[cfg(test)]

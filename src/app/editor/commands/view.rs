@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use super::flight;
 use super::world::{control, set_resource};
 use crate::app::editor::camera::pose::{self, view_pose};
-use crate::app::editor::camera::{navigation, picking};
+use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
@@ -25,6 +25,14 @@ pub fn move_view(world: &mut World, pose: Affine3A) {
         let pose = Some(pose);
         set_resource(world, FreeView { pose, lens });
     }
+}
+
+/// The pose of the view with a place of few digits, for a camera that is put there.
+pub fn rounded_view(world: &World) -> Option<Affine3A> {
+    let pose = view_pose(world)?;
+    let unit = rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size);
+    let translation = rounding::rounded_place(pose.translation.into(), unit).into();
+    Some(Affine3A { translation, ..pose })
 }
 
 /// Moves the view as [`move_view`], but by a short flight, and sets the point that is looked at.
@@ -151,6 +159,8 @@ fn frame(world: &mut World, bounds: Aabb) {
     }
 }
 
+/// The digits of a distance at which something is in focus: well within the depth of field.
+const FOCUS_DIGITS: i32 = 4;
 const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
 /// Focuses on what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
@@ -162,6 +172,7 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     let ray = view.camera.ray(film, Vec2::splat(0.5));
     let hit = scene.geometry.intersect(&ray).ok_or("There is nothing to focus on.")?;
     let (_, distance) = view.camera.project(ray.at(hit.t));
+    let distance = rounding::with_digits(distance, FOCUS_DIGITS);
     let Some(camera) = edit.world.resource::<ActiveSensor>().0 else {
         return Err("There is no camera.".into());
     };
@@ -177,7 +188,7 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
         Lens::Thin { focus_distance, .. } => *focus_distance = distance,
         Lens::Pinhole => {
             sensor.lens = Lens::Thin {
-                aperture_radius: 0.005 * distance,
+                aperture_radius: rounding::with_digits(0.005 * distance, FOCUS_DIGITS),
                 focus_distance: distance,
                 blades: 0,
                 blade_rotation: 0.0,

@@ -228,6 +228,17 @@ fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
     }
 }
 
+/// The decimals of numbers that stand side by side, at most.
+const MOST_DECIMALS: usize = 3;
+
+/// The decimals that it takes to show a number as exactly as [`MOST_DECIMALS`] do.
+fn decimals(number: f32) -> usize {
+    let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
+    (0..MOST_DECIMALS)
+        .find(|fewer| shown(*fewer) == shown(MOST_DECIMALS))
+        .unwrap_or(MOST_DECIMALS)
+}
+
 /// Shows three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
     let mut copy = value.to_array();
@@ -282,6 +293,7 @@ pub(crate) fn number_cells<const N: usize>(
     ui.spacing_mut().button_padding.x = 1.0;
     let width = ((width - 3.0 * (N - 1) as f32) / N as f32).max(24.0);
     ui.spacing_mut().interact_size.x = width;
+    let decimals = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
     let mut changed = false;
     for (value, style) in values.iter_mut().zip(styles) {
         let shown = f64::from(*value);
@@ -290,8 +302,9 @@ pub(crate) fn number_cells<const N: usize>(
             .suffix(style.suffix)
             .range(style.range)
             .clamp_existing_to_range(false)
-            .max_decimals(3);
-        let drag = drag.custom_formatter(legible);
+            .max_decimals(MOST_DECIMALS);
+        // All numbers of a row have as many decimals as the one that needs most.
+        let drag = drag.custom_formatter(|number, _| legible(number, decimals..=decimals));
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         response.widget_info(|| {
             let mut info = egui::WidgetInfo::drag_value(true, shown);
@@ -460,5 +473,12 @@ mod tests {
         assert_eq!(shown(-0.25), "-0.25");
         assert_eq!(shown(f64::from(f32::MAX)), "3.40e38");
         assert_eq!(shown(-2e7), "-2.00e7");
+    }
+
+    #[test]
+    fn numbers_have_the_decimals_that_they_need() {
+        for (number, needed) in [(4.0, 0), (0.1, 1), (-0.25, 2), (1e-5, 0), (1.0 / 3.0, 3), (3e38, 0)] {
+            assert_eq!(decimals(number), needed, "{number}");
+        }
     }
 }

@@ -158,6 +158,7 @@ pub(crate) fn remember(
         steps: settings.gizmo.steps,
         resolution: settings.resolution,
         enlarging: settings.enlarging,
+        snapping: settings.gizmo.snap,
         ..preferences.clone()
     });
     if silent.problem != problem {

@@ -11,6 +11,7 @@ pub mod material_drop;
 pub mod model;
 pub mod path_lines;
 pub mod pointer;
+mod snap_menu;
 pub mod state;
 pub mod steer_cursor;
 pub mod toolbar;

@@ -4,11 +4,12 @@ use bevy_egui::egui::{
     self, Align, Button, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
 };
 
+use super::snap_menu::snap_menu;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
 
 const HEIGHT: f32 = 30.0;
-const WIDTH: f32 = 470.0;
+const WIDTH: f32 = 590.0;
 
 /// Shows the toolbar. `length_step` is the step of lengths in use, in world units.
 pub(crate) fn toolbar(
@@ -68,6 +69,7 @@ pub(crate) fn toolbar(
             .response
             .on_hover_text("The point that things turn and grow about");
         ui.separator();
+        snap_menu(ui, &mut edited.snap);
         step(ui, &mut edited, length_step);
     });
     if edited != settings {

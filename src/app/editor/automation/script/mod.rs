@@ -7,6 +7,7 @@
 pub mod assign;
 pub mod error;
 pub mod parse;
+mod placing;
 mod rendering;
 
 use std::collections::VecDeque;

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
-use super::rendering;
+use super::{placing, rendering};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -48,7 +48,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 42] = [
+pub const VERBS: [(&str, &str); 43] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -64,6 +64,7 @@ pub const VERBS: [(&str, &str); 42] = [
     ("move", "NAME X,Y,Z (by)"),
     ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
     ("scale", "NAME FACTOR (about its origin)"),
+    ("snap", "increments|grid|vertices|edges|faces [always] [align]"),
     ("set", "NAME PARAMETER VALUE"),
     ("material-of", "SHAPE (a new one of its own)"),
     ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
@@ -171,6 +172,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let factor = Affine3A::from_scale(Vec3::splat(parse_float(factor)?));
             transformed(world, name, |pose| about_origin(factor, pose))?
         }
+        ("snap", [to, how @ ..]) => placing::snap(world, to, how)?,
         ("set", [name, parameter, value @ ..]) if !value.is_empty() => {
             let entity = named(world, name)?;
             set(world, entity, parameter, &value.join(" "))?
@@ -315,7 +317,7 @@ fn words(text: &str) -> Result<Vec<String>, ScriptError> {
     Ok(words)
 }
 
-fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
+pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
     let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
     format!("there is no {what} called \"{name}\"{help}").into()
 }

@@ -10,7 +10,9 @@ use bevy::math::Affine3A;
 
 use super::bare_world::bare_world;
 use super::*;
+use crate::app::editor::command::Direction;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::command::gizmo_settings::{GizmoSettings, Steps};
 use crate::app::editor::command::material_tree::MaterialTree;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::color::Rgb;
@@ -81,6 +83,36 @@ fn a_picture_goes_to_whatever_has_one() {
 }
 
 #[test]
+fn a_picture_is_put_upright_onto_what_shows_it_upside_down() {
+    for (kind, turned) in [
+        (AdditionKind::Rectangle, true),
+        (AdditionKind::Cylinder, true),
+        (AdditionKind::Sphere, false),
+        (AdditionKind::Cube, false),
+    ] {
+        let mut world = bare_world();
+        let shape = add(&mut world, kind);
+        say(&mut world, Command::GiveMaterial { shape });
+        let owner = world.get::<UsesMaterial>(shape).expect("its own").0;
+        for path in ["/pictures/one.png", "/pictures/other.png"] {
+            let choose = Command::SetPicture {
+                owner,
+                parameter: "reflectance",
+                place: SquarePath::WHOLE,
+                path: path.into(),
+            };
+            say(&mut world, choose);
+            let mut to_uv = None;
+            let material = world.get::<Material>(owner).expect("a material");
+            material.for_each_texture(&mut |texture| texture.for_each_bitmap(&mut |bitmap| to_uv = Some(bitmap.to_uv)));
+            let upper = to_uv.expect("a picture").transform_point2(Vec2::Y);
+            let expected = if turned { Vec2::ZERO } else { Vec2::Y };
+            assert!(upper.abs_diff_eq(expected, 1e-6), "{kind:?}: {upper}");
+        }
+    }
+}
+
+#[test]
 fn commands_about_what_is_gone_do_no_harm() {
     let mut world = bare_world();
     let gone = world.spawn_empty().id();
@@ -124,6 +156,49 @@ fn the_history_says_what_a_change_of_pose_does() {
         assert!(label.starts_with(verb), "{label}");
         say(&mut world, Command::Undo);
     }
+}
+
+#[test]
+fn the_history_names_what_a_step_was_about() {
+    let mut world = bare_world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::Rename(ball, "ball".into()));
+    say(&mut world, Command::Duplicate);
+    let both = world.query_filtered::<Entity, With<Shape>>().iter(&world).collect();
+    say(&mut world, Command::Select(both, Extend::Replace));
+    say(&mut world, Command::Nudge(Direction::Up));
+    say(&mut world, Command::Select(vec![ball], Extend::Replace));
+    say(&mut world, Command::Delete);
+    assert_eq!(
+        world.resource::<History>().labels().0,
+        [
+            "Add sphere `sphere`",
+            "Rename `sphere`",
+            "Duplicate `ball`",
+            "Move 2 things",
+            "Delete `ball`"
+        ]
+    );
+}
+
+#[test]
+fn steps_add_up_to_round_numbers() {
+    let mut world = bare_world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let steps = Steps {
+        length: Some(0.1),
+        ..Steps::default()
+    };
+    let gizmo = GizmoSettings {
+        steps,
+        ..GizmoSettings::default()
+    };
+    say(&mut world, Command::SetGizmo(gizmo));
+    for _ in 0..7 {
+        say(&mut world, Command::Nudge(Direction::Up));
+    }
+    let place = |world: &World, entity| world.get::<ToWorld>(entity).map(|pose| pose.0.translation.y);
+    assert_eq!(place(&world, ball).map(|y| y.to_string()), Some("1.2".to_owned()));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, Direction, FileDialogKind};
 
@@ -98,6 +99,17 @@ macro_rules! gizmo_mode {
             Some(Command::SetGizmo(GizmoSettings {
                 mode: Mode::$mode,
                 ..context.gizmo
+            }))
+        })
+    };
+}
+
+macro_rules! snap_to {
+    ($name:literal, $label:literal, $to:ident) => {
+        action(Group::Edit, $name, $label, &[], |context| {
+            Some(snapping(context, |snap| Snapping {
+                to: SnapTo::$to,
+                ..snap
             }))
         })
     };
@@ -210,6 +222,34 @@ pub const ACTIONS: &[Action] = &[
             Some(Command::SetGizmo(settings))
         },
     ),
+    snap_to!("snap-increments", "Snap to increments", Increments),
+    snap_to!("snap-grid", "Snap to the grid", Grid),
+    snap_to!("snap-vertices", "Snap to vertices", Vertices),
+    snap_to!("snap-edges", "Snap to edges", Edges),
+    snap_to!("snap-faces", "Snap to faces", Faces),
+    action(
+        Group::Edit,
+        "snap-always",
+        "Snap without Ctrl, or with it",
+        &[shift(Key::Tab)],
+        |context| {
+            let always = !context.gizmo.snap.always;
+            Some(snapping(context, |snap| Snapping { always, ..snap }))
+        },
+    ),
+    action(
+        Group::Edit,
+        "snap-align",
+        "Turn to the surface when snapping",
+        &[],
+        |context| {
+            let aligns = !context.gizmo.snap.aligns;
+            Some(snapping(context, |snap| Snapping { aligns, ..snap }))
+        },
+    ),
+    action(Group::Edit, "selection-to-grid", "Put onto the grid", &[], |context| {
+        context.with_selection(Command::SnapToGrid)
+    }),
     nudge!("nudge-left", "Nudge left", Key::ArrowLeft, Left),
     nudge!("nudge-right", "Nudge right", Key::ArrowRight, Right),
     nudge!("nudge-ahead", "Nudge away", Key::ArrowUp, Ahead),
@@ -431,4 +471,11 @@ pub const ACTIONS: &[Action] = &[
 
 fn addition(kind: AdditionKind) -> Command {
     Command::Add(kind.into())
+}
+
+fn snapping(context: &ActionContext, change: impl Fn(Snapping) -> Snapping) -> Command {
+    Command::SetGizmo(GizmoSettings {
+        snap: change(context.gizmo.snap),
+        ..context.gizmo
+    })
 }

@@ -12,8 +12,10 @@ use bevy_egui::egui::Pos2;
 use super::constraint::Constraint;
 use super::typed::Typed;
 use super::{Frame, Target, bounds, handles};
+use crate::app::editor::camera::rounding;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode, Pivot};
+use crate::app::editor::command::snapping::SnapTo;
 use crate::app::editor::model::freedom::Freedom;
 
 /// The change of things since the drag began.
@@ -30,6 +32,13 @@ pub enum Change {
     },
     /// Factors along the axes.
     Scaled(Vec3),
+    /// A turn about the origin of the frame, then a move in world units: onto a surface that is aslant.
+    Laid {
+        /// The turn.
+        turn: Quat,
+        /// The move.
+        by: Vec3,
+    },
 }
 
 impl Change {
@@ -39,6 +48,7 @@ impl Change {
             Self::Moved(by) => *by == Vec3::ZERO,
             Self::Turned { angle, .. } => *angle == 0.0,
             Self::Scaled(factors) => *factors == Vec3::ONE,
+            Self::Laid { turn, by } => *by == Vec3::ZERO && *turn == Quat::IDENTITY,
         }
     }
 }
@@ -54,12 +64,14 @@ pub struct Drag {
     pub constraint: Constraint,
     /// Numbers that were typed meanwhile; they count instead of the pointer.
     pub typed: Typed,
-    settings: GizmoSettings,
+    pub(super) settings: GizmoSettings,
     /// The place where the pointer took hold.
     grabbed: Pos2,
     /// The place where it was seen last, and below the angle up to there: a ring may be turned more than once.
     last: Pos2,
     angle: f32,
+    /// The unit to which places are rounded, in world units; 0 for none.
+    pub(super) unit: f64,
 }
 
 /// The sine of the angle of view below which axes and planes are too foreshortened to be dragged as they are seen.
@@ -70,6 +82,15 @@ const FARTHEST: f32 = 10.0;
 const POINTS_PER_DOUBLING: f32 = 100.0;
 /// The smallest factor of a drag, so that things can be enlarged again.
 const SMALLEST_FACTOR: f32 = 0.01;
+/// Degrees to which the pointer turns: fewer than a pixel of a ring stands for.
+const FINEST_TURN: f64 = 0.1;
+/// The digits of a factor that the pointer chooses, and of the lengths of axes that are scaled.
+const FACTOR_DIGITS: i32 = 4;
+const LENGTH_DIGITS: i32 = 6;
+/// Places that follow from a typed turn or factor are rounded to this share of what a pointer would place them by.
+pub(super) const TYPED_SHARE: f64 = 1e-3;
+/// Places on steps are rounded to this share of a step.
+const STEP_SHARE: f32 = 1e-3;
 
 impl Drag {
     /// Begins a drag that took hold at the point `grabbed` of the window.
@@ -89,6 +110,7 @@ impl Drag {
             grabbed,
             last: grabbed,
             angle: 0.0,
+            unit: 0.0,
         }
     }
 
@@ -117,7 +139,15 @@ impl Drag {
 
     /// The change with the pointer here. `snap`: rounded to steps, for lengths of `length_step` world units.
     pub fn follow(&mut self, screen: &Screen, pointer: Pos2, snap: bool, length_step: f32) -> Change {
+        let pixel = screen.units_per_point(screen.depth(self.frame.origin));
+        self.unit = rounding::unit_of_pixel(pixel);
         if let Some(numbers) = self.typed.numbers() {
+            // A typed move is exact.
+            self.unit *= if self.settings.mode == Mode::Move {
+                0.0
+            } else {
+                TYPED_SHARE
+            };
             return self.by_numbers(screen, &numbers);
         }
         let steps = self.settings.steps;
@@ -134,8 +164,12 @@ impl Drag {
                 if !snap {
                     return Change::Moved(moved);
                 }
+                self.unit = rounding::unit_below(STEP_SHARE * length_step);
+                if self.settings.snap.to == SnapTo::Grid && self.is_along_world() {
+                    return Change::Moved(self.onto_grid(moved, length_step));
+                }
                 let along = self.frame.axes.map(|axis| axis * rounded(moved.dot(axis), length_step));
-                Change::Moved(along.into_iter().sum())
+                Change::Moved(rounding::without_residue(along.into_iter().sum()))
             }
             Mode::Rotate => {
                 let axis = self.turning_axis(screen);
@@ -143,18 +177,23 @@ impl Drag {
                 // If the camera is on the axis, no angle is seen.
                 self.angle += if turned.is_finite() { turned } else { 0.0 };
                 self.last = pointer;
+                let degrees = rounded(self.angle.to_degrees(), steps.degrees);
                 Change::Turned {
                     axis,
-                    angle: rounded(self.angle.to_degrees(), steps.degrees).to_radians(),
+                    angle: rounding::rounded(degrees, FINEST_TURN).to_radians(),
                 }
             }
             Mode::Scale => {
                 let factor = self.factor(screen, pointer);
                 let factor = if factor.is_finite() { factor } else { 1.0 };
                 let factor = rounded(factor, steps.factor).max(SMALLEST_FACTOR);
-                Change::Scaled(self.spread(factor))
+                Change::Scaled(self.spread(rounding::with_digits(factor, FACTOR_DIGITS)))
             }
         }
+    }
+
+    pub(super) fn is_along_world(&self) -> bool {
+        self.frame.axes.iter().all(|axis| axis.abs().max_element() == 1.0)
     }
 
     /// The lower end of the selection, against `up`, to be where the surface is.
@@ -172,7 +211,12 @@ impl Drag {
                     Constraint::Free => vec![0, 1, 2],
                 };
                 let steps = along.into_iter().zip(numbers).map(|(k, &by)| self.frame.axes[k] * by);
-                Change::Moved(steps.sum())
+                let by = steps.sum();
+                Change::Moved(if self.is_along_world() {
+                    by
+                } else {
+                    rounding::without_residue(by)
+                })
             }
             Mode::Rotate => Change::Turned {
                 axis: self.turning_axis(screen),
@@ -205,7 +249,7 @@ impl Drag {
         }
     }
 
-    fn moved(&self, screen: &Screen, pointer: Pos2) -> Vec3 {
+    pub(super) fn moved(&self, screen: &Screen, pointer: Pos2) -> Vec3 {
         match self.constraint {
             Constraint::Axis(k) => {
                 let axis = self.frame.axes[k];
@@ -313,39 +357,6 @@ impl Drag {
         }
     }
 
-    /// The text about the change so far, with what Control would round it to.
-    pub fn text(&self, change: Change, length_step: f32) -> String {
-        const NAMES: [&str; 3] = ["X", "Y", "Z"];
-        let axes = self.frame.axes;
-        let amount = match change {
-            Change::Moved(by) => match self.constraint {
-                Constraint::Axis(k) => format!("{} {:.4}", NAMES[k], by.dot(axes[k])),
-                _ => axes
-                    .iter()
-                    .zip(NAMES)
-                    .map(|(axis, name)| format!("{name} {:.4}  ", by.dot(*axis)))
-                    .collect(),
-            },
-            Change::Turned { angle, .. } => match self.constraint {
-                Constraint::Axis(k) | Constraint::Plane(k) => format!("{} {:.1}°", NAMES[k], angle.to_degrees()),
-                Constraint::Free => format!("{:.1}°", angle.to_degrees()),
-            },
-            Change::Scaled(factors) => match self.constraint {
-                Constraint::Axis(k) => format!("{} ×{:.3}", NAMES[k], factors[k]),
-                Constraint::Plane(normal) => format!("×{:.3}, not {}", factors[(normal + 1) % 3], NAMES[normal]),
-                Constraint::Free => format!("×{:.3}", factors.x),
-            },
-        };
-        let steps = self.settings.steps;
-        let rule = match (self.settings.mode, self.typed.is_empty()) {
-            (_, false) => format!("typed {}", self.typed.text()),
-            (Mode::Move, _) => format!("Ctrl: steps of {length_step}, Shift: onto the surface"),
-            (Mode::Rotate, _) => format!("Ctrl: steps of {}°", steps.degrees),
-            (Mode::Scale, _) => format!("Ctrl: steps of {}", steps.factor),
-        };
-        format!("{}   {rule}", amount.trim_end())
-    }
-
     /// The poses of all objects after the change. An object stays as it was if the change would not leave it a transform.
     pub fn apply(&self, change: Change) -> Vec<(Entity, Affine3A)> {
         let changed = |target: &Target| {
@@ -367,14 +378,15 @@ impl Drag {
         match change {
             Change::Moved(by) if has_place => Affine3A {
                 matrix3,
-                translation: translation + Vec3A::from(by),
+                translation: rounding::moved(translation.into(), by, self.unit).into(),
             },
             Change::Turned { axis, angle } => {
                 let turn = Quat::from_axis_angle(axis.normalize_or(Vec3::Y), angle);
-                let turned = pivot + turn * from_pivot;
+                let turned = rounding::rounded_place(pivot + turn * from_pivot, self.unit);
+                let stays = !has_place || from_pivot == Vec3::ZERO;
                 Affine3A {
                     matrix3: Mat3A::from_quat(turn) * matrix3,
-                    translation: if has_place { turned.into() } else { translation },
+                    translation: if stays { translation } else { turned.into() },
                 }
             }
             Change::Scaled(factors) if has_place => {
@@ -387,19 +399,31 @@ impl Drag {
                 let out = middle - pivot;
                 let axes = self.frame.axes.iter().zip(factors.to_array());
                 let moved: Vec3 = axes.map(|(axis, factor)| *axis * (out.dot(*axis) * factor)).sum();
+                let place = |place: Vec3| match place.abs_diff_eq(target.origin(), 0.5 * self.unit as f32) {
+                    true => translation,
+                    false => rounding::rounded_place(place, self.unit).into(),
+                };
                 if target.freedom != Freedom::Affine {
-                    let translation = (pivot + moved).into();
+                    let translation = place(pivot + moved);
                     return Affine3A { matrix3, translation };
                 }
-                let scaled = matrix3 * Mat3A::from_diagonal(factors);
+                let scaled = matrix3 * Mat3A::from_diagonal(short_factors(&matrix3, factors));
                 let origin_from_middle = Vec3A::from(target.origin() - middle);
                 let translation = Vec3A::from(pivot + moved) + scaled * (matrix3.inverse() * origin_from_middle);
                 Affine3A {
                     matrix3: scaled,
-                    translation,
+                    translation: place(translation.into()),
                 }
             }
-            Change::Moved(_) | Change::Scaled(_) => target.to_world,
+            Change::Laid { turn, by } if has_place => {
+                let origin = self.frame.origin;
+                let place = origin + turn * (target.origin() - origin) + by;
+                Affine3A {
+                    matrix3: Mat3A::from_quat(turn) * matrix3,
+                    translation: rounding::rounded_place(place, self.unit).into(),
+                }
+            }
+            Change::Moved(_) | Change::Scaled(_) | Change::Laid { .. } => target.to_world,
         }
     }
 }
@@ -414,6 +438,25 @@ impl Target {
 pub fn lowest_point(targets: &[Target], up: Vec3) -> Option<Vec3> {
     let all = bounds(targets);
     (!all.is_empty()).then(|| all.center() - up * (0.5 * all.extent().dot(up.abs())))
+}
+
+/// The factors with which the axes get lengths of few digits.
+fn short_factors(axes: &Mat3A, factors: Vec3) -> Vec3 {
+    let factor = |axis: Vec3A, factor: f32| {
+        let length = axis.length();
+        let short = rounding::with_digits((length * factor).abs(), LENGTH_DIGITS).copysign(factor) / length;
+        if factor != 1.0 && short.is_finite() {
+            short
+        } else {
+            factor
+        }
+    };
+    let Mat3A { x_axis, y_axis, z_axis } = *axes;
+    Vec3::new(
+        factor(x_axis, factors.x),
+        factor(y_axis, factors.y),
+        factor(z_axis, factors.z),
+    )
 }
 
 fn to_vec2(v: bevy_egui::egui::Vec2) -> Vec2 {

@@ -4,6 +4,7 @@
 //! makes the selection follow the pointer. Escape puts everything back.
 
 use bevy::math::Vec3;
+use bevy::prelude::Entity;
 use bevy_egui::egui::{Key, Painter, PointerButton, Pos2, Response, Ui};
 
 use super::constraint::Constraint;
@@ -12,8 +13,11 @@ use super::handles::{self, Handle};
 use super::{Target, frame, paint};
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::camera::snapping::{self, SnapPoint};
+use crate::app::editor::camera::solid::{Solid, solids_of};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
+use crate::app::editor::command::snapping::SnapTo;
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 
@@ -48,6 +52,10 @@ struct Held {
     drag: Drag,
     by: Hold,
     change: Option<Change>,
+    /// What is dragged, as it was at the press.
+    solids: Vec<Solid>,
+    /// The place that the drag snaps to.
+    snapped: Option<SnapPoint>,
 }
 
 /// The input that holds a drag.
@@ -159,7 +167,9 @@ impl GizmoState {
     ) -> bool {
         let handles = shown(screen, model);
         let is_free = response.contains_pointer() && !ui.input(|input| input.modifiers.alt);
-        let pointer = pointer.filter(|_| is_free);
+        // The pointer may have moved on since the press.
+        let pressed_at = ui.input(|input| input.pointer.press_origin());
+        let pointer = pressed_at.or(pointer).filter(|_| is_free);
         let is_down = ui.input(|input| input.pointer.any_down());
         let pressed = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
         if !is_down || pressed {
@@ -182,10 +192,16 @@ impl GizmoState {
         model: &GizmoModel,
     ) {
         self.begun = true;
+        let entities: Vec<Entity> = model.targets.iter().map(|target| target.entity).collect();
         self.held = frame(model.targets, &settings, ahead(screen, model)).map(|frame| Held {
             drag: Drag::new(frame, model.targets.to_vec(), settings, constraint, pointer),
             by,
             change: None,
+            solids: match settings.mode {
+                Mode::Move => solids_of(model.packed, &entities),
+                _ => Vec::new(),
+            },
+            snapped: None,
         });
     }
 
@@ -248,6 +264,9 @@ impl GizmoState {
         match &self.held {
             Some(held) if held.by != Hold::Keys || held.change.is_some() => {
                 paint::paint_drag(painter, &held.drag, held.change, screen, pointer);
+                if let Some(point) = &held.snapped {
+                    paint::paint_snap(painter, point, screen);
+                }
             }
             _ => paint::paint(painter, &shown(screen, model), model.settings.mode, self.lit),
         }
@@ -294,6 +313,7 @@ impl Held {
             return;
         }
         let modifiers = ui.input(|input| input.modifiers);
+        self.snapped = None;
         let may_rest = self.drag.mode() == Mode::Move && self.drag.constraint == Constraint::Free;
         let change = if may_rest && modifiers.shift && self.drag.typed.is_empty() {
             let is_dragged = |entity| self.drag.targets.iter().any(|target| target.entity == entity);
@@ -302,7 +322,18 @@ impl Held {
                 .map(|seen| self.drag.onto_surface(seen.position, model.up))
                 .or(self.change)
         } else {
-            Some(self.drag.follow(screen, pointer, modifiers.command, model.length_step))
+            let snap = model.settings.snap;
+            let snaps = match self.drag.mode() {
+                Mode::Move => modifiers.command != snap.always,
+                Mode::Rotate | Mode::Scale => modifiers.command,
+            };
+            let onto_things = snaps && snap.to.is_of_geometry() && self.drag.mode() == Mode::Move;
+            let found = match onto_things && self.drag.typed.is_empty() {
+                true => self.onto_things(screen, pointer, model),
+                false => None,
+            };
+            let steps = snaps && !onto_things;
+            Some(found.unwrap_or_else(|| self.drag.follow(screen, pointer, steps, model.length_step)))
         };
         // A press alone moves nothing.
         let is_begun = self.change.is_some() || change.is_some_and(|change| !change.is_none());
@@ -311,6 +342,37 @@ impl Held {
             commands.extend(change.map(|change| Command::Transform(self.drag.apply(change))));
         }
     }
+}
+
+impl Held {
+    /// The change that takes what is dragged to the corner, edge or surface at the pointer; None if there is none.
+    fn onto_things(&mut self, screen: &Screen, pointer: Pos2, model: &GizmoModel) -> Option<Change> {
+        let drag = &mut self.drag;
+        let is_dragged = |entity| drag.targets.iter().any(|target| target.entity == entity);
+        let snap = model.settings.snap;
+        let point = snapping::find(model.packed, screen, pointer, snap.to, is_dragged)?;
+        self.snapped = Some(point);
+        Some(match point.of {
+            SnapTo::Faces => {
+                let up = drag.targets.last().map(|active| upper_side(active, model.up));
+                let aligned_from = up.filter(|_| snap.aligns);
+                drag.onto_plane(screen, &self.solids, point.place, point.normal, aligned_from)
+            }
+            _ => {
+                let corners: Vec<Vec3> = self.solids.iter().flat_map(Solid::corners).collect();
+                drag.onto_place(screen, pointer, &corners, point.place)
+            }
+        })
+    }
+}
+
+/// The axis of a thing, or its opposite, that points up most.
+fn upper_side(target: &Target, up: Vec3) -> Vec3 {
+    let matrix = target.to_world.matrix3;
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| Vec3::from(axis).normalize_or_zero());
+    let steepness = |axis: &Vec3| axis.dot(up).abs();
+    let axis = axes.into_iter().max_by(|a, b| steepness(a).total_cmp(&steepness(b)));
+    axis.map_or(up, |axis| axis * axis.dot(up).signum())
 }
 
 fn shown(screen: &Screen, model: &GizmoModel) -> Vec<Handle> {

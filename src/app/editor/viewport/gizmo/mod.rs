@@ -5,9 +5,11 @@
 
 pub mod constraint;
 pub mod drag;
+mod drag_text;
 pub mod handles;
 pub mod interaction;
 pub mod paint;
+mod snap;
 pub mod typed;
 
 use bevy::math::{Affine3A, Vec3};

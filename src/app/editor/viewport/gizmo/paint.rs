@@ -8,7 +8,9 @@ use super::constraint::Constraint;
 use super::drag::{Change, Drag};
 use super::handles::{Form, Handle, MIDDLE, TIP};
 use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::camera::snapping::SnapPoint;
 use crate::app::editor::command::gizmo_settings::Mode;
+use crate::app::editor::command::snapping::SnapTo;
 
 const AXIS_COLORS: [Color32; 3] = [
     Color32::from_rgb(236, 76, 76),
@@ -22,6 +24,8 @@ const SHADOW: Color32 = Color32::from_black_alpha(110);
 const LINE: f32 = 2.5;
 /// The width of the line along the axis of a drag.
 const GUIDE: f32 = 1.0;
+/// Half the size of the mark at a place that a drag snaps to.
+const MARK: f32 = 6.0;
 
 /// The handles; `lit` is the one under the pointer.
 pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Constraint>) {
@@ -73,7 +77,7 @@ pub(crate) fn paint_drag(
     pointer: Option<Pos2>,
 ) {
     let Frame { mut origin, axes } = drag.frame;
-    if let Some(Change::Moved(by)) = change {
+    if let Some(Change::Moved(by) | Change::Laid { by, .. }) = change {
         origin += by;
     }
     let held_to: Vec<usize> = match (drag.constraint, drag.mode()) {
@@ -93,6 +97,29 @@ pub(crate) fn paint_drag(
         line(painter, &[middle, pointer], NEUTRAL, GUIDE);
     }
     painter.circle_filled(middle, 3.5, LIT);
+}
+
+/// Marks the place that a drag snaps to: a square for a corner, a triangle for an edge, a ring for a surface.
+pub(crate) fn paint_snap(painter: &Painter, point: &SnapPoint, screen: &Screen) {
+    let Some(at) = screen.project(point.place) else { return };
+    let corners = match point.of {
+        SnapTo::Faces => {
+            painter.circle_stroke(at, MARK, Stroke::new(LINE + 1.5, SHADOW));
+            painter.circle_stroke(at, MARK, Stroke::new(LINE, LIT));
+            return;
+        }
+        SnapTo::Edges => vec![
+            at - MARK * Vec2::Y,
+            at + MARK * Vec2::new(1.0, 0.8),
+            at + MARK * Vec2::new(-1.0, 0.8),
+        ],
+        SnapTo::Vertices | SnapTo::Grid | SnapTo::Increments => [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| at + MARK * Vec2::new(x, y))
+            .to_vec(),
+    };
+    for stroke in [Stroke::new(LINE + 1.5, SHADOW), Stroke::new(LINE, LIT)] {
+        painter.add(Shape::closed_line(corners.clone(), stroke));
+    }
 }
 
 fn color_of(constraint: Constraint) -> Color32 {

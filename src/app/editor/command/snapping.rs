@@ -1,0 +1,60 @@
+//! What a drag that moves things is rounded to.
+
+use serde::{Deserialize, Serialize};
+
+/// The places to which a move goes while it snaps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SnapTo {
+    /// Steps from where the thing was.
+    #[default]
+    Increments,
+    /// Multiples of the step, counted from the origin of the world.
+    Grid,
+    /// Corners of what is under the pointer.
+    Vertices,
+    /// Edges of what is under the pointer.
+    Edges,
+    /// The surface under the pointer.
+    Faces,
+}
+
+impl SnapTo {
+    /// All of them with their names in menus, in preferences and scripts, and what is told of them.
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+        (Self::Increments, "increments", "Steps from where the thing was"),
+        (
+            Self::Grid,
+            "grid",
+            "Multiples of the step, from the origin of the world",
+        ),
+        (Self::Vertices, "vertices", "Corners of what is under the pointer"),
+        (Self::Edges, "edges", "Edges of what is under the pointer"),
+        (Self::Faces, "faces", "The surface under the pointer"),
+    ];
+
+    /// The name in menus and scripts.
+    pub fn name(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .find(|(to, ..)| *to == self)
+            .map_or("", |(_, name, _)| name)
+    }
+
+    /// Whether it needs something under the pointer.
+    pub(crate) fn is_of_geometry(self) -> bool {
+        matches!(self, Self::Vertices | Self::Edges | Self::Faces)
+    }
+}
+
+/// When and to what a move snaps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Snapping {
+    /// The places.
+    pub to: SnapTo,
+    /// Whether moves snap without Control, and do not with it.
+    pub always: bool,
+    /// Whether a thing that is moved along a surface turns its upper side to the surface's normal.
+    pub aligns: bool,
+}

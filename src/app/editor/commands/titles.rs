@@ -1,0 +1,84 @@
+//! What the history calls the steps: the verb of the command, and the names of the things it was about.
+
+use bevy::math::Mat3A;
+use bevy::prelude::*;
+
+use crate::app::editor::command::Command;
+use crate::app::editor::command::selection::Selection;
+use crate::scene::{Locked, ObjectState, ToWorld};
+
+/// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
+pub struct Title {
+    verb: String,
+    /// What the edit is about; None for what it makes, which is selected after it.
+    subject: Option<String>,
+}
+
+impl Title {
+    /// To be called before the edit.
+    pub fn before(world: &World, command: &Command) -> Self {
+        let selected = || {
+            let selected = world.resource::<Selection>().entities().iter().copied();
+            // What is locked stays as it is.
+            let free = selected.filter(|entity| world.get::<Locked>(*entity).is_none());
+            subject(world, &free.collect::<Vec<_>>())
+        };
+        let targets = command.targets();
+        let named = match command {
+            Command::Add(_) | Command::Import(_) | Command::Paste(_) => None,
+            Command::Duplicate
+            | Command::Delete
+            | Command::Cut
+            | Command::Group
+            | Command::Nudge(_)
+            | Command::Drop
+            | Command::SnapToGrid => Some(selected()),
+            _ => Some(subject(world, &targets)),
+        };
+        Self {
+            verb: verb(world, command),
+            subject: named,
+        }
+    }
+
+    /// To be called after the edit.
+    pub fn after(self, world: &World) -> String {
+        let Self { verb, subject: named } = self;
+        let named = named.unwrap_or_else(|| subject(world, world.resource::<Selection>().entities()));
+        format!("{verb}{named}")
+    }
+}
+
+/// The name of one thing or the number of several, with a blank before it; empty for nothing and for a thing without a name.
+fn subject(world: &World, things: &[Entity]) -> String {
+    match things {
+        [] => String::new(),
+        [only] => match world.get::<Name>(*only) {
+            Some(name) if ObjectState::is_in_scene(world, *only) => format!(" `{name}`"),
+            _ => String::new(),
+        },
+        several => format!(" {} things", several.len()),
+    }
+}
+
+/// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what happens to the first thing.
+fn verb(world: &World, command: &Command) -> String {
+    let change = match command {
+        Command::Add(addition) => return format!("{} {}", command.label(), addition.kind.name()),
+        Command::Transform(poses) => poses.first().and_then(|(entity, after)| {
+            let before = world.get::<ToWorld>(*entity)?.0.matrix3;
+            Some([before, after.matrix3])
+        }),
+        _ => None,
+    };
+    let Some([before, after]) = change.filter(|[before, after]| before != after) else {
+        return command.label().to_owned();
+    };
+    // A rotation keeps the lengths of the axes.
+    let lengths = |matrix: Mat3A| [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
+    let is_turn = lengths(before)
+        .iter()
+        .zip(lengths(after))
+        .all(|(before, after)| (after - before).abs() <= 1e-4 * before);
+    if is_turn { "Rotate" } else { "Scale" }.to_owned()
+}
