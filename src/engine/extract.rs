@@ -329,7 +329,7 @@ impl Extracted {
         };
         let mut textures = TexturePacker::new(&picture);
         let packed = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
-        let (materials, ids) = (packed.materials, packed.ids);
+        let (materials, tables, ids) = (packed.materials, packed.tables, packed.ids);
         let sources = self.layout.shapes.iter().map(|record| {
             // A shape that has just gone has made the instances dirty: it is not among them.
             let bindings = authored.surface_bindings.get(record.entity).ok();
@@ -354,7 +354,7 @@ impl Extracted {
         if *self.material_of_entity != ids {
             self.material_of_entity = Arc::new(ids);
         }
-        let table = material_table(packed.materials, &mut self.errors.surfaces);
+        let table = material_table(packed.materials, tables, &mut self.errors.surfaces);
         if *self.scene.materials != table {
             self.scene.materials = Arc::new(table);
         }

@@ -9,7 +9,7 @@ use super::definition::{Material, MaterialId};
 use super::scattering::{LARGEST_MIX, Part, Scattering};
 use crate::accel::SurfacePoint;
 use crate::shading::lanes::BsdfLanes;
-use crate::shading::{Bsdf, TransportMode};
+use crate::shading::{Bsdf, ShadingTables, TransportMode};
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// The greatest depth of materials inside each other; the stack is finite.
@@ -25,7 +25,7 @@ pub struct MaterialTableError {
     pub problem: NestingProblem,
 }
 
-/// The problem with the materials that a material refers to.
+/// The problem with the materials or tables that a material refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum NestingProblem {
@@ -35,6 +35,8 @@ pub enum NestingProblem {
     TooDeep,
     #[error("mixes more than {LARGEST_MIX} others")]
     TooManyParts,
+    #[error("refers to a table of its model that is not there")]
+    NoTable,
 }
 
 impl Material {
@@ -50,7 +52,7 @@ impl Material {
     }
 }
 
-pub(super) fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
+pub(super) fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
     let mut known = vec![None; materials.len()];
     for place in 0..materials.len() {
         let error = |problem| MaterialTableError { place, problem };
@@ -62,6 +64,14 @@ pub(super) fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
         let parts = count_parts(materials, place, &mut known, 0).ok_or(error(NestingProblem::TooDeep))?;
         if parts > LARGEST_MIX {
             return Err(error(NestingProblem::TooManyParts));
+        }
+        let has_tables = match &materials[place] {
+            Material::Plain(bsdf) => bsdf.has_its_tables(tables),
+            Material::Textured(textured) => textured.has_its_tables(tables),
+            _ => true,
+        };
+        if !has_tables {
+            return Err(error(NestingProblem::NoTable));
         }
     }
     Ok(())
@@ -145,6 +155,7 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
 /// Resolves the material `id` at a place.
 pub(super) fn resolve<'a>(
     materials: &'a [Material],
+    tables: &'a ShadingTables,
     id: MaterialId,
     point: &SurfacePoint,
     wo: Vec3,
@@ -153,7 +164,7 @@ pub(super) fn resolve<'a>(
     at: &TexturePoint,
 ) -> Scattering<'a> {
     // It is large: made where it will stay.
-    let mut scattering = Scattering::new(wo, mode);
+    let mut scattering = Scattering::new(wo, mode, tables);
     let upright = Orientation {
         frame: point.shading_frame(),
         side: 1.0,

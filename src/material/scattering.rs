@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, BsdfSample, TransportMode};
+use crate::shading::{Bsdf, BsdfSample, ShadingTables, TransportMode};
 
 /// The most models that a material may mix at one place.
 pub(super) const LARGEST_MIX: usize = 8;
@@ -31,6 +31,7 @@ pub(super) struct Part<'a> {
 pub struct Scattering<'a> {
     wo: Vec3,
     mode: TransportMode,
+    tables: &'a ShadingTables,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
     /// The share of the light that passes straight through.
     null_share: f32,
@@ -70,18 +71,20 @@ pub struct ScatterSample {
 pub struct Single<'a> {
     wo: Vec3,
     mode: TransportMode,
+    tables: &'a ShadingTables,
     part: Part<'a>,
 }
 
 impl Single<'_> {
     /// Evaluates as [`Scattering::eval_and_pdf`].
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        self.part.eval_and_pdf(wi, self.mode)
+        self.part.eval_and_pdf(self.tables, wi, self.mode)
     }
 
     /// Samples as [`Scattering::sample`].
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
-        Some(only(self.wo, &self.part, self.part.sample(u_lobe, u, self.mode)?, 1.0))
+        let sample = self.part.sample(self.tables, u_lobe, u, self.mode)?;
+        Some(only(self.wo, &self.part, sample, 1.0))
     }
 }
 
@@ -107,18 +110,19 @@ impl Part<'_> {
     }
 
     /// The value f |cos wi| and its density, both times the weight.
-    fn eval_and_pdf(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+    fn eval_and_pdf(&self, tables: &ShadingTables, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         let factor = self.factor(wi);
         if factor == 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let (value, pdf) = self.bsdf.eval_and_pdf(self.wo, self.orientation.to_local(wi), mode);
+        let wi = self.orientation.to_local(wi);
+        let (value, pdf) = self.bsdf.eval_and_pdf(tables, self.wo, wi, mode);
         (self.weight * factor * value, self.weight * pdf)
     }
 
     /// Samples in world space and with the bump's factor, without the weight.
-    fn sample(&self, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let sample = self.bsdf.sample(self.wo, u_lobe, u, mode)?;
+    fn sample(&self, tables: &ShadingTables, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let sample = self.bsdf.sample(tables, self.wo, u_lobe, u, mode)?;
         let wi = self.orientation.to_world(sample.wi);
         let factor = self.factor(wi);
         (factor > 0.0).then_some(BsdfSample {
@@ -130,10 +134,11 @@ impl Part<'_> {
 }
 
 impl<'a> Scattering<'a> {
-    pub(super) fn new(wo: Vec3, mode: TransportMode) -> Self {
+    pub(super) fn new(wo: Vec3, mode: TransportMode, tables: &'a ShadingTables) -> Self {
         Self {
             wo,
             mode,
+            tables,
             parts: ArrayVec::new(),
             null_share: 0.0,
         }
@@ -151,7 +156,7 @@ impl<'a> Scattering<'a> {
     /// The value f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
-            let (part_value, part_pdf) = part.eval_and_pdf(wi, self.mode);
+            let (part_value, part_pdf) = part.eval_and_pdf(self.tables, wi, self.mode);
             (value + part_value, pdf + part_pdf)
         })
     }
@@ -159,7 +164,8 @@ impl<'a> Scattering<'a> {
     /// Samples a direction for the path, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         if let ([part], 0.0) = (&self.parts[..], self.null_share) {
-            return Some(only(self.wo, part, part.sample(u_lobe, u, self.mode)?, 1.0));
+            let sample = part.sample(self.tables, u_lobe, u, self.mode)?;
+            return Some(only(self.wo, part, sample, 1.0));
         }
         if u_lobe < self.null_share {
             return Some(ScatterSample {
@@ -182,7 +188,7 @@ impl<'a> Scattering<'a> {
         }
         let part = &self.parts[chosen];
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
-        let sample = part.sample(u_part, u, self.mode)?;
+        let sample = part.sample(self.tables, u_part, u, self.mode)?;
         if sample.is_delta {
             return Some(only(self.wo, part, sample, part.weight));
         }
@@ -191,7 +197,7 @@ impl<'a> Scattering<'a> {
         let start = (pdf * sample.weight, pdf);
         let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
         let (value, pdf) = others.fold(start, |(value, pdf), (_, other)| {
-            let (other_value, other_pdf) = other.eval_and_pdf(sample.wi, self.mode);
+            let (other_value, other_pdf) = other.eval_and_pdf(self.tables, sample.wi, self.mode);
             (value + other_value, pdf + other_pdf)
         });
         Some(ScatterSample {
@@ -210,6 +216,7 @@ impl<'a> Scattering<'a> {
         part.map(|part| Single {
             wo: self.wo,
             mode: self.mode,
+            tables: self.tables,
             part,
         })
     }

@@ -7,13 +7,15 @@ use super::nesting::{self, MaterialTableError};
 use super::scattering::Scattering;
 use crate::accel::{Detail, SurfacePoint};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, TransportMode};
+use crate::shading::{Bsdf, ShadingTables, TransportMode};
 use crate::texture::{TexturePoint, TextureTable};
 
 /// The table of all materials of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialTable {
     materials: Vec<Material>,
+    /// What the models of the materials have tabulated.
+    tables: ShadingTables,
     /// Whether light can pass straight through any of them.
     has_null_lobe: bool,
     /// Whether each material depends on texture coordinates or tangents.
@@ -36,19 +38,25 @@ pub struct PlainSide<'a> {
 }
 
 impl MaterialTable {
-    /// A table whose [`MaterialId`]s are the positions in `materials`. Nested materials must be of the same list, before or after.
+    /// A table whose [`MaterialId`]s are the positions in `materials`, without models that need [`ShadingTables`]. Nested materials must be of the
+    /// same list, before or after.
     pub fn new(materials: Vec<Material>) -> Result<Self, MaterialTableError> {
-        Self::check(&materials)?;
-        Ok(Self::checked(materials))
+        Self::with_tables(materials, ShadingTables::default())
     }
 
-    /// Whether these materials can be a table: nothing is nested that is not there, in itself, or too deep.
-    pub fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
-        nesting::check(materials)
+    /// A table as [`Self::new`] builds it, of materials whose models may have ids of `tables`.
+    pub fn with_tables(materials: Vec<Material>, tables: ShadingTables) -> Result<Self, MaterialTableError> {
+        Self::check(&materials, &tables)?;
+        Ok(Self::checked(materials, tables))
     }
 
-    /// Builds as [`Self::new`], from materials that have passed [`Self::check`].
-    pub fn checked(mut materials: Vec<Material>) -> Self {
+    /// Whether these materials can be a table: nothing is nested that is not there, in itself, or too deep, and no id is of other tables.
+    pub fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
+        nesting::check(materials, tables)
+    }
+
+    /// Builds as [`Self::with_tables`], from materials that have passed [`Self::check`].
+    pub fn checked(mut materials: Vec<Material>, tables: ShadingTables) -> Self {
         for material in &mut materials {
             if let Material::Textured(textured) = material
                 && let Some(bsdf) = textured.if_constant()
@@ -72,13 +80,15 @@ impl MaterialTable {
             for_lanes: nesting::for_lanes(&materials, &parametrised),
             parametrised,
             materials,
+            tables,
             has_null_lobe,
         }
     }
 
     /// The same table with more materials, whose ids continue from [`Self::len`].
     pub fn with(&self, more: impl IntoIterator<Item = Material>) -> Result<Self, MaterialTableError> {
-        Self::new(self.materials.iter().cloned().chain(more).collect())
+        let materials = self.materials.iter().cloned().chain(more).collect();
+        Self::with_tables(materials, self.tables.clone())
     }
 
     /// The number of materials, with nested ones.
@@ -141,6 +151,6 @@ impl MaterialTable {
         textures: &TextureTable,
         at: &TexturePoint,
     ) -> Scattering<'_> {
-        nesting::resolve(&self.materials, id, point, wo, mode, textures, at)
+        nesting::resolve(&self.materials, &self.tables, id, point, wo, mode, textures, at)
     }
 }

@@ -4,8 +4,8 @@ use super::lookup::{At, Constants, Lookup, TexturedBase, TexturedFacets, Texture
 use super::principled::{TexturedPrincipled, TexturedPrincipledThin};
 use crate::color::Rgb;
 use crate::shading::{
-    Bsdf, Conductor, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, Microalbedo, Plastic, RoughCoat,
-    RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat, ThinDielectric,
+    Bsdf, CoatId, Compensation, Conductor, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, MicroalbedoId,
+    Plastic, RoughConductor, RoughDielectric, RoughPlastic, ShadingTables, SmoothCoat, ThinDielectric,
 };
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
@@ -28,8 +28,8 @@ pub enum TexturedBsdf {
         specular: TexturedSpecular,
         /// The distribution and roughness.
         facets: TexturedFacets,
-        /// The table of [`RoughConductor::multiple_scattering`].
-        multiple_scattering: Option<&'static Microalbedo>,
+        /// The table for [`RoughConductor::multiple_scattering`].
+        multiple_scattering: Option<MicroalbedoId>,
     },
     /// A textured [`Dielectric`].
     Dielectric {
@@ -76,7 +76,7 @@ pub enum TexturedBsdf {
     /// A textured [`RoughPlastic`].
     RoughPlastic {
         /// The coat of the constant roughness, or one for any.
-        coat: &'static RoughCoat,
+        coat: CoatId,
         /// Roughness, above 0.
         alpha: Parameter<f32>,
         /// The base below the coat.
@@ -122,6 +122,17 @@ impl TexturedBsdf {
         matches!(self, Self::ThinDielectric { .. } | Self::Hair { .. })
     }
 
+    /// Whether the tables that it has ids of are among `tables`.
+    pub(super) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
+        match self {
+            Self::RoughConductor {
+                multiple_scattering, ..
+            } => multiple_scattering.is_none_or(|table| tables.has_microalbedo(table)),
+            Self::RoughPlastic { coat, .. } => tables.has_coat(*coat),
+            _ => true,
+        }
+    }
+
     fn resolve(&self, lookup: &mut impl Lookup) -> Bsdf {
         match self {
             Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse {
@@ -134,11 +145,15 @@ impl TexturedBsdf {
                 specular,
                 facets,
                 multiple_scattering,
-            } => Bsdf::RoughConductor(RoughConductor {
-                specular: lookup.specular(specular),
-                distribution: lookup.facets(facets),
-                multiple_scattering: *multiple_scattering,
-            }),
+            } => {
+                let (specular, distribution) = (lookup.specular(specular), lookup.facets(facets));
+                let compensation = |table| Compensation::new(table, &distribution, &specular);
+                Bsdf::RoughConductor(RoughConductor {
+                    specular,
+                    distribution,
+                    multiple_scattering: multiple_scattering.map(compensation),
+                })
+            }
             Self::Dielectric {
                 eta,
                 model,
@@ -179,7 +194,7 @@ impl TexturedBsdf {
                 base: lookup.base(base),
             }),
             Self::RoughPlastic { coat, alpha, base } => Bsdf::RoughPlastic(RoughPlastic {
-                coat,
+                coat: *coat,
                 alpha: lookup.float(*alpha),
                 base: lookup.base(base),
             }),

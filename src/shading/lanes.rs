@@ -306,7 +306,7 @@ mod tests {
 
     use super::*;
     use crate::math::lanes::LANES;
-    use crate::shading::{Conductor, Dielectric, Diffuse, Ggx, Metal, RoughConductor};
+    use crate::shading::{Conductor, Dielectric, Diffuse, Ggx, Metal, RoughConductor, ShadingTables};
 
     fn number(k: u32, factor: f32) -> f32 {
         (k as f32 * factor).fract()
@@ -360,6 +360,7 @@ mod tests {
 
     #[test]
     fn models_are_those_of_one() {
+        let tables = ShadingTables::default();
         let (mut returned, mut transmitted) = (0, 0);
         for start in (0..20_000).step_by(LANES) {
             let models: [Bsdf; LANES] = std::array::from_fn(|lane| model(start + lane as u32));
@@ -382,14 +383,14 @@ mod tests {
                 assert_eq!(lanes.smooth() >> lane & 1 == 1, bsdf.has_smooth_lobe());
                 assert_eq!(lanes.transmitting() >> lane & 1 == 1, bsdf.transmits());
                 let (wo, wi) = (wo.get(lane), wi.get(lane));
-                let expected = bsdf.eval_and_pdf(wo, wi, mode);
+                let expected = bsdf.eval_and_pdf(&tables, wo, wi, mode);
                 assert!(
                     is_near(value.get(lane), expected.0),
                     "{bsdf:?} {} {expected:?}",
                     value.get(lane)
                 );
                 assert!(is_near(Vec3::splat(pdf.as_array()[lane]), Vec3::splat(expected.1)));
-                let expected = bsdf.sample(wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]), mode);
+                let expected = bsdf.sample(&tables, wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]), mode);
                 assert_eq!(
                     sample.returned.to_bitmask() >> lane & 1 == 1,
                     expected.is_some(),

@@ -1,11 +1,6 @@
-//! The albedo of a rough surface of perfect mirrors in one bounce, and the factor by which all bounces make it brighter.
-//!
-//! Albedo scaling: Turquin, Practical multiple scattering compensation for microfacet models, 2019. With the albedo E(wo) of the white
-//! surface and the reflectance F0 at normal incidence, the lobe grows by 1 + F0 (1 - E) / E: exact for a white metal, and a coloured
-//! one saturates. The loss of reciprocity does not matter to paths that start at the camera.
+//! Tables of the albedo of a rough surface of perfect mirrors in one bounce.
 
 use super::{Microfacet, MicrofacetKind};
-use crate::color::Rgb;
 use crate::math::gauss_legendre;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
@@ -16,22 +11,22 @@ const COSINES: usize = 32;
 const NODES: u32 = 32;
 
 /// The single-scattering albedo of isotropic white microfacets, by roughness up to 1 and cosine.
-#[derive(Debug, PartialEq)]
-pub struct Microalbedo {
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Microalbedo {
     albedos: [[f32; COSINES]; ALPHAS],
 }
 
-impl Microalbedo {
-    /// The table of one distribution, computed at the first call (a tenth of a second).
-    pub fn of(kind: MicrofacetKind) -> &'static Self {
-        static BECKMANN: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Beckmann));
-        static GGX: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Ggx));
-        match kind {
-            MicrofacetKind::Beckmann => &BECKMANN,
-            MicrofacetKind::Ggx => &GGX,
-        }
+/// The table of one distribution, computed at the first call (a tenth of a second) and kept.
+pub(super) fn of(kind: MicrofacetKind) -> &'static Microalbedo {
+    static BECKMANN: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Beckmann));
+    static GGX: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Ggx));
+    match kind {
+        MicrofacetKind::Beckmann => &BECKMANN,
+        MicrofacetKind::Ggx => &GGX,
     }
+}
 
+impl Microalbedo {
     fn new(kind: MicrofacetKind) -> Self {
         let nodes = gauss_legendre(NODES);
         let node = |i: usize, count: usize| (i as f32 / (count - 1) as f32).powi(2);
@@ -44,25 +39,27 @@ impl Microalbedo {
         }
     }
 
-    /// The albedo seen at `cos` in [0, 1], bilinear between nodes; as for roughness 1 above that.
-    fn albedo(&self, alpha: f32, cos: f32) -> f32 {
+    /// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between nodes.
+    pub fn albedo(&self, row: f32, cos: f32) -> f32 {
         let split = |x: f32, count: usize| {
-            let x = x.clamp(0.0, 1.0).sqrt() * (count - 1) as f32;
             let i = (x as usize).min(count - 2);
             (i, x - i as f32)
         };
-        let ((i, u), (j, v)) = (split(alpha, ALPHAS), split(cos, COSINES));
+        let ((i, u), (j, v)) = (split(row, ALPHAS), split(place(cos, COSINES), COSINES));
         let in_row = |row: &[f32; COSINES]| row[j] + v * (row[j + 1] - row[j]);
         let (low, high) = (in_row(&self.albedos[i]), in_row(&self.albedos[i + 1]));
         low + u * (high - low)
     }
+}
 
-    /// The factor on single scattering, at least 1, where a metal reflects `head_on` at normal incidence. Where roughness depends on the
-    /// direction, one for its root mean square: some percent off.
-    pub fn gain(&self, facets: &Microfacet, wo: Vec3, head_on: Rgb) -> Rgb {
-        let albedo = self.albedo(facets.mean_alpha(), wo.z);
-        Rgb::ONE + head_on * ((1.0 - albedo) / albedo)
-    }
+/// The place of a roughness among the nodes of every table; as of 1 above that.
+pub(super) fn row_of(alpha: f32) -> f32 {
+    place(alpha, ALPHAS)
+}
+
+/// The place of a number in [0, 1] among `count` nodes, and of one outside as of the nearest inside.
+fn place(x: f32, count: usize) -> f32 {
+    x.clamp(0.0, 1.0).sqrt() * (count - 1) as f32
 }
 
 /// The albedo by quadrature over visible normals, each weighted with the visibility of what it reflects.

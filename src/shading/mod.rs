@@ -11,8 +11,12 @@
 //!   the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance, and for the layers of [`Principled`]).
 //!
 //! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission or geometry.
+//!
+//! Models are flat records. What some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
+//! within the model are of.
 
 mod beckmann;
+mod compensation;
 mod conductor;
 mod dielectric;
 mod diffuse;
@@ -30,10 +34,12 @@ mod rough_coat;
 mod rough_conductor;
 mod rough_dielectric;
 mod rough_plastic;
+mod tables;
 mod thin_dielectric;
 mod transport_mode;
 
 pub use beckmann::Beckmann;
+pub use compensation::Compensation;
 pub use conductor::{Conductor, ConductorSpecular};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
@@ -41,14 +47,13 @@ pub use fresnel::DielectricModel;
 pub use ggx::Ggx;
 pub use hair::{Fiber, Hair, melanin_absorption};
 pub use metal::Metal;
-pub use microalbedo::Microalbedo;
 pub use microfacet::{Microfacet, MicrofacetKind};
 pub use plastic::{CoatedBase, Plastic, SmoothCoat};
 pub use principled::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates, eta_from_specular};
-pub use rough_coat::RoughCoat;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_plastic::RoughPlastic;
+pub use tables::{CoatId, MicroalbedoId, ShadingTables};
 pub use thin_dielectric::ThinDielectric;
 pub use transport_mode::TransportMode;
 
@@ -102,37 +107,38 @@ pub struct BsdfSample {
 
 impl Bsdf {
     /// The value f |cos wi|, without delta lobes.
-    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+    pub fn eval(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
             "{wo} or {wi} is not of unit length"
         );
         match self {
             Self::Diffuse(diffuse) => diffuse.eval(wo, wi),
-            Self::RoughConductor(rough) => rough.eval(wo, wi),
+            Self::RoughConductor(rough) => rough.eval(tables, wo, wi),
             Self::Metal(metal) => metal.eval(wo, wi),
             Self::Principled(principled) => principled.eval(wo, wi, mode),
             Self::PrincipledThin(thin) => thin.eval(wo, wi),
             Self::RoughDielectric(rough) => rough.eval(wo, wi, mode),
             Self::Plastic(plastic) => plastic.eval(wo, wi),
-            Self::RoughPlastic(rough) => rough.eval(wo, wi),
+            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi).0,
             Self::Hair(hair) => hair.eval_and_pdf(wo, wi).0,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
         }
     }
 
     /// [`Self::eval`] and [`Self::pdf`] in one call, at the cost of one where they have much in common.
-    pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+    pub fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
             "{wo} or {wi} is not of unit length"
         );
         let (value, pdf) = match self {
             Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
-            Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
+            Self::RoughConductor(rough) => rough.eval_and_pdf(tables, wo, wi),
+            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi),
             Self::Hair(hair) => hair.eval_and_pdf(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
-            _ => (self.eval(wo, wi, mode), self.pdf(wo, wi)),
+            _ => (self.eval(tables, wo, wi, mode), self.pdf(tables, wo, wi)),
         };
         debug_assert!(
             value.min_element() >= 0.0 && value.is_finite() && pdf >= 0.0,
@@ -142,7 +148,7 @@ impl Bsdf {
     }
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+    pub fn pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
             "{wo} or {wi} is not of unit length"
@@ -155,7 +161,7 @@ impl Bsdf {
             Self::PrincipledThin(thin) => thin.pdf(wo, wi),
             Self::RoughDielectric(rough) => rough.pdf(wo, wi),
             Self::Plastic(plastic) => plastic.pdf(wo, wi),
-            Self::RoughPlastic(rough) => rough.pdf(wo, wi),
+            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi).1,
             Self::Hair(hair) => hair.eval_and_pdf(wo, wi).1,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
         }
@@ -163,12 +169,19 @@ impl Bsdf {
 
     /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. `None` if the
     /// light is absorbed.
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    pub fn sample(
+        &self,
+        tables: &ShadingTables,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        mode: TransportMode,
+    ) -> Option<BsdfSample> {
         debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
         let sample = match self {
             Self::Diffuse(diffuse) => diffuse.sample(wo, u),
             Self::Conductor(conductor) => conductor.sample(wo),
-            Self::RoughConductor(rough) => rough.sample(wo, u),
+            Self::RoughConductor(rough) => rough.sample(tables, wo, u),
             Self::Dielectric(dielectric) => dielectric.sample(wo, u_lobe, mode),
             Self::Metal(metal) => metal.sample(wo, u_lobe, u),
             Self::Principled(principled) => principled.sample(wo, u_lobe, u, mode),
@@ -176,7 +189,7 @@ impl Bsdf {
             Self::RoughDielectric(rough) => rough.sample(wo, u_lobe, u, mode),
             Self::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
             Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
-            Self::RoughPlastic(rough) => rough.sample(wo, u_lobe, u),
+            Self::RoughPlastic(rough) => rough.sample(tables, wo, u_lobe, u),
             Self::Hair(hair) => hair.sample(wo, u_lobe, u),
         };
         debug_assert!(
@@ -184,6 +197,18 @@ impl Bsdf {
             "{self:?} samples {sample:?} for {wo}"
         );
         sample
+    }
+
+    /// Whether the tables that it has ids of are among `tables`.
+    pub(crate) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
+        match self {
+            Self::RoughConductor(rough) => {
+                let table = rough.multiple_scattering.map(|compensation| compensation.table());
+                table.is_none_or(|table| tables.has_microalbedo(table))
+            }
+            Self::RoughPlastic(rough) => tables.has_coat(rough.coat),
+            _ => true,
+        }
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.

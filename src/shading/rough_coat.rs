@@ -1,15 +1,15 @@
 //! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays inside.
 //!
 //! They are computed by quadrature over visible normals: what a facet lets through or reflects arrives if it is on the right side of the surface and not
-//! masked. One table serves all surfaces with the same distribution, index and roughness, or with any roughness up to 1, and stays for
-//! the life of the program: it takes some ten milliseconds to make and 260 bytes per roughness to keep.
+//! masked. One table serves all surfaces with the same distribution, index and roughness, or with any roughness up to 1. It takes some ten
+//! milliseconds to make and 260 bytes per roughness to keep.
 
 use super::fresnel::{self, DielectricModel};
 use super::{Microfacet, MicrofacetKind};
 use crate::math::gauss_legendre;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// The number of nodes over the cosine, as in the renderer whose scene format this program reads: pictures show the interpolation between the first
 /// two.
@@ -23,92 +23,88 @@ const NODES: u32 = 32;
 const NODES_WITH_KINKS: u32 = 48;
 
 /// A coat at one roughness.
-#[derive(Clone, Debug, PartialEq)]
-struct Layer {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CoatLayer {
     /// The transmitted fraction by the cosine outside.
     transmittance: [f32; COSINES],
     /// The fraction of diffuse light from below that is reflected.
     internal_reflectance: f32,
 }
 
-/// A rough coat, tabulated.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RoughCoat {
-    kind: MicrofacetKind,
-    eta: f32,
-    /// One, or [`ALPHAS`] with their roughness in equal steps of its root from 0 to 1.
-    layers: Vec<Layer>,
+/// What tells coats apart: the distribution, and the bits of the index of refraction and of the roughness, which is None where it varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CoatKey {
+    pub kind: MicrofacetKind,
+    eta: u32,
+    alpha: Option<u32>,
+}
+
+impl CoatKey {
+    pub fn new(kind: MicrofacetKind, eta: f32, alpha: Option<f32>) -> Self {
+        Self {
+            kind,
+            eta: eta.to_bits(),
+            alpha: alpha.map(f32::to_bits),
+        }
+    }
+
+    /// The refractive index of the coat relative to the outside.
+    pub fn eta(&self) -> f32 {
+        f32::from_bits(self.eta)
+    }
+}
+
+/// The layers of a coat: one, or [`ALPHAS`] with their roughness in equal steps of its root from 0 to 1. They are computed once and kept for
+/// the scenes that come later.
+pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
+    static COMPUTED: LazyLock<Mutex<HashMap<CoatKey, Arc<[CoatLayer]>>>> = LazyLock::new(Mutex::default);
+    // No entry is half made when a thread dies with the lock.
+    let mut computed = COMPUTED.lock().unwrap_or_else(PoisonError::into_inner);
+    let compute = || match key.alpha {
+        Some(alpha) => Arc::from([CoatLayer::new(key.kind, key.eta(), f32::from_bits(alpha))]),
+        None => {
+            let alpha = |i: usize| (i as f32 / (ALPHAS - 1) as f32).powi(2);
+            (0..ALPHAS)
+                .map(|i| CoatLayer::new(key.kind, key.eta(), alpha(i)))
+                .collect()
+        }
+    };
+    computed.entry(key).or_insert_with(compute).clone()
 }
 
 /// A coat at the roughness of a place.
 #[derive(Clone, Copy)]
 pub(super) struct CoatThere<'a> {
-    low: &'a Layer,
-    high: &'a Layer,
+    /// The distribution of the coat's microfacet normals.
+    pub kind: MicrofacetKind,
+    /// The refractive index of the coat relative to the outside.
+    pub eta: f32,
+    low: &'a CoatLayer,
+    high: &'a CoatLayer,
     /// The weight of high against low, [0, 1].
     between: f32,
 }
 
-/// The kind of distribution, and the bits of the index of refraction and of the roughness. The roughness is None where it varies.
-type CoatKey = (MicrofacetKind, u32, Option<u32>);
-
-static COATS: LazyLock<Mutex<HashMap<CoatKey, &'static RoughCoat>>> = LazyLock::new(Mutex::default);
-
-impl RoughCoat {
-    /// A coat of the same roughness everywhere, with the refractive index `eta` relative to the outside, above 0.
-    pub fn uniform(kind: MicrofacetKind, eta: f32, alpha: f32) -> &'static Self {
-        Self::shared((kind, eta.to_bits(), Some(alpha.to_bits())), || Self {
-            kind,
-            eta,
-            layers: vec![Layer::new(kind, eta, alpha)],
-        })
-    }
-
-    /// A coat whose roughness varies between 0 and 1 (higher ones count as 1 here).
-    pub fn varying(kind: MicrofacetKind, eta: f32) -> &'static Self {
-        let alpha = |i: usize| (i as f32 / (ALPHAS - 1) as f32).powi(2);
-        Self::shared((kind, eta.to_bits(), None), || Self {
-            kind,
-            eta,
-            layers: (0..ALPHAS).map(|i| Layer::new(kind, eta, alpha(i))).collect(),
-        })
-    }
-
-    fn shared(key: CoatKey, make: impl FnOnce() -> Self) -> &'static Self {
-        // No entry is half made when a thread dies with the lock.
-        let mut coats = COATS.lock().unwrap_or_else(PoisonError::into_inner);
-        coats.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
-    }
-
-    /// The distribution of the coat's microfacet normals.
-    pub fn kind(&self) -> MicrofacetKind {
-        self.kind
-    }
-
-    /// The refractive index of the coat relative to the outside.
-    pub fn eta(&self) -> f32 {
-        self.eta
-    }
-
-    /// The coat where its roughness is `alpha`, which only matters if it varies.
-    pub(super) fn at(&self, alpha: f32) -> CoatThere<'_> {
-        let place = alpha.clamp(0.0, 1.0).sqrt() * (self.layers.len() - 1) as f32;
+impl<'a> CoatThere<'a> {
+    /// The coat of these layers, of which there is at least one, where the roughness is `alpha`.
+    pub fn new(kind: MicrofacetKind, eta: f32, layers: &'a [CoatLayer], alpha: f32) -> Self {
+        let place = alpha.clamp(0.0, 1.0).sqrt() * (layers.len() - 1) as f32;
         let low = place as usize;
-        let high = (low + 1).min(self.layers.len() - 1);
-        CoatThere {
-            low: &self.layers[low],
-            high: &self.layers[high],
+        let high = (low + 1).min(layers.len() - 1);
+        Self {
+            kind,
+            eta,
+            low: &layers[low],
+            high: &layers[high],
             between: place - low as f32,
         }
     }
-}
 
-impl CoatThere<'_> {
     /// The fraction of light that gets in at this cosine in [0, 1], or by reciprocity out.
-    pub(super) fn transmittance(&self, cos: f32) -> f32 {
+    pub fn transmittance(&self, cos: f32) -> f32 {
         let place = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
         let i = (place as usize).min(COSINES - 2);
-        let in_layer = |layer: &Layer| {
+        let in_layer = |layer: &CoatLayer| {
             let [a, b] = [layer.transmittance[i], layer.transmittance[i + 1]];
             a + (place - i as f32) * (b - a)
         };
@@ -116,13 +112,14 @@ impl CoatThere<'_> {
         low + self.between * (in_layer(self.high) - low)
     }
 
-    pub(super) fn internal_reflectance(&self) -> f32 {
+    /// The fraction of diffuse light from below that is reflected.
+    pub fn internal_reflectance(&self) -> f32 {
         let [low, high] = [self.low, self.high].map(|layer| layer.internal_reflectance);
         low + self.between * (high - low)
     }
 }
 
-impl Layer {
+impl CoatLayer {
     fn new(kind: MicrofacetKind, eta: f32, alpha: f32) -> Self {
         let facets = Microfacet::new(kind, alpha, alpha);
         let nodes = |eta: f32| gauss_legendre(if eta > 1.0 { NODES } else { NODES_WITH_KINKS });

@@ -1,9 +1,9 @@
 //! A metal with a rough surface: scattering off microfacets; black from behind.
 //!
 //! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too dark, unless the
-//! lobe is scaled up by what it lost ([`Microalbedo`]).
+//! lobe is scaled up by what it lost ([`Compensation`]).
 
-use super::{BsdfSample, ConductorSpecular, Microalbedo, Microfacet};
+use super::{BsdfSample, Compensation, ConductorSpecular, Microfacet, ShadingTables};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
@@ -14,8 +14,9 @@ pub struct RoughConductor {
     pub specular: ConductorSpecular,
     /// Roughness of the surface.
     pub distribution: Microfacet,
-    /// The table that compensates for light that bounces several times; `None` is single scattering. With it the model is not reciprocal.
-    pub multiple_scattering: Option<&'static Microalbedo>,
+    /// The compensation for light that bounces several times, of the same constants and roughness; `None` is single scattering. With it the
+    /// model is not reciprocal.
+    pub multiple_scattering: Option<Compensation>,
 }
 
 /// The half vector, if both directions are above the surface and see the front of the facet.
@@ -29,32 +30,31 @@ fn half_vector(wo: Vec3, wi: Vec3) -> Option<Vec3> {
 
 impl RoughConductor {
     /// The factor by which light after more than one bounce makes the surface brighter for `wo`.
-    fn gain(&self, wo: Vec3) -> Rgb {
-        self.multiple_scattering.map_or(Rgb::ONE, |albedo| {
-            albedo.gain(&self.distribution, wo, self.specular.reflectance(1.0))
-        })
+    fn gain(&self, tables: &ShadingTables, wo: Vec3) -> Rgb {
+        self.multiple_scattering
+            .map_or(Rgb::ONE, |compensation| compensation.gain(tables, wo.z))
     }
 
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    pub(super) fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let Some(m) = half_vector(wo, wi) else {
             return (Rgb::ZERO, 0.0);
         };
         let facets = &self.distribution;
         let seen = facets.density(m) * facets.g1_over_four_cos(wo);
-        let value = self.gain(wo) * self.specular.reflectance(wo.dot(m)) * (seen * facets.g1(wi));
+        let value = self.gain(tables, wo) * self.specular.reflectance(wo.dot(m)) * (seen * facets.g1(wi));
         // The density of the visible normal over the Jacobian 4 (wo . m) of reflection.
         (value, seen / facets.masking_ratio(wo))
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.eval_and_pdf(wo, wi).0
+    pub(super) fn eval(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval_and_pdf(tables, wo, wi).0
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         half_vector(wo, wi).map_or(0.0, |m| self.distribution.reflected_density(wo, m))
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, tables: &ShadingTables, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
@@ -66,11 +66,12 @@ impl RoughConductor {
         if wi.z <= 0.0 || cos <= 0.0 {
             return None;
         }
-        let pdf = facets.reflected_density(wo, m);
-        let masking = facets.masking_ratio(wo) * facets.g1(wi);
+        let ratio = facets.masking_ratio(wo);
+        let pdf = facets.density(m) * facets.g1_over_four_cos(wo) / ratio;
+        let masking = ratio * facets.g1(wi);
         (pdf > 0.0).then(|| BsdfSample {
             wi,
-            weight: self.gain(wo) * self.specular.reflectance(cos) * masking,
+            weight: self.gain(tables, wo) * self.specular.reflectance(cos) * masking,
             pdf,
             is_delta: false,
             eta: 1.0,

@@ -2,7 +2,8 @@
 //!
 //! As smooth plastic, with a microfacet lobe for the coat and tabulated transmittances in place of Fresnel's.
 
-use super::{BsdfSample, CoatedBase, Microfacet, RoughCoat, fresnel, fresnel::DielectricModel};
+use super::rough_coat::CoatThere;
+use super::{BsdfSample, CoatId, CoatedBase, Microfacet, ShadingTables, fresnel, fresnel::DielectricModel};
 use crate::{color::Rgb, sampling::warp};
 use glam::{Vec2, Vec3};
 
@@ -10,64 +11,86 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughPlastic {
     /// The tabulated transmittances of the coat.
-    pub coat: &'static RoughCoat,
+    pub coat: CoatId,
     /// Roughness of the coat.
     pub alpha: f32,
     /// The base below the coat.
     pub base: CoatedBase,
 }
 
+/// Rough plastic as seen from one direction above it, with what all directions of the light have in common.
+struct Seen<'a> {
+    wo: Vec3,
+    base: &'a CoatedBase,
+    coat: CoatThere<'a>,
+    facets: Microfacet,
+    /// The fraction of light that gets out of the coat to the viewer.
+    transmittance: f32,
+    /// The probability of sampling the coat.
+    coat_probability: f32,
+}
+
 impl RoughPlastic {
-    fn facets(&self) -> Microfacet {
-        Microfacet::new(self.coat.kind(), self.alpha, self.alpha)
-    }
-
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return Rgb::ZERO;
-        }
-        let (facets, m) = (self.facets(), (wo + wi).normalize());
-        let reflectance = fresnel::dielectric(wo.dot(m), self.coat.eta(), DielectricModel::Exact).reflectance;
-        let geometry = facets.density(m) * facets.g1_over_four_cos(wo) * facets.g1(wi);
-        let coat = self.coat.at(self.alpha);
-        let through = coat.transmittance(wo.z) * coat.transmittance(wi.z);
-        let escaping = self.base.escaping(self.coat.eta(), coat.internal_reflectance());
-        self.base.specular_reflectance * (reflectance * geometry)
-            + escaping * (through * warp::cosine_hemisphere_pdf(wi.z))
-    }
-
-    fn coat_probability(&self, wo: Vec3) -> f32 {
-        self.base
-            .coat_probability(1.0 - self.coat.at(self.alpha).transmittance(wo.z))
-    }
-
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return 0.0;
-        }
-        let visible = self.facets().reflected_density(wo, (wo + wi).normalize());
-        let coat = self.coat_probability(wo);
-        coat * visible + (1.0 - coat) * warp::cosine_hemisphere_pdf(wi.z)
-    }
-
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    /// None from behind.
+    fn seen<'a>(&'a self, tables: &'a ShadingTables, wo: Vec3) -> Option<Seen<'a>> {
         if wo.z <= 0.0 {
             return None;
         }
-        let wi = if u_lobe < self.coat_probability(wo) {
-            let m = self.facets().sample_visible(wo, u);
+        let coat = tables.coat(self.coat, self.alpha);
+        let transmittance = coat.transmittance(wo.z);
+        Some(Seen {
+            wo,
+            base: &self.base,
+            coat,
+            facets: Microfacet::new(coat.kind, self.alpha, self.alpha),
+            transmittance,
+            coat_probability: self.base.coat_probability(1.0 - transmittance),
+        })
+    }
+
+    pub(super) fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        self.seen(tables, wo)
+            .map_or((Rgb::ZERO, 0.0), |seen| seen.eval_and_pdf(wi))
+    }
+
+    pub(super) fn sample(&self, tables: &ShadingTables, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let seen = self.seen(tables, wo)?;
+        let wi = if u_lobe < seen.coat_probability {
+            let m = seen.facets.sample_visible(wo, u);
             2.0 * wo.dot(m) * m - wo
         } else {
             warp::cosine_hemisphere(u)
         };
-        let pdf = self.pdf(wo, wi);
+        let (value, pdf) = seen.eval_and_pdf(wi);
         // The density is zero below the horizon, where the light would hit another facet.
         (pdf > 0.0).then(|| BsdfSample {
             wi,
-            weight: self.eval(wo, wi) / pdf,
+            weight: value / pdf,
             pdf,
             is_delta: false,
             eta: 1.0,
         })
+    }
+}
+
+impl Seen<'_> {
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        let Self { wo, facets, coat, .. } = self;
+        if wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let m = (wo + wi).normalize();
+        let seen = facets.density(m) * facets.g1_over_four_cos(*wo);
+        let diffuse = warp::cosine_hemisphere_pdf(wi.z);
+
+        let reflectance = fresnel::dielectric(wo.dot(m), coat.eta, DielectricModel::Exact).reflectance;
+        let geometry = seen * facets.g1(wi);
+        let through = self.transmittance * coat.transmittance(wi.z);
+        let escaping = self.base.escaping(coat.eta, coat.internal_reflectance());
+        let value = self.base.specular_reflectance * (reflectance * geometry) + escaping * (through * diffuse);
+
+        let visible = seen / facets.masking_ratio(*wo);
+        let pdf = self.coat_probability * visible + (1.0 - self.coat_probability) * diffuse;
+        (value, pdf)
     }
 }

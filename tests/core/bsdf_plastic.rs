@@ -5,12 +5,14 @@ use crate::bsdf_support::{
     lobe_p_value, mirror,
 };
 use crate::statistics::{assert_all_plausible, sphere_integral};
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::shading::{
     Bsdf, CoatedBase, DielectricModel,
     MicrofacetKind::{self, Beckmann, Ggx},
-    Plastic, RoughCoat, RoughPlastic, SmoothCoat, ThinDielectric, fresnel,
+    Plastic, RoughPlastic, ShadingTables, SmoothCoat, ThinDielectric, fresnel,
 };
 
 const COLOR: Rgb = Rgb::new(0.1, 0.27, 0.36);
@@ -30,18 +32,16 @@ fn plastic(eta: f32, base: CoatedBase) -> Bsdf {
     })
 }
 
-fn rough_plastic(eta: f32, kind: MicrofacetKind, alpha: f32, base: CoatedBase) -> Bsdf {
-    Bsdf::RoughPlastic(RoughPlastic {
-        coat: RoughCoat::uniform(kind, eta, alpha),
-        alpha,
-        base,
-    })
+fn rough_plastic(name: &str, eta: f32, kind: MicrofacetKind, alpha: f32, base: CoatedBase) -> Single {
+    let mut tables = ShadingTables::default();
+    let coat = tables.uniform_coat(kind, eta, alpha);
+    let bsdf = Bsdf::RoughPlastic(RoughPlastic { coat, alpha, base });
+    Single::with_tables(name, bsdf, &Arc::new(tables))
 }
 
 /// At least five settings each; smooth plastic has a mirror besides its density.
 fn cases() -> Vec<Single> {
     let mut cases = Vec::new();
-    let mut add = |name: String, bsdf| cases.push(Single::new(&name, bsdf));
     for (eta, color, nonlinear) in [
         (1.49, Rgb::splat(0.5), false),
         (1.9, COLOR, true),
@@ -49,21 +49,20 @@ fn cases() -> Vec<Single> {
         (1.2, Rgb::ONE, false),
         (0.7, COLOR, true),
     ] {
-        add(
-            format!("plastic {eta} {color} {nonlinear}"),
-            plastic(eta, base(color, nonlinear)),
-        );
-        for (kind, alpha) in [(Beckmann, 0.1), (Ggx, 0.1), (Ggx, 0.6)] {
-            let bsdf = rough_plastic(eta, kind, alpha, base(color, nonlinear));
-            add(format!("roughplastic {kind:?} {eta} {alpha} {color} {nonlinear}"), bsdf);
-        }
+        let base = base(color, nonlinear);
+        let name = format!("plastic {eta} {color} {nonlinear}");
+        cases.push(Single::new(&name, plastic(eta, base)));
+        cases.extend([(Beckmann, 0.1), (Ggx, 0.1), (Ggx, 0.6)].map(|(kind, alpha)| {
+            let name = format!("roughplastic {kind:?} {eta} {alpha} {color} {nonlinear}");
+            rough_plastic(&name, eta, kind, alpha, base)
+        }));
     }
     let tinted = CoatedBase {
         specular_reflectance: Rgb::new(0.3, 0.9, 0.0),
         ..base(COLOR, true)
     };
-    add("plastic, tinted".to_owned(), plastic(1.6, tinted));
-    add("roughplastic, tinted".to_owned(), rough_plastic(1.6, Ggx, 0.2, tinted));
+    cases.push(Single::new("plastic, tinted", plastic(1.6, tinted)));
+    cases.push(rough_plastic("roughplastic, tinted", 1.6, Ggx, 0.2, tinted));
     cases
 }
 
@@ -178,18 +177,18 @@ fn diffuse_reflectance_has_the_known_figures() {
 
 #[test]
 fn textured_roughness_is_that_of_uniform_coats() {
-    let varying = RoughCoat::varying(Ggx, 1.49);
-    assert!(std::ptr::eq(varying, RoughCoat::varying(Ggx, 1.49)), "made once");
+    let mut tables = ShadingTables::default();
+    let varying = tables.varying_coat(Ggx, 1.49);
+    let tables = Arc::new(tables);
     for alpha in [0.01, 0.05, 0.13, 0.3, 0.55, 0.97, 1.0] {
-        let plastic = |coat| {
-            let bsdf = Bsdf::RoughPlastic(RoughPlastic {
-                coat,
-                alpha,
-                base: base(COLOR, true),
-            });
-            Single::new("", bsdf)
-        };
-        let (table, exact) = (plastic(varying), plastic(RoughCoat::uniform(Ggx, 1.49, alpha)));
+        let base = base(COLOR, true);
+        let textured = Bsdf::RoughPlastic(RoughPlastic {
+            coat: varying,
+            alpha,
+            base,
+        });
+        let table = Single::with_tables("", textured, &tables);
+        let exact = rough_plastic("", 1.49, Ggx, alpha, base);
         for (a, b) in [(0.0, 30.0), (30.0, 70.0), (70.0, 10.0), (85.0, 40.0)] {
             let (wo, wi) = (direction(a, 0.3), direction(b, 2.0));
             let ratio = table.eval(wo, wi) / exact.eval(wo, wi);
@@ -200,6 +199,28 @@ fn textured_roughness_is_that_of_uniform_coats() {
             );
         }
     }
+}
+
+#[test]
+fn equal_coats_share_their_layers() {
+    let fill = || {
+        let mut tables = ShadingTables::default();
+        let ids = [
+            tables.uniform_coat(Ggx, 1.49, 0.1),
+            tables.varying_coat(Ggx, 1.49),
+            tables.uniform_coat(Ggx, 1.49, 0.2),
+            tables.uniform_coat(Beckmann, 1.49, 0.1),
+            tables.uniform_coat(Ggx, 1.49, 0.1),
+            tables.varying_coat(Ggx, 1.49),
+        ];
+        (tables, ids.map(|id| id.0))
+    };
+    let ((a, ids), (b, _)) = (fill(), fill());
+    assert_eq!(ids, [0, 1, 2, 3, 0, 1]);
+    assert_eq!(a, b, "the same requests give the same tables");
+    let mut other = a.clone();
+    other.uniform_coat(Ggx, 1.5, 0.1);
+    assert_ne!(a, other);
 }
 
 #[test]
@@ -253,17 +274,17 @@ fn grazing_and_extreme_input_gives_numbers() {
         ..base(Rgb::ZERO, true)
     };
     let white = base(Rgb::ONE, true);
-    let mut bsdfs = vec![
+    let bsdfs = [
         plastic(1.0, base(COLOR, true)),
         plastic(1.49, black),
         plastic(100.0, white),
     ];
     for kind in [Beckmann, Ggx] {
         for alpha in [0.0, 1e-3, 1.0, 50.0] {
-            bsdfs.extend([
-                rough_plastic(1.49, kind, alpha, black),
-                rough_plastic(1.0, kind, alpha, white),
-            ]);
+            for (eta, base) in [(1.49, black), (1.0, white)] {
+                let name = format!("roughplastic {kind:?} {eta} {alpha}");
+                assert_finite(&rough_plastic(&name, eta, kind, alpha, base));
+            }
         }
     }
     for bsdf in bsdfs {
@@ -277,7 +298,7 @@ fn grazing_and_extreme_input_gives_numbers() {
 fn figures_agree_with_mitsuba() {
     let figures = [
         (
-            rough_plastic(1.9, Ggx, 0.3, base(COLOR, false)),
+            rough_plastic("", 1.9, Ggx, 0.3, base(COLOR, false)),
             (
                 Vec3::new(0.03368908, -0.2979369, 0.9539909),
                 Vec3::new(-0.6430371, 0.213247, 0.7355467),
@@ -286,7 +307,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            rough_plastic(1.5, Ggx, 0.7, base(COLOR, false)),
+            rough_plastic("", 1.5, Ggx, 0.7, base(COLOR, false)),
             (
                 Vec3::new(0.6232823, -0.7794209, 0.06342145),
                 Vec3::new(-0.6546587, 0.6600813, 0.3683947),
@@ -295,7 +316,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            rough_plastic(1.49, Beckmann, 0.1, base(COLOR, false)),
+            rough_plastic("", 1.49, Beckmann, 0.1, base(COLOR, false)),
             (
                 Vec3::new(0.8710949, -0.1598017, 0.464389),
                 Vec3::new(-0.6610184, 0.2378687, 0.7116693),
@@ -304,7 +325,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            rough_plastic(1.49, Beckmann, 0.1, base(COLOR, true)),
+            rough_plastic("", 1.49, Beckmann, 0.1, base(COLOR, true)),
             (
                 Vec3::new(-0.05618199, -0.04535269, 0.99739),
                 Vec3::new(0.03836299, -0.04912139, 0.9980562),
@@ -313,7 +334,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            plastic(1.49, base(COLOR, false)),
+            Single::new("", plastic(1.49, base(COLOR, false))),
             (
                 Vec3::new(0.00508933, -0.03567382, 0.9993505),
                 Vec3::new(0.7421247, 0.2039921, 0.6384655),
@@ -322,7 +343,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            plastic(1.49, base(COLOR, true)),
+            Single::new("", plastic(1.49, base(COLOR, true))),
             (
                 Vec3::new(0.9429122, -0.2149617, 0.2543778),
                 Vec3::new(-0.2367891, 0.3005393, 0.9239086),
@@ -331,7 +352,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            plastic(1.9, base(COLOR, false)),
+            Single::new("", plastic(1.9, base(COLOR, false))),
             (
                 Vec3::new(0.2399097, -0.3841617, 0.8915509),
                 Vec3::new(-0.2399098, 0.3841617, 0.891551),
@@ -340,7 +361,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            plastic(1.33, base(COLOR, true)),
+            Single::new("", plastic(1.33, base(COLOR, true))),
             (
                 Vec3::new(-0.5070412, 0.1769346, 0.8435658),
                 Vec3::new(-0.5670937, 0.2945749, 0.7691751),
@@ -349,7 +370,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
         (
-            plastic(1.2, base(COLOR, false)),
+            Single::new("", plastic(1.2, base(COLOR, false))),
             (
                 Vec3::new(0.4808726, 0.3516064, 0.8032026),
                 Vec3::new(0.6590333, -0.3718082, 0.6537842),
@@ -358,7 +379,7 @@ fn figures_agree_with_mitsuba() {
             ),
         ),
     ];
-    for (bsdf, figure) in figures {
-        assert_figure(&Single::new(&format!("{bsdf:?}"), bsdf), figure, 1.5e-3, 4e-3);
+    for (case, figure) in figures {
+        assert_figure(&case, figure, 1.5e-3, 4e-3);
     }
 }

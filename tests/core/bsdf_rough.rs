@@ -5,13 +5,15 @@ use crate::bsdf_support::{
     assert_reciprocal_between, assert_weights, direction, furnace, lobe_p_value, mirror,
 };
 use crate::statistics::{assert_all_plausible, sphere_integral};
+use std::sync::Arc;
+
 use glam::{UVec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{
-    Bsdf, ConductorSpecular, DielectricModel, Microalbedo, Microfacet,
+    Bsdf, Compensation, ConductorSpecular, DielectricModel, Microfacet,
     MicrofacetKind::{self, Beckmann, Ggx},
-    RoughConductor, RoughDielectric, fresnel, ior,
+    RoughConductor, RoughDielectric, ShadingTables, fresnel, ior,
 };
 
 fn rough_conductor(material: &str, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> RoughConductor {
@@ -27,11 +29,15 @@ fn rough_conductor(material: &str, kind: MicrofacetKind, alpha_x: f32, alpha_y: 
     }
 }
 
-fn compensated(material: &str, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> Bsdf {
-    Bsdf::RoughConductor(RoughConductor {
-        multiple_scattering: Some(Microalbedo::of(kind)),
-        ..rough_conductor(material, kind, alpha_x, alpha_y)
-    })
+fn compensated(name: &str, material: &str, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> Single {
+    let mut tables = ShadingTables::default();
+    let table = tables.microalbedo_of(kind);
+    let single = rough_conductor(material, kind, alpha_x, alpha_y);
+    let compensated = RoughConductor {
+        multiple_scattering: Some(Compensation::new(table, &single.distribution, &single.specular)),
+        ..single
+    };
+    Single::with_tables(name, Bsdf::RoughConductor(compensated), &Arc::new(tables))
 }
 
 fn rough_dielectric(eta: f32, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> Bsdf {
@@ -47,7 +53,6 @@ fn rough_dielectric(eta: f32, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) 
 /// At least five settings each.
 fn cases() -> Vec<Single> {
     let mut cases = Vec::new();
-    let mut add = |name: String, bsdf| cases.push(Single::new(&name, bsdf));
     for (material, alpha_x, alpha_y) in [
         ("none", 0.03, 0.03),
         ("Au", 0.1, 0.1),
@@ -57,12 +62,14 @@ fn cases() -> Vec<Single> {
     ] {
         let conductor = rough_conductor(material, Beckmann, alpha_x, alpha_y);
         let name = format!("{material} {alpha_x} {alpha_y}");
-        add(format!("roughconductor {name}"), Bsdf::RoughConductor(conductor));
-        for kind in [Beckmann, Ggx] {
-            let bsdf = compensated(material, kind, alpha_x, alpha_y);
-            add(format!("compensated {kind:?} {name}"), bsdf);
-        }
+        let bsdf = Bsdf::RoughConductor(conductor);
+        cases.push(Single::new(&format!("roughconductor {name}"), bsdf));
+        cases.extend([Beckmann, Ggx].map(|kind| {
+            let name = format!("compensated {kind:?} {name}");
+            compensated(&name, material, kind, alpha_x, alpha_y)
+        }));
     }
+    let mut add = |name: String, bsdf| cases.push(Single::new(&name, bsdf));
     for (eta, alpha_x, alpha_y) in [
         (1.5046, 0.03, 0.03),
         (1.5046, 0.1, 0.1),
@@ -165,7 +172,7 @@ fn no_energy_is_made() {
 fn compensated_mirrors_lose_nothing() {
     for kind in [Beckmann, Ggx] {
         for alpha in [0.1, 0.17, 0.3, 0.5, 0.73, 1.0] {
-            let case = Single::new("", compensated("none", kind, alpha, alpha));
+            let case = compensated("", "none", kind, alpha, alpha);
             for degrees in [0.0, 30.0, 60.0, 80.0, 86.0, 89.0] {
                 let wo = direction(degrees, 1.0);
                 let total = sphere_integral(mirror(wo), |wi| case.eval(wo, wi).x);
@@ -177,7 +184,7 @@ fn compensated_mirrors_lose_nothing() {
     }
     // Anisotropic ones are compensated as isotropic ones of the mean square: far better than not at all (0.45 is lost at worst).
     for (alpha_x, alpha_y) in [(0.1, 0.4), (0.05, 0.5), (0.3, 0.9)] {
-        let case = Single::new("", compensated("none", Ggx, alpha_x, alpha_y));
+        let case = compensated("", "none", Ggx, alpha_x, alpha_y);
         for (degrees, phi) in [
             (0.0, 0.0),
             (40.0, 0.0),
@@ -324,7 +331,8 @@ fn grazing_and_extreme_input_gives_numbers() {
     for kind in [Beckmann, Ggx] {
         for (alpha_x, alpha_y) in [(0.0, 0.0), (1e-3, 1.0), (1.0, 1.0), (50.0, 50.0)] {
             let plain = rough_conductor("Au", kind, alpha_x, alpha_y);
-            let mut bsdfs = vec![Bsdf::RoughConductor(plain), compensated("Au", kind, alpha_x, alpha_y)];
+            assert_finite(&compensated("compensated", "Au", kind, alpha_x, alpha_y));
+            let mut bsdfs = vec![Bsdf::RoughConductor(plain)];
             for eta in [0.01, 0.5, 1.0, 1.0 + f32::EPSILON, 1.001, 1.5, 100.0] {
                 bsdfs.push(rough_dielectric(eta, kind, alpha_x, alpha_y));
             }

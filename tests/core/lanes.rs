@@ -16,9 +16,9 @@ use sunroom::render::tile::{render_preview, render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Beckmann, Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Ggx, Hair,
-    Metal, Microfacet, MicrofacetKind, Plastic, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat,
-    ThinDielectric,
+    Beckmann, Bsdf, CoatedBase, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse,
+    Fiber, Ggx, Hair, Metal, Microfacet, MicrofacetKind, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
+    ShadingTables, SmoothCoat, ThinDielectric,
 };
 use sunroom::texture::{Checkerboard, Parameter, Texture, TextureId, TextureTable};
 
@@ -110,7 +110,7 @@ fn room() -> SceneBuilder {
         bumped,
         None,
     );
-    for (i, material) in others().into_iter().enumerate() {
+    for (i, material) in others(&mut room.tables).into_iter().enumerate() {
         let at = Vec3::new(0.5 * i as f32 - 1.5, 0.5, -1.2);
         room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.22), material, None);
     }
@@ -118,20 +118,22 @@ fn room() -> SceneBuilder {
 }
 
 /// Models that are evaluated one by one: smooth ones with a mirror on top, those that light passes in many directions, a mixture.
-fn others() -> [Material; 6] {
+fn others(tables: &mut ShadingTables) -> [Material; 7] {
     let base = CoatedBase {
         diffuse_reflectance: Vec3::new(0.7, 0.6, 0.5),
         specular_reflectance: Vec3::ONE,
         nonlinear: true,
     };
     let satin = Microfacet::Beckmann(Beckmann::new(0.3, 0.2));
+    let brushed = Microfacet::Ggx(Ggx::new(0.4, 0.4));
+    let compensation = Compensation::new(tables.microalbedo_of(MicrofacetKind::Ggx), &brushed, &gold());
     [
         Material::Plain(Bsdf::Plastic(Plastic {
             coat: SmoothCoat::new(1.5),
             base,
         })),
         Material::Plain(Bsdf::RoughPlastic(RoughPlastic {
-            coat: RoughCoat::uniform(MicrofacetKind::Ggx, 1.5, 0.3),
+            coat: tables.uniform_coat(MicrofacetKind::Ggx, 1.5, 0.3),
             alpha: 0.3,
             base,
         })),
@@ -146,6 +148,11 @@ fn others() -> [Material; 6] {
             specular: gold(),
             distribution: satin,
             multiple_scattering: None,
+        })),
+        Material::Plain(Bsdf::RoughConductor(RoughConductor {
+            specular: gold(),
+            distribution: brushed,
+            multiple_scattering: Some(compensation),
         })),
         Material::Textured(TexturedBsdf::Diffuse {
             reflectance: Parameter::Texture(TextureId(0)),
@@ -327,9 +334,11 @@ fn pictures_are_those_of_paths_one_by_one() {
 /// Each model over most of the picture, so that no stray pixels could hide it.
 #[test]
 fn every_other_model_is_that_of_paths_one_by_one() {
-    let models = others();
+    let mut tables = ShadingTables::default();
+    let models = others(&mut tables);
     for (number, model) in models.into_iter().enumerate() {
         let mut scene = SceneBuilder::with_textures(squares());
+        scene.tables = tables.clone();
         let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
         let floor = placed(Vec3::NEG_Y, down, 3.0);
         scene.add(Primitive::Rectangle, floor, diffuse([0.5, 0.6, 0.7]), None);

@@ -7,6 +7,7 @@ use crate::statistics::{assert_all_plausible, sphere_integral, sphere_p};
 use glam::Vec3;
 use sunroom::color::Rgb;
 use sunroom::material::{Lobe, Material, MaterialId};
+use sunroom::shading::Bsdf;
 
 /// In the local frame: from overhead to grazing, and from behind.
 fn viewers() -> [Vec3; 4] {
@@ -264,5 +265,17 @@ fn materials_that_cannot_be_are_refused() {
         list
     };
     assert!(MaterialTable::new(mixes(3)).is_ok());
+    let has_table = |bsdf: &Bsdf| match bsdf {
+        Bsdf::RoughPlastic(_) => true,
+        Bsdf::RoughConductor(rough) => rough.multiple_scattering.is_some(),
+        _ => false,
+    };
+    let models = textured_models(0, 0).into_iter();
+    for (textured, plain) in models.filter(|(_, plain)| has_table(plain)) {
+        for material in [Material::Textured(textured), Material::Plain(plain)] {
+            assert_eq!(problem(vec![material.clone()]), NestingProblem::NoTable);
+            assert!(MaterialTable::with_tables(vec![material], material_support::tables()).is_ok());
+        }
+    }
     assert_eq!(problem(mixes(4)), NestingProblem::TooManyParts);
 }

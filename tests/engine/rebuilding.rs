@@ -19,8 +19,8 @@ use sunroom::material;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Material,
-    MeshFile, MeshHandle, MeshShape, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh,
-    UsesMaterial,
+    MeshFile, MeshHandle, MeshShape, Roughness, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
+    TriangleMesh, UsesMaterial,
 };
 
 /// The entities of the little scene that the tests change.
@@ -387,6 +387,37 @@ fn a_change_rebuilds_what_depends_on_it_and_no_more() {
         room.finish();
         assert_eq!(room.rebuilt_by(change), expected, "{what}");
     }
+}
+
+/// The tables that models refer to are packed anew with every change, and are the same again for the same materials.
+#[test]
+fn tabulated_models_are_rebuilt_only_if_they_change() {
+    let mut room = room();
+    let plugin = |name| Material::of_plugin(name).expect("a plugin");
+    let mut metal = plugin("roughconductor");
+    if let Material::RoughConductor {
+        multiple_scattering, ..
+    } = &mut metal
+    {
+        *multiple_scattering = true;
+    }
+    let (paint, floor) = (room.paint, room.floor);
+    *room.get_mut::<Material>(paint) = plugin("roughplastic");
+    let metal = room.app.world_mut().spawn((DocumentOrder(0), metal)).id();
+    room.app.world_mut().entity_mut(floor).insert(UsesMaterial(metal));
+    room.finish();
+    let touch = |room: &mut Room| room.get_mut::<Material>(paint).set_changed();
+    assert_eq!(room.rebuilt_by(touch), NOTHING);
+    let polish = |room: &mut Room| {
+        if let Material::RoughPlastic { alpha, .. } = &mut *room.get_mut::<Material>(paint) {
+            *alpha = Roughness::Isotropic(0.05.into());
+        }
+    };
+    let expected = Rebuilt {
+        materials: true,
+        ..RESTART
+    };
+    assert_eq!(room.rebuilt_by(polish), expected);
 }
 
 #[test]

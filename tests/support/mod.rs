@@ -18,6 +18,7 @@ use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use sunroom::sampling::SequenceKind;
+use sunroom::shading::ShadingTables;
 use sunroom::texture::{Parameter, TextureTable};
 
 /// A scene under construction: every shape brings its own material and, if it shines, its radiance.
@@ -28,6 +29,8 @@ pub struct SceneBuilder {
     slots: Vec<SurfaceSlot>,
     lights: Vec<WeightedSource>,
     textures: TextureTable,
+    /// The tables that models of the materials have ids of.
+    pub tables: ShadingTables,
 }
 
 impl SceneBuilder {
@@ -95,13 +98,14 @@ impl SceneBuilder {
     pub fn build(self) -> RenderScene {
         let geometry = Arc::new(Tlas::build(self.instances, SplitMethod::Sah));
         let textures = Arc::new(self.textures);
+        let materials = MaterialTable::with_tables(self.materials, self.tables);
         RenderScene {
             lights: Arc::new(LightTable::build(&self.lights, &geometry, &textures)),
             surfaces: Arc::new(SurfaceTable {
                 first_slot: (0..self.slots.len() as u32).collect(),
                 slots: self.slots,
             }),
-            materials: Arc::new(MaterialTable::new(self.materials).expect("materials that are there")),
+            materials: Arc::new(materials.expect("materials that are there")),
             textures,
             geometry,
         }

@@ -5,9 +5,7 @@ use super::{Checker, STAND_IN_ID};
 use crate::color::Rgb;
 use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 use crate::scene::{Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
-use crate::shading::{
-    DielectricModel, Fiber, Microalbedo, MicrofacetKind, RoughCoat, SmoothCoat, ior, melanin_absorption,
-};
+use crate::shading::{DielectricModel, Fiber, MicrofacetKind, ShadingTables, SmoothCoat, ior, melanin_absorption};
 use crate::texture;
 
 /// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
@@ -21,6 +19,7 @@ const MOST_ABSORPTION: f32 = 1e6;
 pub(super) struct MaterialPacker<'a, 'e, 't> {
     pub model: DielectricModel,
     pub textures: &'a mut TexturePacker<'t>,
+    pub tables: &'a mut ShadingTables,
     pub check: Checker<'e>,
 }
 
@@ -52,7 +51,7 @@ impl MaterialPacker<'_, '_, '_> {
             } => TexturedBsdf::RoughConductor {
                 specular: self.conductor(ior, specular_reflectance),
                 facets: self.facets(*distribution, alpha),
-                multiple_scattering: multiple_scattering.then(|| Microalbedo::of(kind(*distribution))),
+                multiple_scattering: multiple_scattering.then(|| self.tables.microalbedo_of(kind(*distribution))),
             },
             Material::Dielectric {
                 interior,
@@ -133,8 +132,8 @@ impl MaterialPacker<'_, '_, '_> {
                 let eta = self.eta(interior, "polypropylene", exterior);
                 TexturedBsdf::RoughPlastic {
                     coat: match alpha_u {
-                        texture::Parameter::Constant(alpha) => RoughCoat::uniform(kind, eta, alpha),
-                        texture::Parameter::Texture(_) => RoughCoat::varying(kind, eta),
+                        texture::Parameter::Constant(alpha) => self.tables.uniform_coat(kind, eta, alpha),
+                        texture::Parameter::Texture(_) => self.tables.varying_coat(kind, eta),
                     },
                     alpha: alpha_u,
                     base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),

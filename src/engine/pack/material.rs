@@ -10,7 +10,7 @@ use super::texture::TexturePacker;
 use crate::color::Rgb;
 use crate::material::{self, MaterialId, MaterialTable};
 use crate::scene::Material;
-use crate::shading::{Bsdf, DielectricModel, Diffuse};
+use crate::shading::{Bsdf, DielectricModel, Diffuse, ShadingTables};
 use crate::texture::TextureTable;
 
 /// The look of shapes without a material, or with one that makes no sense: the format's default.
@@ -39,6 +39,8 @@ pub(in crate::engine) struct MaterialSource<'a> {
 pub(in crate::engine) struct PackedMaterials {
     /// The fixed ones, then one per source in their order.
     pub materials: Vec<material::Material>,
+    /// The tables that models of `materials` have ids of.
+    pub tables: ShadingTables,
     pub ids: HashMap<Entity, MaterialId>,
 }
 
@@ -56,6 +58,7 @@ pub(in crate::engine) fn pack_materials(
         .collect();
     let id = |place: usize| MaterialId((place + FIXED.len()) as u32);
     let mut materials = FIXED.to_vec();
+    let mut tables = ShadingTables::default();
     for source in sources {
         let mut nested = [source.first, source.second]
             .into_iter()
@@ -64,6 +67,7 @@ pub(in crate::engine) fn pack_materials(
         let mut packer = MaterialPacker {
             model,
             textures,
+            tables: &mut tables,
             check: Checker {
                 name: &source.name,
                 errors,
@@ -80,6 +84,7 @@ pub(in crate::engine) fn pack_materials(
     }
     PackedMaterials {
         materials,
+        tables,
         ids: places.into_iter().map(|(entity, place)| (entity, id(place))).collect(),
     }
 }
@@ -87,13 +92,14 @@ pub(in crate::engine) fn pack_materials(
 /// The table, with a stand-in for every material that cannot be in it.
 pub(in crate::engine) fn material_table(
     mut materials: Vec<material::Material>,
+    tables: ShadingTables,
     errors: &mut Vec<String>,
 ) -> MaterialTable {
-    while let Err(error) = MaterialTable::check(&materials) {
+    while let Err(error) = MaterialTable::check(&materials, &tables) {
         errors.push(error.to_string());
         materials[error.place] = STAND_IN;
     }
-    MaterialTable::checked(materials)
+    MaterialTable::checked(materials, tables)
 }
 
 /// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
@@ -120,7 +126,7 @@ pub(crate) fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, Te
     let packed = pack_materials(&sources, DielectricModel::default(), &mut textures, &mut errors);
     let ids = (0..sources.len()).map(|place| MaterialId((place + FIXED.len()) as u32));
     (
-        material_table(packed.materials, &mut errors),
+        material_table(packed.materials, packed.tables, &mut errors),
         TextureTable::new(textures.finish()),
         ids.collect(),
     )

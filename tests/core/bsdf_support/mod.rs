@@ -1,10 +1,12 @@
 //! Checks of the contract of `shading` that every model with a density must pass, shared by the tables of models.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::sampling::{Sampler, SequenceKind};
-use sunroom::shading::{Bsdf, BsdfSample, TransportMode};
+use sunroom::shading::{Bsdf, BsdfSample, ShadingTables, TransportMode};
 
 use crate::statistics::{sphere_integral, sphere_p};
 
@@ -12,27 +14,33 @@ use crate::statistics::{sphere_integral, sphere_p};
 pub struct Single {
     pub name: String,
     pub bsdf: Bsdf,
+    tables: Arc<ShadingTables>,
 }
 
 impl Single {
     pub fn new(name: &str, bsdf: Bsdf) -> Self {
+        Self::with_tables(name, bsdf, &Arc::default())
+    }
+
+    pub fn with_tables(name: &str, bsdf: Bsdf, tables: &Arc<ShadingTables>) -> Self {
         Self {
             name: name.to_owned(),
             bsdf,
+            tables: tables.clone(),
         }
     }
 
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.bsdf.eval(wo, wi, TransportMode::Radiance)
+        self.bsdf.eval(&self.tables, wo, wi, TransportMode::Radiance)
     }
 
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.bsdf.pdf(wo, wi)
+        self.bsdf.pdf(&self.tables, wo, wi)
     }
 
     /// A sample by these random numbers.
     pub fn sample_by(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        self.bsdf.sample(wo, u_lobe, u, TransportMode::Radiance)
+        self.bsdf.sample(&self.tables, wo, u_lobe, u, TransportMode::Radiance)
     }
 
     /// Sample number `index`; also checks what holds of every sample.
@@ -169,7 +177,7 @@ pub fn assert_figure(case: &Single, (wo, wi, value, pdf): Figure, value_toleranc
     let value = (case.eval(wo, wi) / value - Rgb::ONE).abs().max_element();
     let pdf = (case.pdf(wo, wi) / pdf - 1.0).abs();
     let close = value < value_tolerance && pdf < pdf_tolerance;
-    assert!(close, "{} {wo} {wi}: off by {value}, {pdf}", case.name);
+    assert!(close, "{:?} {wo} {wi}: off by {value}, {pdf}", case.bsdf);
 }
 
 /// The density of a sample is that of its direction, and its weight is value over density, to a fraction `tolerance` of the density.
@@ -218,7 +226,11 @@ pub fn assert_mean_weight(case: &Single, viewers: &[Vec3]) {
 
 /// The weight of sampled importance is that of radiance without the factor eta^2, and the rest of the sample is the same.
 pub fn assert_unscaled(case: &Single, wo: Vec3, u_lobe: f32, u: Vec2) {
-    let sample = |mode| case.bsdf.sample(wo, u_lobe, u, mode).expect("nothing is absorbed");
+    let sample = |mode| {
+        case.bsdf
+            .sample(&case.tables, wo, u_lobe, u, mode)
+            .expect("nothing is absorbed")
+    };
     let [radiance, importance] = [TransportMode::Radiance, TransportMode::Importance].map(sample);
     let weight = radiance.weight * (radiance.eta * radiance.eta);
     let error = (importance.weight - weight).abs().max_element();
@@ -240,7 +252,7 @@ pub fn assert_adjoint(case: &Single, viewers: &[Vec3], tolerance: f32) {
             continue;
         };
         let (name, wi) = (&case.name, sample.wi);
-        let importance = case.bsdf.eval(wo, wi, TransportMode::Importance);
+        let importance = case.bsdf.eval(&case.tables, wo, wi, TransportMode::Importance);
         if wo.z * wi.z > 0.0 {
             assert_eq!(
                 importance,

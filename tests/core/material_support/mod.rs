@@ -3,7 +3,7 @@
 
 mod textured;
 
-pub use textured::{pictures, texel_uv, textured_models};
+pub use textured::{pictures, tables, texel_uv, textured_models};
 
 use std::rc::Rc;
 
@@ -15,7 +15,7 @@ use sunroom::math::Frame;
 use sunroom::sampling::{Sampler, SequenceKind, warp};
 use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, DielectricModel, Diffuse, Microfacet, MicrofacetKind, RoughConductor,
-    RoughDielectric, ThinDielectric, TransportMode, ior,
+    RoughDielectric, ShadingTables, ThinDielectric, TransportMode, ior,
 };
 use sunroom::texture::{Parameter, TextureId, TexturePoint, TextureTable};
 
@@ -42,7 +42,7 @@ impl Placed {
     pub fn new(materials: Vec<Material>) -> Self {
         Self {
             root: MaterialId(materials.len() as u32 - 1),
-            table: MaterialTable::new(materials).expect("materials that can be"),
+            table: MaterialTable::with_tables(materials, tables()).expect("materials that can be"),
             textures: pictures(),
             uv: texel_uv(2, 1),
         }
@@ -144,7 +144,7 @@ fn plain(bsdf: Bsdf) -> Made {
     };
     Made {
         add: Rc::new(move |list| push(list, bsdf.into())),
-        value: Rc::new(move |wo, wi| bsdf.eval(wo, wi, TransportMode::Radiance)),
+        value: Rc::new(move |wo, wi| bsdf.eval(&ShadingTables::default(), wo, wi, TransportMode::Radiance)),
         passing: Rc::new(move |wo| bsdf.transmittance(wo)),
         about: Some(About { eta, ..FLAT }),
     }

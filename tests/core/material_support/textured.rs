@@ -9,9 +9,9 @@ use sunroom::material::{
 };
 use sunroom::sampling::{hash::pcg3d, unit_float};
 use sunroom::shading::{
-    Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal,
-    Microfacet, MicrofacetKind, Plastic, Principled, PrincipledThin, RoughCoat, RoughConductor, RoughDielectric,
-    RoughPlastic, SamplingRates, SmoothCoat, ThinDielectric, ThinSamplingRates,
+    Bsdf, CoatId, CoatedBase, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber,
+    Hair, Metal, MicroalbedoId, Microfacet, MicrofacetKind, Plastic, Principled, PrincipledThin, RoughConductor,
+    RoughDielectric, RoughPlastic, SamplingRates, ShadingTables, SmoothCoat, ThinDielectric, ThinSamplingRates,
 };
 use sunroom::texture::{Bitmap, Filter, Image, Parameter, Samples, Texture, TextureId, TextureTable, Transfer, Wrap};
 
@@ -56,6 +56,14 @@ pub fn pictures() -> TextureTable {
     ])
 }
 
+/// The tables that the models below have ids of: one coat and one micro-albedo.
+pub fn tables() -> ShadingTables {
+    let mut tables = ShadingTables::default();
+    tables.varying_coat(MicrofacetKind::Ggx, 1.49);
+    tables.microalbedo_of(MicrofacetKind::Ggx);
+    tables
+}
+
 /// The middle of a texel.
 pub fn texel_uv(x: u32, y: u32) -> Vec2 {
     (Vec2::new(x as f32, y as f32) + 0.5) / SIZE as f32
@@ -96,7 +104,7 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
         nonlinear: true,
     };
     let fiber = Fiber::new(1.55, 0.3, 0.3, 0.03);
-    let coat = RoughCoat::varying(MicrofacetKind::Ggx, 1.49);
+    let (coat, microalbedo) = (CoatId(0), MicroalbedoId(0));
     let mut models = vec![
         (
             TexturedBsdf::Diffuse { reflectance: color },
@@ -118,6 +126,18 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
                 specular,
                 distribution: facets,
                 multiple_scattering: None,
+            }),
+        ),
+        (
+            TexturedBsdf::RoughConductor {
+                specular: textured_specular,
+                facets: textured_facets,
+                multiple_scattering: Some(microalbedo),
+            },
+            Bsdf::RoughConductor(RoughConductor {
+                specular,
+                distribution: facets,
+                multiple_scattering: Some(Compensation::new(microalbedo, &facets, &specular)),
             }),
         ),
         (

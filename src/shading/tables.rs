@@ -1,0 +1,92 @@
+//! The tables that models refer to by index. They are part of a scene, as flat lists without pointers, so that they can be copied to another
+//! device as they are.
+
+use super::MicrofacetKind;
+use super::microalbedo::{self, Microalbedo};
+use super::rough_coat::{self, CoatKey, CoatLayer, CoatThere};
+use std::collections::HashMap;
+
+/// An index into the coats of [`ShadingTables`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CoatId(pub u32);
+
+/// An index into the micro-albedos of [`ShadingTables`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MicroalbedoId(pub u32);
+
+/// A rough coat, whose layers are `layer_count` of the list from `first_layer` on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Coat {
+    kind: MicrofacetKind,
+    eta: f32,
+    first_layer: u32,
+    layer_count: u32,
+}
+
+/// What scattering models have tabulated: transmittances of rough coats, albedos of rough mirrors. The same requests in the same order give
+/// equal tables.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShadingTables {
+    coats: Vec<Coat>,
+    /// The layers of all coats, those of a coat side by side.
+    layers: Vec<CoatLayer>,
+    microalbedos: Vec<Microalbedo>,
+    /// Finds what is there already.
+    coat_ids: HashMap<CoatKey, CoatId>,
+    microalbedo_ids: HashMap<MicrofacetKind, MicroalbedoId>,
+}
+
+impl ShadingTables {
+    /// A coat of the same roughness everywhere, with the refractive index `eta` relative to the outside, above 0. It is added unless it is there.
+    pub fn uniform_coat(&mut self, kind: MicrofacetKind, eta: f32, alpha: f32) -> CoatId {
+        self.coat_of(CoatKey::new(kind, eta, Some(alpha)))
+    }
+
+    /// A coat whose roughness varies between 0 and 1 (higher ones count as 1 here). It is added unless it is there.
+    pub fn varying_coat(&mut self, kind: MicrofacetKind, eta: f32) -> CoatId {
+        self.coat_of(CoatKey::new(kind, eta, None))
+    }
+
+    fn coat_of(&mut self, key: CoatKey) -> CoatId {
+        *self.coat_ids.entry(key).or_insert_with(|| {
+            let layers = rough_coat::layers(key);
+            self.coats.push(Coat {
+                kind: key.kind,
+                eta: key.eta(),
+                first_layer: self.layers.len() as u32,
+                layer_count: layers.len() as u32,
+            });
+            self.layers.extend_from_slice(&layers);
+            CoatId(self.coats.len() as u32 - 1)
+        })
+    }
+
+    /// The micro-albedo of a distribution. It is added unless it is there.
+    pub fn microalbedo_of(&mut self, kind: MicrofacetKind) -> MicroalbedoId {
+        *self.microalbedo_ids.entry(kind).or_insert_with(|| {
+            self.microalbedos.push(microalbedo::of(kind).clone());
+            MicroalbedoId(self.microalbedos.len() as u32 - 1)
+        })
+    }
+
+    /// Whether there is such a coat.
+    pub(crate) fn has_coat(&self, id: CoatId) -> bool {
+        (id.0 as usize) < self.coats.len()
+    }
+
+    /// Whether there is such a micro-albedo.
+    pub(crate) fn has_microalbedo(&self, id: MicroalbedoId) -> bool {
+        (id.0 as usize) < self.microalbedos.len()
+    }
+
+    /// A coat where its roughness is `alpha`, which only matters if it varies.
+    pub(super) fn coat(&self, id: CoatId, alpha: f32) -> CoatThere<'_> {
+        let coat = &self.coats[id.0 as usize];
+        let layers = &self.layers[coat.first_layer as usize..][..coat.layer_count as usize];
+        CoatThere::new(coat.kind, coat.eta, layers, alpha)
+    }
+
+    pub(super) fn microalbedo(&self, id: MicroalbedoId) -> &Microalbedo {
+        &self.microalbedos[id.0 as usize]
+    }
+}
