@@ -10,6 +10,7 @@ use glam::Vec3;
 
 use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
+use super::unit::is_unit;
 use super::value::format_float;
 use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 
@@ -152,6 +153,7 @@ impl<'l> Writer<'l> {
             Value::Vector(xyz) => ("vector", numbers(&xyz.to_array())?),
             Value::Integer(number) => ("integer", number.to_string()),
             Value::Boolean(truth) => ("boolean", truth.to_string()),
+            Value::String(text) if is_unit(owner, name, text) => ("default", text.clone()),
             Value::String(text) => ("string", text.clone()),
             Value::Transform(ops) => {
                 self.tag("transform", &[("name", name)], ops.is_empty())?;

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Vec3};
 
 use super::{
-    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Material, Placements, Sensor,
-    Shape, ShapeKind,
+    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, LengthUnit, Material,
+    Placements, Sensor, Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
@@ -25,6 +25,8 @@ pub struct SceneDescription {
     pub path: PathBuf,
     /// The integrator in the file; `strategy` and `schlick` are not in files and have their defaults.
     pub integrator: IntegratorSettings,
+    /// The unit of length.
+    pub unit: LengthUnit,
     /// The cameras; empty if the file has none.
     pub sensors: Vec<SensorDescription>,
     /// The materials, nested ones too.

@@ -42,6 +42,7 @@ pub mod status;
 pub mod sun_sky;
 pub mod texture;
 pub(crate) mod texture_parameters;
+mod unit;
 pub mod watch;
 pub mod write;
 
@@ -83,4 +84,5 @@ pub use status::{
 };
 pub use sun_sky::SunSky;
 pub use texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
+pub use unit::LengthUnit;
 pub use watch::SceneWatch;

@@ -70,6 +70,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<FreeView>()
             .init_resource::<AuthoredScene>()
             .init_resource::<IntegratorSettings>()
+            .init_resource::<LengthUnit>()
             .init_resource::<SamplerSettings>()
             .init_resource::<AccelMethod>();
         app.register_type::<Shape>()
@@ -82,6 +83,7 @@ impl Plugin for ScenePlugin {
             .register_type::<AreaLight>()
             .register_type::<Sensor>()
             .register_type::<Film>()
+            .register_type::<LengthUnit>()
             .register_type::<ToWorld>()
             .register_type::<SceneId>()
             .register_type::<DocumentOrder>()

@@ -15,8 +15,8 @@ use super::insert::{free_name, names};
 use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorSettings, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn, Sensor, Shape,
-    ShapeGroup, ToWorld,
+    IntegratorSettings, LengthUnit, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn,
+    Sensor, Shape, ShapeGroup, ToWorld,
 };
 
 /// Spawns the scene in place of the one that is there.
@@ -38,6 +38,7 @@ pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     world.insert_resource(FileBase::default());
     world.insert_resource(ActiveSensor::default());
     world.insert_resource(FreeView::default());
+    world.insert_resource(LengthUnit::default());
     update(world, scene);
 }
 
@@ -117,6 +118,9 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     }
     summary.replaced += usize::from(is_integrator_edited_twice(world, &scene.integrator));
     update_integrator(world, &scene.integrator);
+    if base.scene.unit != scene.unit {
+        world.insert_resource(scene.unit);
+    }
     summary
 }
 

@@ -11,7 +11,8 @@ use sunroom::scene::read::read;
 use sunroom::scene::spawn;
 use sunroom::scene::write::{Extensions, files, save, save_description, write_anew};
 use sunroom::scene::{
-    DocumentOrder, EmitterKind, Material, Roughness, SceneDescription, SceneId, Shape, ShapeKind, UsesMaterial,
+    DocumentOrder, EmitterKind, LengthUnit, Material, Roughness, SceneDescription, SceneId, Shape, ShapeKind,
+    UsesMaterial,
 };
 use tempfile::TempDir;
 
@@ -753,4 +754,50 @@ fn a_new_file_has_colours_for_spectra_that_need_wavelengths() {
     }
     let materials = |scene: &SceneDescription| scene.materials.iter().map(|it| it.material.clone()).collect::<Vec<_>>();
     assert_eq!(materials(&new), materials(&old));
+}
+
+#[test]
+fn the_unit_of_length_is_a_default_that_comes_back() {
+    let unit = |unit| move |scene: &mut SceneDescription| scene.unit = unit;
+    let line = "  <default name=\"length_unit\" value=\"cm\"/>";
+    assert_eq!(changes("", unit(LengthUnit::Centimetre)), (vec![], lines(&[line])));
+    assert_eq!(
+        changes(line, unit(LengthUnit::Foot)),
+        (
+            lines(&[line]),
+            lines(&["  <default name=\"length_unit\" value=\"ft\"/>"])
+        )
+    );
+    assert_eq!(changes(line, unit(LengthUnit::None)), (lines(&[line]), vec![]));
+    assert_eq!(changes(line, |_| {}), (vec![], vec![]));
+
+    let text = format!("<scene version='3.0.0'>\n{line}\n<sensor type='perspective'/>\n</scene>\n");
+    let folder = Folder::with(&[("main.xml", &text)]);
+    let scene = folder.read("main.xml");
+    assert_eq!(scene.unit, LengthUnit::Centimetre);
+    for extensions in [Extensions::Keep, Extensions::Approximate] {
+        write_anew(&scene, &folder.path("anew.xml"), extensions).unwrap();
+        assert!(
+            folder.text("anew.xml").contains(line.trim()),
+            "{}",
+            folder.text("anew.xml")
+        );
+        assert_eq!(folder.read("anew.xml").unit, LengthUnit::Centimetre);
+    }
+}
+
+#[test]
+fn a_default_of_that_name_may_be_something_else() {
+    let text = "<scene version='3.0.0'>
+  <default name='length_unit' value='0.01'/>
+  <sensor type='perspective'><float name='near_clip' value='$length_unit'/></sensor>
+</scene>
+";
+    let folder = Folder::with(&[("main.xml", text)]);
+    let scene = folder.read("main.xml");
+    assert_eq!(
+        (scene.unit, scene.sensors[0].sensor.near_clip),
+        (LengthUnit::None, 0.01)
+    );
+    assert_eq!(folder.edited(|_| {}), text);
 }

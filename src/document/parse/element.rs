@@ -13,6 +13,7 @@ use crate::document::source::read_text_within;
 use crate::document::spectrum::{Role, SampledSpectrum};
 use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
+use crate::document::unit::{UNIT, is_unit};
 use crate::document::value::quote;
 use crate::document::{Category, Child, Object, Property, Severity, Span, TransformOp, Value};
 
@@ -155,7 +156,14 @@ impl Parser {
                 let name = tag.need("name", &mut self.diagnostics);
                 let given = tag.has("value");
                 match (name, tag.take("value")) {
-                    (Some((name, _)), Some((value, _))) => self.defines.add_default(&name, &value),
+                    (Some((name, _)), Some((value, _))) => {
+                        self.defines.add_default(&name, &value);
+                        // The first one counts, as for all names.
+                        if is_unit(object, &name, &value) && !names.contain(UNIT, &object.properties) {
+                            let value = Value::String(value.into_owned());
+                            self.add_property(object, names, UNIT.into(), value, tag.span);
+                        }
+                    }
                     (_, None) if !given => self
                         .diagnostics
                         .error(tag.span, "<default> needs the attribute `value`"),

@@ -27,7 +27,7 @@ pub(super) fn revise_value(
         ("rgb", Value::Rgb(color)) => tag.numbers("value", &color.to_array()),
         ("integer", Value::Integer(number)) => tag.plain("value", number),
         ("boolean", Value::Boolean(truth)) => tag.plain("value", truth),
-        ("string", Value::String(now)) => tag.value(Some(now), "value")?.map(|edit| vec![edit]),
+        ("string" | "default", Value::String(now)) => tag.value(Some(now), "value")?.map(|edit| vec![edit]),
         ("point", Value::Point(now)) | ("vector", Value::Vector(now)) => match before {
             Value::Point(before) | Value::Vector(before) => Some(tag.triple(*before, *now)),
             _ => None,

@@ -23,10 +23,10 @@ mod textures;
 use std::sync::Arc;
 
 use self::scene_reader::SceneReader;
-use super::AuthoredScene;
 use super::description::{DeclarationPlace, SceneDescription};
+use super::{AuthoredScene, LengthUnit};
 pub use crate::document::paths::settle;
-use crate::document::{Category, Child, Diagnostics, Document, Reader, Severity};
+use crate::document::{Category, Child, Diagnostics, Document, Reader, Severity, UNIT};
 
 /// Reads the whole document; what is wrong with it is added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -99,6 +99,7 @@ impl SceneReader<'_> {
         for category in Category::ALL {
             reader.children(category);
         }
+        self.description.unit = reader.string(UNIT).and_then(LengthUnit::of_name).unwrap_or_default();
         reader.finish();
         // After an error the scene is not shown, and the part that could not be read may be its sensor.
         if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {

@@ -61,6 +61,7 @@ pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entitie
     if let Some(settings) = world.get_resource::<IntegratorSettings>() {
         scene.integrator = *settings;
     }
+    scene.unit = world.get_resource().copied().unwrap_or_default();
     if let Some(remains) = world.get_resource::<AuthoredScene>() {
         scene.remains = remains.clone();
     }

@@ -37,9 +37,9 @@ use super::description::{DeclarationPlace, Identity, SceneDescription, ShapeDesc
 use super::encode::{lights, objects};
 use super::read::mesh_search::MeshSearch;
 use super::read::settle;
-use super::{Authored, IntegratorSettings};
+use super::{Authored, IntegratorSettings, LengthUnit};
 use crate::document::revision::{Destination, move_files, revise};
-use crate::document::{self, Category, Child, Crowd, Document, Object, SourceFile, Span};
+use crate::document::{self, Category, Child, Crowd, Document, Object, Property, SourceFile, Span, UNIT, Value};
 use crate::files::{self, Access, LARGEST_DATA, write_atomically};
 
 /// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
@@ -342,6 +342,7 @@ impl<'s> Writer<'s> {
         parts.sort_by_key(|(order, _)| *order);
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);
+        write_unit(scene.unit, &mut root.properties);
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
     }
@@ -443,6 +444,24 @@ impl<'s> Writer<'s> {
             }
         }
         children
+    }
+}
+
+/// Has the scene's properties say its unit. One that they said already keeps its place in the file.
+fn write_unit(unit: LengthUnit, properties: &mut Vec<Property>) {
+    let known = properties.iter().position(|property| property.name == UNIT);
+    let value = Value::String(unit.name().to_owned());
+    match (known, unit) {
+        (Some(known), LengthUnit::None) => {
+            properties.remove(known);
+        }
+        (Some(known), _) => properties[known].value = value,
+        (None, LengthUnit::None) => {}
+        (None, _) => properties.push(Property {
+            name: UNIT.into(),
+            value,
+            span: Span::default(),
+        }),
     }
 }
 

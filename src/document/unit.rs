@@ -1,0 +1,15 @@
+//! The unit of length of a scene, which a file says as `<default name="length_unit" value="cm"/>`.
+//!
+//! Of the tags of the format only a `default` may say something that other readers do not know. In the tree it is a property of the scene.
+
+use super::{Category, Object};
+
+/// The name of the `default`, and of the property.
+pub const UNIT: &str = "length_unit";
+/// The values that are units. With another value it is a `default` like any other.
+const NAMES: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
+
+/// Whether a `default` directly inside of `object` says the unit of the scene.
+pub(super) fn is_unit(object: &Object, name: &str, value: &str) -> bool {
+    object.category == Category::Scene && name == UNIT && NAMES.contains(&value)
+}

@@ -1,0 +1,198 @@
+//! The unit of length of a scene: the meaning of a unit of the world, for what is typed and shown. It changes nothing of the picture.
+//!
+//! The file says it as `<default name="unit" value="cm"/>`, which other readers of the format take for a name that nothing uses.
+
+use bevy::prelude::*;
+
+/// The unit of length of a scene.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, PartialEq)]
+pub enum LengthUnit {
+    /// The scene does not say; lengths with a unit are converted as if it were metres.
+    #[default]
+    None,
+    /// A unit of the world is a metre.
+    Metre,
+    /// A unit of the world is a centimetre.
+    Centimetre,
+    /// A unit of the world is a millimetre.
+    Millimetre,
+    /// A unit of the world is an inch.
+    Inch,
+    /// A unit of the world is a foot.
+    Foot,
+}
+
+/// The units that may follow a number, in metres. The marks of feet and inches stand last, so that the list begins with the names in files.
+const UNITS: [(&str, f64); 9] = [
+    ("m", 1.0),
+    ("cm", 0.01),
+    ("mm", 0.001),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+    ("km", 1000.0),
+    ("'", 0.3048),
+    ("\"", 0.0254),
+    ("″", 0.0254),
+];
+
+impl LengthUnit {
+    /// The units with the words for a list.
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::None, "none"),
+        (Self::Metre, "metres"),
+        (Self::Centimetre, "centimetres"),
+        (Self::Millimetre, "millimetres"),
+        (Self::Inch, "inches"),
+        (Self::Foot, "feet"),
+    ];
+
+    /// The name in the file, which is also the sign behind a number; empty for none.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Metre => "m",
+            Self::Centimetre => "cm",
+            Self::Millimetre => "mm",
+            Self::Inch => "in",
+            Self::Foot => "ft",
+        }
+    }
+
+    /// The unit of a name in a file; None for any other text.
+    pub fn of_name(name: &str) -> Option<Self> {
+        let units = Self::ALL.into_iter().map(|(unit, _)| unit);
+        units
+            .filter(|unit| *unit != Self::None)
+            .find(|unit| unit.name() == name)
+    }
+
+    /// The length of a unit of the world in metres.
+    pub fn metres(self) -> f64 {
+        let name = self.name();
+        let known = UNITS.iter().find(|(unit, _)| *unit == name);
+        known.map_or(1.0, |(_, metres)| *metres)
+    }
+
+    /// The length of a text in units of the world: a number, or numbers with units such as `2m`, `30 cm`, `6'`, `4in` or `6'2"`. A number
+    /// without a unit is in units of the world. None for any other text.
+    pub fn parse(self, text: &str) -> Option<f64> {
+        let text = text.trim();
+        let (sign, mut rest) = match text.strip_prefix('-') {
+            Some(rest) => (-1.0, rest.trim_start()),
+            None => (1.0, text),
+        };
+        if let Some(number) = plain(text) {
+            return Some(number);
+        }
+        let mut metres = 0.0;
+        while !rest.is_empty() {
+            let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+            let number: f64 = rest[..end].parse().ok()?;
+            rest = rest[end..].trim_start();
+            let length = rest
+                .find(|c: char| c.is_ascii_digit() || c == '.' || c.is_whitespace())
+                .unwrap_or(rest.len());
+            let (_, unit) = UNITS.iter().find(|(name, _)| *name == &rest[..length])?;
+            metres += number * unit;
+            rest = rest[length..].trim_start();
+        }
+        let length = sign * metres / self.metres();
+        (text.len() > 1 && length.is_finite()).then_some(length)
+    }
+
+    /// A length in units of the world as a text with the sign of the unit: at most three decimals, or more digits where the number is small.
+    pub fn text(self, length: f32) -> String {
+        let number = self.number(length);
+        match self.name() {
+            "" => number,
+            name => format!("{number} {name}"),
+        }
+    }
+
+    /// The number of [`Self::text`] alone.
+    pub fn number(self, length: f32) -> String {
+        rounded(length)
+    }
+
+    /// Whether more letters could follow in the unit of a length that is being typed.
+    pub fn begins_unit(text: &str) -> bool {
+        UNITS.iter().any(|(name, _)| name.starts_with(text))
+    }
+}
+
+/// A number without a unit.
+fn plain(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn rounded(length: f32) -> String {
+    let size = length.abs();
+    let decimals = match size {
+        _ if !size.is_finite() => 0,
+        1000.0.. => 1,
+        0.1.. => 3,
+        _ if size == 0.0 => 0,
+        _ => (2 - size.log10().floor() as i32).clamp(3, 9) as usize,
+    };
+    let text = format!("{length:.decimals$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_converted_to_the_unit_of_the_scene() {
+        let near = |unit: LengthUnit, text: &str, expected: f64| {
+            let found = unit.parse(text);
+            assert!(
+                found.is_some_and(|found| (found - expected).abs() < 1e-9),
+                "{text}: {found:?}"
+            );
+        };
+        near(LengthUnit::None, "30cm", 0.3);
+        near(LengthUnit::Metre, " 2m ", 2.0);
+        near(LengthUnit::Centimetre, "2 m", 200.0);
+        near(LengthUnit::Centimetre, "-4in", -10.16);
+        near(LengthUnit::Metre, "6'", 1.8288);
+        near(LengthUnit::Inch, "6'2\"", 74.0);
+        near(LengthUnit::Inch, "6ft 2in", 74.0);
+        near(LengthUnit::Millimetre, "1.5", 1.5);
+        near(LengthUnit::Millimetre, "-1e2", -100.0);
+        near(LengthUnit::Foot, "1km", 1000.0 / 0.3048);
+    }
+
+    #[test]
+    fn other_texts_are_no_lengths() {
+        for text in [
+            "", "-", "m", "2 miles", "2m3", "1,5m", "inf", "nan", "2mm4x", "1e400", "--2m",
+        ] {
+            assert_eq!(LengthUnit::Metre.parse(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_come_back_and_lengths_are_short() {
+        for (unit, _) in LengthUnit::ALL {
+            let expected = (unit != LengthUnit::None).then_some(unit);
+            assert_eq!(LengthUnit::of_name(unit.name()), expected);
+        }
+        for (length, text) in [
+            (2.0, "2 m"),
+            (0.30000001, "0.3 m"),
+            (1234.5678, "1234.6 m"),
+            (0.0012345, "0.00123 m"),
+            (-0.0, "0 m"),
+            (100.0, "100 m"),
+        ] {
+            assert_eq!(LengthUnit::Metre.text(length), text);
+        }
+        assert_eq!(LengthUnit::None.text(1.5), "1.5");
+    }
+}
