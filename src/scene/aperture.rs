@@ -3,7 +3,7 @@
 //! A scene has no focal length of its own. As for the format's `focal_length` it is that of a lens with the same field of view on 35 mm film,
 //! by the film's diagonal; and a unit of the world counts as a metre.
 
-use super::Sensor;
+use super::{FovAxis, Sensor};
 
 /// The diagonal of a frame of 36 mm by 24 mm, in metres.
 const FILM_DIAGONAL: f32 = 0.043_266_615;
@@ -15,6 +15,13 @@ pub(crate) fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
         .tan();
     let half_diagonal = half_width * (1.0 + 1.0 / (aspect * aspect)).sqrt();
     0.5 * FILM_DIAGONAL / half_diagonal
+}
+
+/// The field of view in degrees along an axis of a lens of this focal length in metres; the inverse of [`focal_length`].
+pub fn field_of_view(focal_length: f32, axis: FovAxis, aspect: f32) -> f32 {
+    let half_diagonal = 0.5 * FILM_DIAGONAL / focal_length;
+    let half_width = half_diagonal / (1.0 + 1.0 / (aspect * aspect)).sqrt();
+    axis.of_horizontal(2.0 * half_width.atan().to_degrees(), aspect)
 }
 
 /// The f-number of an aperture of this radius in world units; infinite for a pinhole.
@@ -30,7 +37,6 @@ pub fn aperture_radius(f_number: f32, focal_length: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::FovAxis;
 
     #[test]
     fn a_lens_of_fifty_millimetres_is_one() {
@@ -43,6 +49,7 @@ mod tests {
             };
             let focal = focal_length(&sensor, 1.5);
             assert!((focal - 0.05).abs() < 1e-5, "{fov_axis:?}: {focal}");
+            assert!((field_of_view(0.05, fov_axis, 1.5) - fov).abs() < 1e-2);
         }
     }
 

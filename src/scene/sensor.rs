@@ -110,6 +110,19 @@ impl FovAxis {
         };
         2.0 * half_width.atan().to_degrees()
     }
+
+    /// The inverse of [`Self::horizontal`]: the field of view along this axis in degrees, from that along x.
+    pub(crate) fn of_horizontal(self, fov: f32, aspect: f32) -> f32 {
+        let half_width = (0.5 * fov).to_radians().tan();
+        let half = match self {
+            Self::X => return fov,
+            Self::Smaller if aspect <= 1.0 => return fov,
+            Self::Larger if aspect >= 1.0 => return fov,
+            Self::Y | Self::Smaller | Self::Larger => half_width / aspect,
+            Self::Diagonal => half_width * (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+        };
+        2.0 * half.atan().to_degrees()
+    }
 }
 
 /// The film of a sensor, and the number of samples that the file asks for.
@@ -290,6 +303,7 @@ mod tests {
         for (axis, aspect, fov) in table {
             let horizontal = axis.horizontal(fov, aspect);
             assert!((horizontal - 90.0).abs() < 1e-4, "{axis:?} {aspect}: {horizontal}");
+            assert!((axis.of_horizontal(horizontal, aspect) - fov).abs() < 1e-3);
         }
     }
 }

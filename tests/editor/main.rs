@@ -14,6 +14,7 @@ mod support;
 mod corpus;
 mod editing;
 mod gizmo;
+mod orientation;
 mod panels;
 mod shell;
 mod trust;

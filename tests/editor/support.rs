@@ -38,6 +38,8 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         selection,
         tool: Default::default(),
         safe_frame: false,
+        grid: Default::default(),
+        dimensions: false,
         flying: false,
     }
 }

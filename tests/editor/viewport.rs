@@ -9,6 +9,7 @@ use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use sunroom::app::editor::command::selection::{Extend, Selection};
+use sunroom::app::editor::command::tool::Tool;
 use sunroom::app::editor::command::{Command, Direction};
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
@@ -32,22 +33,23 @@ fn entity(index: u32) -> Entity {
     Entity::from_raw_u32(index).expect("a small index is valid")
 }
 
-struct Window {
-    commands: Vec<Command>,
+pub struct Window {
+    pub commands: Vec<Command>,
+    pub tool: Tool,
     state: ViewportState,
     gizmo: GizmoSettings,
     target: Target,
-    camera: Camera,
+    pub camera: Camera,
 }
 
-const SIZE: egui::Vec2 = vec2(800.0, 600.0);
+pub const SIZE: egui::Vec2 = vec2(800.0, 600.0);
 
 /// From (0, 0, -10) along +z: +x is to the left.
-fn pose() -> Affine3A {
+pub fn pose() -> Affine3A {
     Affine3A::from_translation(Vec3::new(0.0, 0.0, -10.0))
 }
 
-fn screen(window: &Window) -> Screen {
+pub fn screen(window: &Window) -> Screen {
     Screen {
         camera: window.camera,
         picture: egui::Rect::from_min_size(Pos2::ZERO, SIZE),
@@ -55,13 +57,14 @@ fn screen(window: &Window) -> Screen {
 }
 
 /// A selected cube in the middle, and a lamp up to the right.
-fn window() -> Harness<'static, Window> {
+pub fn window() -> Harness<'static, Window> {
     let unit = Aabb {
         min: Vec3::NEG_ONE,
         max: Vec3::ONE,
     };
     let window = Window {
         commands: Vec::new(),
+        tool: Tool::Select,
         state: ViewportState::default(),
         gizmo: GizmoSettings::default(),
         target: Target {
@@ -98,6 +101,7 @@ fn window() -> Harness<'static, Window> {
                     targets: &[window.target],
                     length_step: 0.5,
                     up: Vec3::Y,
+                    unit: Default::default(),
                     packed: &packed,
                 },
                 locked: &locked,
@@ -113,8 +117,13 @@ fn window() -> Harness<'static, Window> {
                 },
                 keys: ActionContext {
                     gizmo: window.gizmo,
+                    tool: window.tool,
                     ..context(&selection)
                 },
+                extent: None,
+                rulers: &[],
+                is_empty: false,
+                depths: Default::default(),
                 presses: &presses(ui),
                 enabled: true,
             };
@@ -125,6 +134,7 @@ fn window() -> Harness<'static, Window> {
             for command in &commands {
                 match command {
                     Command::SetGizmo(settings) => window.gizmo = *settings,
+                    Command::SetTool(tool) => window.tool = *tool,
                     Command::Transform(poses) => window.target.to_world = poses[0].1,
                     _ => {}
                 }
@@ -152,7 +162,14 @@ fn button(harness: &mut Harness<Window>, button: PointerButton, at: Pos2, presse
 }
 
 /// Presses, goes there in five steps if it is elsewhere, and lets go unless told otherwise.
-fn drag(harness: &mut Harness<Window>, with: PointerButton, from: Pos2, to: Pos2, modifiers: Modifiers, lets_go: bool) {
+pub fn drag(
+    harness: &mut Harness<Window>,
+    with: PointerButton,
+    from: Pos2,
+    to: Pos2,
+    modifiers: Modifiers,
+    lets_go: bool,
+) {
     harness.event(egui::Event::ModifiersChanged(modifiers));
     harness.event(egui::Event::PointerMoved(from));
     harness.run_steps(2);
@@ -177,7 +194,7 @@ fn at(harness: &Harness<Window>, world: Vec3) -> Pos2 {
     screen(harness.state()).project(world).expect("in front")
 }
 
-fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
+pub fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
     for &key in keys {
         harness.key_press(key);
         harness.run_steps(1);

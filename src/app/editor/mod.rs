@@ -66,6 +66,8 @@ impl Plugin for EditorPlugin {
             None => preferences.resolution,
         };
         settings.gizmo.snap = preferences.snapping;
+        settings.grid = preferences.grid;
+        settings.dimensions = preferences.dimensions;
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {

@@ -46,6 +46,8 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 selection: &Selection::default(),
                 tool: Default::default(),
                 safe_frame: false,
+                grid: Default::default(),
+                dimensions: false,
                 flying: false,
             },
             camera: None,

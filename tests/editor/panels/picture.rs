@@ -67,6 +67,7 @@ pub fn picture() -> Harness<'static, Picture> {
                     targets: &[],
                     length_step: 1.0,
                     up: Vec3::Y,
+                    unit: Default::default(),
                     packed: &packed,
                 },
                 locked: &locked,
@@ -78,6 +79,10 @@ pub fn picture() -> Harness<'static, Picture> {
                 region: None,
                 navigation: Navigation::default(),
                 keys: context(&selection),
+                extent: None,
+                rulers: &[],
+                is_empty: false,
+                depths: Default::default(),
                 presses: &presses(ui),
                 enabled: true,
             };

@@ -1,5 +1,6 @@
 //! The arithmetic of looking: flying, orbiting, projecting and picking. May import `command`.
 
+pub mod ground;
 pub mod navigation;
 pub mod orbit;
 pub(crate) mod picking;

@@ -69,17 +69,31 @@ impl Navigation {
         translated(narrowed, from_middle * (1.0 - factor))
     }
 
-    /// A level view along an axis of the world, with `center` straight ahead and as far as it is now.
-    pub fn axis_view(&self, world_from_camera: Affine3A, center: Vec3, view: AxisView) -> Affine3A {
+    /// The direction in which one looks in a view along an axis.
+    fn forward(&self, view: AxisView) -> Vec3 {
         let north = north(self.up);
-        let forward = match view {
+        match view {
             AxisView::Front => north,
             AxisView::Back => -north,
             AxisView::Left => north.cross(self.up),
             AxisView::Right => -north.cross(self.up),
             AxisView::Top => -self.up,
             AxisView::Bottom => self.up,
-        };
+        }
+    }
+
+    /// The view from this side of the world, which is the direction of one of its axes.
+    pub fn view_from(&self, side: Vec3) -> AxisView {
+        let towards = |view: &AxisView| -self.forward(*view).dot(side);
+        let nearest = AxisView::ALL
+            .into_iter()
+            .max_by(|a, b| towards(a).total_cmp(&towards(b)));
+        nearest.unwrap_or(AxisView::Front)
+    }
+
+    /// A level view along an axis of the world, with `center` straight ahead and as far as it is now.
+    pub fn axis_view(&self, world_from_camera: Affine3A, center: Vec3, view: AxisView) -> Affine3A {
+        let (north, forward) = (north(self.up), self.forward(view));
         let upright = match view {
             AxisView::Top => north,
             AxisView::Bottom => -north,

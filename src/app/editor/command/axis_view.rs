@@ -16,3 +16,15 @@ pub enum AxisView {
     /// The view from -y.
     Bottom,
 }
+
+impl AxisView {
+    /// All sides.
+    pub const ALL: [Self; 6] = [
+        Self::Front,
+        Self::Back,
+        Self::Right,
+        Self::Left,
+        Self::Top,
+        Self::Bottom,
+    ];
+}

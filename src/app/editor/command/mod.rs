@@ -11,6 +11,7 @@ pub mod error;
 pub mod file_access;
 pub mod file_dialog;
 pub mod gizmo_settings;
+pub mod grid_settings;
 pub mod inspected_paths;
 pub mod light_mix;
 pub mod material_tree;
@@ -19,6 +20,7 @@ pub mod preferences;
 pub mod presets;
 pub mod recovery_offer;
 pub mod resolution;
+pub mod ruler;
 pub mod selection;
 pub mod shell;
 pub mod snapping;
@@ -32,7 +34,8 @@ use bevy::prelude::{Entity, Rect, Vec2};
 
 use crate::scene::write::OnChange;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape, SquarePath,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, SamplerSettings, Sensor, Shape,
+    SquarePath,
 };
 use addition::Addition;
 use axis_view::AxisView;
@@ -41,11 +44,13 @@ use compare_view::CompareView;
 use display::DisplaySettings;
 pub use file_dialog::FileDialogKind;
 use gizmo_settings::GizmoSettings;
+use grid_settings::GridSettings;
 use inspected_paths::InspectedPaths;
 use light_mix::LightMix;
 use material_tree::MaterialTree;
 use presets::Preset;
 use resolution::{Enlarging, FullFilm, Resolution};
+use ruler::Ruler;
 use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
@@ -233,6 +238,8 @@ pub enum Command {
     SetIntegrator(IntegratorSettings),
     /// Sets the kind and seed of random numbers.
     SetSampler(SamplerSettings),
+    /// Sets the unit of length of the scene. No length changes.
+    SetUnit(LengthUnit),
     /// Sets how acceleration structures are built.
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
@@ -283,6 +290,14 @@ pub enum Command {
     SetTool(Tool),
     /// Dims what lies outside of the film, or no longer.
     ShowSafeFrame(bool),
+    /// Shows the dimensions of the selection in the picture, or no longer.
+    ShowDimensions(bool),
+    /// Keeps a measured distance in the picture.
+    AddRuler(Ruler),
+    /// Removes all measured distances.
+    ClearRulers,
+    /// Sets the grid on the ground and the axes of the world.
+    SetGrid(GridSettings),
     /// Shows the paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
     /// Sets what a drag of the gizmo does.
@@ -367,6 +382,7 @@ impl Command {
             | Self::DropMaterial { .. }
             | Self::UsePreset { .. }
             | Self::DropPreset { .. }
+            | Self::SetUnit(_)
             | Self::SetAccel(_)
             | Self::BakeLights => Effect::Edit,
             Self::MoveView(_)
@@ -418,6 +434,10 @@ impl Command {
             | Self::SetOverlay(_)
             | Self::SetTool(_)
             | Self::ShowSafeFrame(_)
+            | Self::SetGrid(_)
+            | Self::ShowDimensions(_)
+            | Self::AddRuler(_)
+            | Self::ClearRulers
             | Self::InspectPaths(_)
             | Self::Denoise
             | Self::DropDenoised
@@ -462,6 +482,7 @@ impl Command {
             Self::SetFilm(..) => "Edit film",
             Self::SetIntegrator(_) => "Edit light transport",
             Self::SetSampler(_) => "Edit sampler",
+            Self::SetUnit(_) => "Set unit of length",
             Self::SetAccel(_) => "Edit hierarchy",
             Self::BakeLights => "Bake light mix",
             _ => "",
@@ -514,7 +535,7 @@ impl Command {
         self.effect() != Effect::None
             && !matches!(
                 self,
-                Self::Rename(..) | Self::PutInto { .. } | Self::Group | Self::Lock(..)
+                Self::Rename(..) | Self::PutInto { .. } | Self::Group | Self::Lock(..) | Self::SetUnit(_)
             )
     }
 }

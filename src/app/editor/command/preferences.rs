@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::gizmo_settings::Steps;
+use super::grid_settings::GridSettings;
 use super::resolution::{Enlarging, Resolution};
 use super::snapping::Snapping;
 use crate::memory;
@@ -74,6 +75,10 @@ pub struct Preferences {
     pub steps: Steps,
     /// What moves snap to.
     pub snapping: Snapping,
+    /// The grid on the ground and the axes of the world.
+    pub grid: GridSettings,
+    /// Whether the dimensions of the selection are shown in the picture.
+    pub dimensions: bool,
     /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
     /// The pixels of the film that are traced.
@@ -109,6 +114,8 @@ impl Default for Preferences {
             speed: 1.0,
             steps: Steps::default(),
             snapping: Snapping::default(),
+            grid: GridSettings::default(),
+            dimensions: false,
             moving_scale: 0.5,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),
@@ -155,6 +162,7 @@ impl Preferences {
         self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
         self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
         self.steps = self.steps.within_range();
+        self.grid = self.grid.within_range();
         self.moving_scale = self.moving_scale.clamp(*MOVING_SCALES.start(), *MOVING_SCALES.end());
         self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
         self.memory_gib = self.memory_gib.min(MOST_MEMORY_GIB);

@@ -14,8 +14,8 @@ use crate::app::editor::session::trust;
 use crate::document::paths::settle;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, Locked, Material,
-    SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, LengthUnit, Locked,
+    Material, SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
@@ -129,6 +129,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::SetIntegrator(settings) => super::world::set_resource::<IntegratorSettings>(edit.world, settings),
         Command::SetSampler(settings) => super::world::set_resource::<SamplerSettings>(edit.world, settings),
         Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
+        Command::SetUnit(unit) => super::world::set_resource::<LengthUnit>(edit.world, unit),
         Command::BakeLights => mixing::bake(edit)?,
         Command::OnSelection(command) => {
             several::carry_to_others(edit, &command);

@@ -34,6 +34,7 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::ruler::MOST_RULERS;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, Effect};
@@ -232,6 +233,15 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
             }
         }
         Command::ShowSafeFrame(shown) => world.resource_mut::<ViewSettings>().safe_frame = shown,
+        Command::ShowDimensions(shown) => world.resource_mut::<ViewSettings>().dimensions = shown,
+        Command::AddRuler(ruler) => {
+            let rulers = &mut world.resource_mut::<ViewSettings>().rulers;
+            rulers.push(ruler);
+            let dropped = rulers.len().saturating_sub(MOST_RULERS);
+            rulers.drain(..dropped);
+        }
+        Command::ClearRulers => world.resource_mut::<ViewSettings>().rulers.clear(),
+        Command::SetGrid(grid) => world.resource_mut::<ViewSettings>().grid = grid.within_range(),
         Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
         Command::SetGizmo(settings) => world.resource_mut::<ViewSettings>().gizmo = settings,
         Command::Denoise => {

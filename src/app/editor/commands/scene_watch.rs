@@ -75,6 +75,7 @@ pub fn follow_scene(
             // All of these belong to the scene before.
             requests.save_question = None;
             settings.bookmarks = Default::default();
+            settings.rulers.clear();
             (*mix, *film_lights) = Default::default();
             paths.wanted = None;
             if control.region.is_some() {

@@ -128,6 +128,8 @@ mod tests {
             selection: &Selection::default(),
             tool: Default::default(),
             safe_frame: false,
+            grid: Default::default(),
+            dimensions: false,
             flying: false,
         };
         shortcuts(&presses, &context)

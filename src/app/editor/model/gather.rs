@@ -26,7 +26,8 @@ use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings,
-    Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape, ShapeKind,
+    LengthUnit, Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape,
+    ShapeKind,
 };
 
 /// The components that name a thing.
@@ -190,6 +191,7 @@ pub struct Settings<'w, 's> {
     integrator: Res<'w, IntegratorSettings>,
     sampler: Res<'w, SamplerSettings>,
     accel: Res<'w, AccelMethod>,
+    unit: Res<'w, LengthUnit>,
     active: Res<'w, ActiveSensor>,
     films: Query<'w, 's, &'static Film>,
 }
@@ -248,6 +250,7 @@ pub fn gather_status(
     model.render.integrator = *settings.integrator;
     model.render.sampler = *settings.sampler;
     model.render.accel = *settings.accel;
+    model.unit = *settings.unit;
     model.render.time_limit = settings.control.time_limit;
     model.render.noise_target = settings.control.noise_target;
     model.render.noise = status.noise;

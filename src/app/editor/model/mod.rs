@@ -27,8 +27,9 @@ use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::document::Severity;
 use crate::engine::RenderStatus;
+use crate::math::Aabb;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, SamplerSettings, Sensor, Shape,
 };
 use mixed::Mixed;
 use panel_textures::PanelTextures;
@@ -311,6 +312,8 @@ pub struct Model {
     pub selection: Selection,
     /// The active one of the selection.
     pub inspected: Option<Inspected>,
+    /// The box around the selection in the world; None without one.
+    pub extent: Option<Aabb>,
     /// The steps.
     pub history: Arc<HistoryModel>,
     /// The pictures and rendered balls that are shown beside names.
@@ -321,6 +324,8 @@ pub struct Model {
     pub render: RenderModel,
     /// The messages panel.
     pub notices: Arc<Vec<Notice>>,
+    /// The unit of length of the scene.
+    pub unit: LengthUnit,
     /// The status line.
     pub status: StatusModel,
     /// Scene files beside the open one.

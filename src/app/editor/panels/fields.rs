@@ -9,6 +9,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
+use super::lengths::with_units;
 use crate::app::editor::model::mixed::Mixed;
 use crate::scene::ParameterInfo;
 
@@ -196,6 +197,7 @@ pub(crate) fn quantity<'a>(
         .max_decimals(4)
         .custom_formatter(legible)
         .suffix(unit);
+    let drag = with_units(ui, drag);
     let changed = row(ui, caption, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
 }
@@ -305,6 +307,7 @@ pub(crate) fn number_cells<const N: usize>(
             .max_decimals(MOST_DECIMALS);
         // All numbers of a row have as many decimals as the one that needs most.
         let drag = drag.custom_formatter(|number, _| legible(number, decimals..=decimals));
+        let drag = with_units(ui, drag);
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         response.widget_info(|| {
             let mut info = egui::WidgetInfo::drag_value(true, shown);

@@ -6,10 +6,11 @@ use bevy_egui::egui::{self, Ui};
 
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
-use super::{emission, fields, sensor, transform};
+use super::{camera_angles, dimensions, emission, fields, lengths, sensor, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMesh, MaterialPlace, Model};
+use crate::math::Aabb;
 use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// The state that the panel keeps between frames.
@@ -30,8 +31,10 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
         return;
     };
     let mut edits = Vec::new();
-    fields::compared(ui, &inspected.mixed, |ui| {
-        sections(ui, inspected, model, scene_size, state, &mut edits);
+    lengths::in_unit(ui, model.unit, |ui| {
+        fields::compared(ui, &inspected.mixed, |ui| {
+            sections(ui, inspected, model, scene_size, state, &mut edits);
+        });
     });
     let several = model.selection.entities().len() > 1;
     commands.extend(edits.into_iter().map(|edit| match several && edit.is_about_one() {
@@ -59,6 +62,9 @@ fn sections(
     if let Some(to_world) = inspected.to_world {
         section(ui, "Transform", |ui| {
             pose(ui, inspected, to_world, scene_size, state, commands);
+            if let Some(bounds) = &model.extent {
+                size(ui, inspected, to_world, bounds, others > 0, commands);
+            }
         });
     }
     if let Some(shape) = &inspected.shape {
@@ -151,10 +157,31 @@ fn pose(
         Some(emitter) if emitter.is_environment() => transform::turn(ui, &mut edited, up_axis(&emitter.kind)),
         _ => false,
     };
-    let moved = transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles);
+    let moved = match inspected.sensor {
+        Some(_) => {
+            let moved = transform::position(ui, &mut edited, scene_size);
+            camera_angles::camera_angles(ui, &mut edited) || moved
+        }
+        None => transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles),
+    };
     if (spun || moved) && edited.is_finite() {
         let edited = edited * middle.inverse();
         commands.push(Command::Transform(vec![(inspected.entity, edited)]));
+    }
+}
+
+/// The row of the size of the whole selection. That of a single thing can be edited.
+fn size(
+    ui: &mut Ui,
+    inspected: &Inspected,
+    mut to_world: Affine3A,
+    bounds: &Aabb,
+    is_one_of_several: bool,
+    commands: &mut Vec<Command>,
+) {
+    let pose = (!is_one_of_several).then_some(&mut to_world);
+    if dimensions::dimensions(ui, bounds, pose, inspected.shape.as_ref()) {
+        commands.push(Command::Transform(vec![(inspected.entity, to_world)]));
     }
 }
 
@@ -174,7 +201,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
         ShapeKind::Sphere { radius, .. } => {
             fields::note(ui, ("Type", "kind"), "sphere");
             let speed = 0.01 * radius.abs().max(1e-3);
-            changed |= fields::number(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
+            changed |= lengths::length(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
         }
         ShapeKind::Rectangle => fields::note(ui, ("Type", "kind"), "rectangle"),
         ShapeKind::Cube => fields::note(ui, ("Type", "kind"), "cube"),
@@ -183,15 +210,15 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
             fields::note(ui, ("Type", "kind"), "triangle");
             let size = corners[0].distance(corners[1]).max(corners[0].distance(corners[2]));
             for (label, corner) in ["Corner 1", "Corner 2", "Corner 3"].into_iter().zip(corners) {
-                changed |= fields::vector(ui, label, corner, 0.01 * size.max(1e-3), "");
+                changed |= lengths::vector(ui, label, corner, 0.01 * size.max(1e-3));
             }
         }
         ShapeKind::Cylinder { p0, p1, radius } => {
             fields::note(ui, ("Type", "kind"), "cylinder");
             let speed = 0.01 * radius.abs().max(1e-3);
-            changed |= fields::vector(ui, ("From", "p0"), p0, speed, "");
-            changed |= fields::vector(ui, ("To", "p1"), p1, speed, "");
-            changed |= fields::number(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
+            changed |= lengths::vector(ui, ("From", "p0"), p0, speed);
+            changed |= lengths::vector(ui, ("To", "p1"), p1, speed);
+            changed |= lengths::length(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
         }
         ShapeKind::Instance => {
             fields::note(ui, ("Type", "kind"), "instance");

@@ -9,10 +9,11 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::input::actions::{self, ACTIONS, ActionContext, Group, Shortcut};
+use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group, Shortcut};
 use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::session::layout::Layout;
+use crate::scene::LengthUnit;
 
 /// The settings beside the model that menus show with a tick.
 #[derive(Clone, Copy)]
@@ -32,7 +33,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
     egui::MenuBar::new().ui(ui, |ui| {
         let context = &state.context;
         ui.menu_button("File", |ui| file_menu(ui, model, &state, commands));
-        ui.menu_button("Edit", |ui| group(ui, Group::Edit, context, commands));
+        ui.menu_button("Edit", |ui| edit_menu(ui, model, context, commands));
         ui.menu_button("Add", |ui| group(ui, Group::Add, context, commands));
         ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
         ui.menu_button("Render", |ui| group(ui, Group::Render, context, commands));
@@ -123,6 +124,23 @@ fn group(ui: &mut Ui, group: Group, context: &ActionContext, commands: &mut Vec<
     }
 }
 
+fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
+    ui.set_min_width(220.0);
+    let in_group = |action: &&Action| action.group == Group::Edit && !action.name.starts_with("unit-");
+    for action in ACTIONS.iter().filter(in_group) {
+        entry(ui, action.name, context, commands);
+    }
+    ui.separator();
+    ui.menu_button("Unit of length", |ui| {
+        for (unit, name) in LengthUnit::ALL {
+            if ui.add(Button::selectable(model.unit == unit, name)).clicked() {
+                commands.push(Command::SetUnit(unit));
+                ui.close();
+            }
+        }
+    });
+}
+
 fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {
     let context = &state.context;
     ui.set_min_width(220.0);
@@ -193,7 +211,16 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             entry(ui, name, &state.context, commands);
         }
     });
-    for name in ["camera-to-view", "frame-selection", "frame-all", "boxes"] {
+    for name in [
+        "camera-to-view",
+        "frame-selection",
+        "frame-all",
+        "grid",
+        "dimensions",
+        "ruler",
+        "clear-rulers",
+        "boxes",
+    ] {
         entry(ui, name, &state.context, commands);
     }
 }

@@ -3,16 +3,19 @@
 //!
 //! [`Command`]: crate::app::editor::command::Command
 
+pub mod camera_angles;
 pub mod caption;
 pub mod color_field;
 pub mod comparison;
 pub mod diagnostics;
+pub mod dimensions;
 pub(crate) mod drag_start;
 pub mod emission;
 pub mod excerpt;
 pub mod fields;
 pub mod history;
 pub mod inspector;
+pub mod lengths;
 pub mod library;
 pub mod light_mixing;
 pub mod material;

@@ -3,11 +3,11 @@
 use bevy::math::UVec2;
 use bevy_egui::egui::{self, Ui};
 
-use super::fields;
+use super::{fields, lengths};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::memory::Bytes;
 use crate::scene::parameters::{FOV, FOV_AXIS};
-use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, aperture};
+use crate::scene::{Film, FovAxis, LengthUnit, Lens, ReconstructionFilter, Sensor, aperture};
 
 /// The largest edge: a larger film alone would fill the memory of a small machine.
 const LARGEST_EDGE: u32 = 8192;
@@ -18,8 +18,9 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
     let mut changed = lens(ui, &mut sensor.lens, focal_length, scene_size);
     if sensor.lens != Lens::Orthographic {
         changed |= field_of_view(ui, &mut sensor.fov, &mut sensor.fov_axis);
+        changed |= focal_length_row(ui, sensor, aspect);
     }
-    changed |= fields::number(
+    changed |= lengths::length(
         ui,
         ("Near clip", "near_clip"),
         &mut sensor.near_clip,
@@ -27,7 +28,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
         1e-6..=sensor.far_clip,
     );
     let nearest = sensor.near_clip;
-    changed |= fields::number(
+    changed |= lengths::length(
         ui,
         ("Far clip", "far_clip"),
         &mut sensor.far_clip,
@@ -64,6 +65,27 @@ pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> b
     fields::choice(ui, &FOV_AXIS, axis, &axes) || changed
 }
 
+/// Shows the focal length, which is another way to say the field of view; true if edited.
+fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
+    let mut millimetres = 1e3 * aperture::focal_length(sensor, aspect);
+    let response = fields::row(ui, ("Focal length", "fov"), |ui| {
+        let drag = egui::DragValue::new(&mut millimetres)
+            .suffix(" mm")
+            .range(1.0..=2500.0)
+            .clamp_existing_to_range(false)
+            .speed(0.1)
+            .max_decimals(1)
+            .custom_parser(|text| LengthUnit::Millimetre.parse(text));
+        ui.add(drag)
+            .on_hover_text("Of a lens that sees as much on 35 mm film, by its diagonal; 50 mm is a normal lens")
+    });
+    let changed = response.changed() && millimetres > 0.0;
+    if changed {
+        sensor.fov = aperture::field_of_view(1e-3 * millimetres, sensor.fov_axis, aspect);
+    }
+    changed
+}
+
 fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> bool {
     let thin = Lens::Thin {
         aperture_radius: 0.005 * scene_size,
@@ -87,14 +109,14 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
     } = lens
     {
         let size = scene_size.max(1e-3);
-        changed |= fields::log_slider(
+        changed |= lengths::length_slider(
             ui,
             ("Aperture", "aperture_radius"),
             aperture_radius,
             1e-5 * size..=0.2 * size,
         );
         changed |= f_stop(ui, aperture_radius, focal_length);
-        changed |= fields::log_slider(
+        changed |= lengths::length_slider(
             ui,
             ("Focus at", "focus_distance"),
             focus_distance,

@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
 use bevy_egui::egui::Ui;
 
-use super::fields;
+use super::{fields, lengths};
 use crate::app::editor::model::freedom::Freedom;
 
 /// The angles that were last shown. A rotation has many sets of angles; those that the user dragged are kept so that they do not jump.
@@ -21,18 +21,7 @@ const SHEAR_TOLERANCE: f32 = 1e-4;
 
 /// Shows the rows of a pose; true if `to_world` was edited. `size` (world units) sets how fast a drag moves.
 pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {
-    let mut translation = Vec3::from(to_world.translation);
-    let moved = freedom != Freedom::Turning
-        && fields::vector(
-            ui,
-            ("Position", "to_world.position"),
-            &mut translation,
-            0.002 * size,
-            "",
-        );
-    if moved {
-        to_world.translation = translation.into();
-    }
+    let moved = freedom != Freedom::Turning && position(ui, to_world, size);
     let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
         fields::note(
             ui,
@@ -59,6 +48,17 @@ pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f
         to_world.matrix3 = matrix3;
     }
     moved || turned || scaled
+}
+
+/// Shows the row of a place; true if it was edited. `size` (world units) sets how fast a drag moves.
+pub(super) fn position(ui: &mut Ui, to_world: &mut Affine3A, size: f32) -> bool {
+    let mut translation = Vec3::from(to_world.translation);
+    let caption = ("Position", "to_world.position");
+    let moved = lengths::vector(ui, caption, &mut translation, 0.002 * size);
+    if moved {
+        to_world.translation = translation.into();
+    }
+    moved
 }
 
 /// A turn about the thing's own axis `up`, on a slider; true if edited. Nothing is shown of a sheared map.

@@ -4,6 +4,7 @@
 pub mod awaited_image;
 pub mod compare;
 pub mod denoiser;
+pub mod depths;
 pub mod frame_times;
 pub mod legend;
 pub(crate) mod material_ball;

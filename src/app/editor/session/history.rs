@@ -13,8 +13,8 @@ use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::insert::{free_name, names};
 use crate::scene::{
-    AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, ObjectChange, ObjectState,
-    Placements, SamplerSettings, SceneId, Side, ToWorld,
+    AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, LengthUnit, ObjectChange,
+    ObjectState, Placements, SamplerSettings, SceneId, Side, ToWorld,
 };
 
 /// Older entries are forgotten above this number of steps.
@@ -28,6 +28,7 @@ pub(crate) struct SettingsState {
     pub integrator: IntegratorSettings,
     pub sampler: SamplerSettings,
     pub accel: AccelMethod,
+    pub unit: LengthUnit,
 }
 
 impl SettingsState {
@@ -36,6 +37,7 @@ impl SettingsState {
             integrator: world.get_resource().copied().unwrap_or_default(),
             sampler: world.get_resource().copied().unwrap_or_default(),
             accel: world.get_resource().copied().unwrap_or_default(),
+            unit: world.get_resource().copied().unwrap_or_default(),
         }
     }
 
@@ -49,6 +51,9 @@ impl SettingsState {
         }
         if from.accel != self.accel {
             world.insert_resource(self.accel);
+        }
+        if from.unit != self.unit {
+            world.insert_resource(self.unit);
         }
     }
 }

@@ -159,6 +159,8 @@ pub(crate) fn remember(
         resolution: settings.resolution,
         enlarging: settings.enlarging,
         snapping: settings.gizmo.snap,
+        grid: settings.grid,
+        dimensions: settings.dimensions,
         ..preferences.clone()
     });
     if silent.problem != problem {

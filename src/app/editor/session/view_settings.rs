@@ -6,7 +6,9 @@ use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
+use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::stored_view::StoredViews;
 use crate::app::editor::command::tool::Tool;
 
@@ -31,6 +33,12 @@ pub struct ViewSettings {
     pub tool: Tool,
     /// Whether frames show where titles and actions should be.
     pub safe_frame: bool,
+    /// Whether the dimensions of the selection are shown in the picture.
+    pub dimensions: bool,
+    /// The measured distances.
+    pub rulers: Vec<Ruler>,
+    /// The grid on the ground and the axes of the world.
+    pub grid: GridSettings,
     /// Whether the panels are shown; otherwise the viewport fills the window.
     pub panels_shown: bool,
 }
@@ -47,6 +55,9 @@ impl Default for ViewSettings {
             bookmarks: StoredViews::default(),
             tool: Tool::default(),
             safe_frame: false,
+            dimensions: false,
+            rulers: Vec::new(),
+            grid: GridSettings::default(),
             panels_shown: true,
         }
     }

@@ -193,7 +193,7 @@ pub(crate) fn gather_viewport(
     mut sources: Sources,
     settings: Res<ViewSettings>,
     state: Res<ViewportState>,
-    model: Res<EditorModel>,
+    mut model: ResMut<EditorModel>,
 ) {
     let seen = &mut *seen;
     if sources.unlocked.read().count() > 0 || !sources.newly_locked.is_empty() {
@@ -210,6 +210,8 @@ pub(crate) fn gather_viewport(
         (sources.picture.revision, &sources.picture.changed),
     );
     seen.targets = sources.targets(&seen.bounds.bounds);
+    let extents = seen.targets.iter().filter_map(|target| target.bounds);
+    model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
     seen.placeholder = placeholder(&sources.status);
     seen.legend = legend(settings.display.mode, sources.picture.scales());

@@ -1,16 +1,21 @@
 //! The panel with the picture, with everything that is drawn over it and that the mouse does there. May import `model`, `input` and the modules
 //! below them.
 
+pub mod axes_widget;
 pub(crate) mod captions;
 pub mod cursor;
+pub(crate) mod extent;
+pub(crate) mod first_steps;
 pub mod gather;
 pub mod gizmo;
+pub mod grid;
 pub mod icons;
 pub mod marks;
 pub mod material_drop;
 pub mod model;
 pub mod path_lines;
 pub mod pointer;
+pub(crate) mod rulers;
 mod snap_menu;
 pub mod state;
 pub mod steer_cursor;
@@ -31,6 +36,8 @@ use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
 use crate::engine::fit;
+use axes_widget::axes_widget;
+use first_steps::first_steps;
 use gizmo::interaction::Rest;
 use marks::{BACKING, tag, thin_frame};
 use material_drop::{Takers, drop_target};
@@ -48,6 +55,12 @@ const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
 /// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
+    let mut model = *model;
+    if model.keys.tool.measures() {
+        // Handles would take the clicks.
+        model.gizmo.targets = &[];
+    }
+    let model = &model;
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
     let pixels = ui.ctx().pixels_per_point();
@@ -75,9 +88,16 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     }
     let screen = model.camera.map(|camera| Screen { camera, picture });
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
-    act(ui, &response, screen.as_ref(), model, state, commands);
+    act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
         toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
+    }
+    if model.is_empty && model.enabled && model.picture.is_some() {
+        first_steps(ui, picture, &model.keys, commands);
+    }
+    if let (Some(pose), Some(screen), true, true) = (model.pose, &screen, model.picture.is_some(), model.enabled) {
+        let center = || pointer::center(screen, model, pose);
+        axes_widget(ui, panel, pose, &model.navigation, center, &mut state.axes, commands);
     }
     let takers = Takers {
         packed: model.packed,
@@ -104,6 +124,7 @@ fn fitted(panel: Rect, size: UVec2, pixels_per_point: f32) -> Rect {
 /// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of the keys are shortcuts.
 fn act(
     ui: &Ui,
+    panel: Rect,
     response: &Response,
     screen: Option<&Screen>,
     model: &ViewportModel,
@@ -123,9 +144,12 @@ fn act(
         rest = state
             .gizmo
             .follow(ui, response, screen, &model.gizmo, presses, commands);
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        let is_over_axes = pointer.is_some_and(|pointer| axes_widget::place(panel).contains(pointer));
+        let is_free = rest.pointer && !is_over_axes;
         look = state
             .pointer
-            .follow(ui, response, screen, model, rest.pointer, pose, commands);
+            .follow(ui, response, screen, model, is_free, pose, commands);
     } else {
         state.pointer.let_go(ui);
         state.pointer.hovered = None;
@@ -197,6 +221,9 @@ fn paint_over(
     state: &ViewportState,
 ) {
     let painter = ui.painter_at(picture);
+    if let Some(screen) = screen.filter(|_| model.picture.is_some()) {
+        grid::paint(&painter, screen, model.navigation.up, &model.keys.grid, model.depths);
+    }
     painter.add(Shape::mesh(model.outline.mesh(picture)));
     if let Some(screen) = screen {
         if model.keys.overlay.shown {
@@ -220,6 +247,12 @@ fn paint_over(
         icons::paint(&painter, screen, model.icons, |entity| {
             Level::of(entity, model.keys.selection, state.pointer.hovered).color()
         });
+        if model.keys.dimensions
+            && let Some(bounds) = model.extent
+        {
+            extent::paint(&painter, screen, &bounds, model.gizmo.unit);
+        }
+        rulers::paint(&painter, screen, model, state.pointer.measured_from, pointer);
         state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
         state.pointer.paint(&painter, pointer);
         if let Some(note) = state.gizmo.note(model.gizmo.length_step) {

@@ -8,14 +8,17 @@ use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
 use crate::app::editor::camera::navigation::Navigation;
+use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Outline;
+use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::engine::PackedScene;
+use crate::math::Aabb;
 use crate::render::camera::Camera;
 
 /// The data that the viewport shows.
@@ -59,6 +62,14 @@ pub struct ViewportModel<'a> {
     pub keys: ActionContext<'a>,
     /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the screen.
     pub mouse: egui::Vec2,
+    /// The box around the selection in the world.
+    pub extent: Option<Aabb>,
+    /// The distances that were measured.
+    pub rulers: &'a [Ruler],
+    /// Whether the scene is read and has no shapes.
+    pub is_empty: bool,
+    /// The distances of what the picture shows.
+    pub depths: Depths<'a>,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],
     /// Whether keys and mouse act on the picture, which they do not while a dialog is open.

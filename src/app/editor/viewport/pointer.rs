@@ -10,12 +10,13 @@ use bevy_egui::egui::{self, Color32, Modifiers, MouseWheelUnit, PointerButton, P
 use super::cursor::TurningCursor;
 use super::marks::thin_frame;
 use super::model::ViewportModel;
-use super::{gizmo, icons};
+use super::{gizmo, icons, rulers};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::{orbit, picking};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
@@ -28,6 +29,8 @@ pub struct PointerState {
     pub(crate) cursor: TurningCursor,
     /// The thing under the pointer.
     pub hovered: Option<Entity>,
+    /// The first point of a distance that is being measured.
+    pub(crate) measured_from: Option<Vec3>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +91,9 @@ impl PointerState {
         } else {
             Vec2::ZERO
         };
+        if !model.keys.tool.measures() {
+            self.measured_from = None;
+        }
         let mut look = Vec2::ZERO;
         match &mut self.hold {
             Some(Hold::Look) => look = by,
@@ -165,7 +171,7 @@ impl PointerState {
         }
     }
 
-    fn click(&self, ui: &Ui, pointer: Pos2, screen: &Screen, model: &ViewportModel, commands: &mut Vec<Command>) {
+    fn click(&mut self, ui: &Ui, pointer: Pos2, screen: &Screen, model: &ViewportModel, commands: &mut Vec<Command>) {
         let modifiers = ui.input(|input| input.modifiers);
         let how = if modifiers.shift || modifiers.command {
             Extend::Toggle
@@ -187,6 +193,16 @@ impl PointerState {
                 };
                 commands.push(Command::InspectPaths(Some(paths)));
                 commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Paths)));
+                return;
+            }
+            Tool::Ruler => {
+                let Some(point) = rulers::point_at(pointer, screen, model) else {
+                    return;
+                };
+                match self.measured_from.take() {
+                    Some(from) if from != point => commands.push(Command::AddRuler(Ruler { from, to: point })),
+                    _ => self.measured_from = Some(point),
+                }
                 return;
             }
             Tool::Region => return,
@@ -240,7 +256,7 @@ fn pressed_button(ui: &Ui) -> Option<PointerButton> {
 }
 
 /// The middle of the selection; without one the point straight ahead.
-fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
+pub(super) fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
     let selected = gizmo::bounds(model.gizmo.targets);
     if !selected.is_empty() {
         return selected.center();

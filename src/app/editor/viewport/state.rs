@@ -6,6 +6,7 @@ use bevy::math::UVec2;
 use bevy::prelude::Resource;
 use bevy_egui::egui::Ui;
 
+use super::axes_widget::AxesState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 
@@ -18,6 +19,7 @@ pub struct ViewportState {
     pub pointer: PointerState,
     /// The pixels in which the picture was last shown.
     pub room: Option<UVec2>,
+    pub(super) axes: AxesState,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
 }

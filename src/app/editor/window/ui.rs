@@ -21,6 +21,7 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
+use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::layout::Layout;
@@ -35,8 +36,8 @@ use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
-use crate::engine::PackedScene;
-use crate::scene::{ActiveSensor, SceneStatus};
+use crate::engine::{PackedScene, RenderFilm};
+use crate::scene::{ActiveSensor, SceneState, SceneStatus};
 
 /// The visible parts of the scene.
 #[derive(bevy::ecs::system::SystemParam)]
@@ -44,6 +45,7 @@ pub struct Scene<'w> {
     seen: Res<'w, ViewportScene>,
     settings: Res<'w, ViewSettings>,
     packed: Res<'w, PackedScene>,
+    film: Res<'w, RenderFilm>,
     selection: Res<'w, Selection>,
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
@@ -122,6 +124,8 @@ pub fn show_window(
         selection: &scene.selection,
         tool: settings.tool,
         safe_frame: settings.safe_frame,
+        grid: settings.grid,
+        dimensions: settings.dimensions,
         flying: false,
     };
     let menus = MenuState {
@@ -146,6 +150,7 @@ pub fn show_window(
             targets: &seen.targets,
             length_step: settings.gizmo.steps.length_in(settings.navigation.scene_size),
             up: settings.navigation.up,
+            unit: model.unit,
             packed: &scene.packed,
         },
         locked: &seen.locked,
@@ -158,6 +163,10 @@ pub fn show_window(
         navigation: settings.navigation,
         keys: action_context,
         mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),
+        extent: model.extent,
+        rulers: &settings.rulers,
+        is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
+        depths: Depths::of(&scene.film.film),
         presses: &presses,
         enabled: is_free,
     };

@@ -54,7 +54,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(22) {
+    match random.below(23) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -97,7 +97,8 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             format!("mix {} 0.{}", random.one_of(&lights)?, 1 + random.below(9)),
             "bake-lights".to_owned(),
         ]),
-        20 => one(format!("import-file {}", part.display())),
+        20 => one(["unit-none", "unit-m", "unit-cm", "unit-ft"][random.below(4)].to_owned()),
+        21 => one(format!("import-file {}", part.display())),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
             1 + random.below(5)

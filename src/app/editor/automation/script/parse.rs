@@ -13,8 +13,10 @@ use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside};
+use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
@@ -48,7 +50,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 43] = [
+pub const VERBS: [(&str, &str); 45] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -90,6 +92,8 @@ pub const VERBS: [(&str, &str); 43] = [
     ("enlarge", "smooth|sharp"),
     ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
     ("split-strategies", "on|off"),
+    ("show-grid", "on|off"),
+    ("measure-between", "FROM TO (each X,Y,Z)"),
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
@@ -140,6 +144,8 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         selection,
         tool: settings.tool,
         safe_frame: settings.safe_frame,
+        grid: settings.grid,
+        dimensions: settings.dimensions,
         flying: false,
     }
 }
@@ -271,6 +277,14 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
         ("region", corners) => Command::SetRegion(rendering::region(corners)?),
         ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
+        ("measure-between", [from, to]) => Command::AddRuler(Ruler {
+            from: parse_vec3(from)?,
+            to: parse_vec3(to)?,
+        }),
+        ("show-grid", [switch]) => Command::SetGrid(GridSettings {
+            shown: rendering::switch(switch)?,
+            ..world.resource::<ViewSettings>().grid
+        }),
         ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
         ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
         ("mix", [light, gain @ ..]) => {

@@ -10,6 +10,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::tool::Tool;
 pub use table::ACTIONS;
@@ -33,6 +34,10 @@ pub struct ActionContext<'a> {
     pub tool: Tool,
     /// Whether the safe frame is shown.
     pub safe_frame: bool,
+    /// The grid, which is shown or hidden.
+    pub grid: GridSettings,
+    /// Whether the dimensions of the selection are shown in the picture.
+    pub dimensions: bool,
     /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
 }
@@ -148,6 +153,8 @@ impl ActionContext<'_> {
             Command::SetPaused(paused) => self.paused = *paused,
             Command::SetTool(tool) => self.tool = *tool,
             Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
+            Command::SetGrid(grid) => self.grid = *grid,
+            Command::ShowDimensions(shown) => self.dimensions = *shown,
             Command::ShowPanels(shown) => self.panels_shown = *shown,
             _ => {}
         }

@@ -8,12 +8,14 @@ use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, Direction, FileDialogKind};
+use crate::scene::LengthUnit;
 
 const fn plain(key: Key) -> Shortcut {
     Shortcut {
@@ -119,6 +121,14 @@ macro_rules! nudge {
     ($name:literal, $label:literal, $key:expr, $direction:ident) => {
         action(Group::Edit, $name, $label, &[plain($key)], |context| {
             context.with_selection(Command::Nudge(Direction::$direction))
+        })
+    };
+}
+
+macro_rules! unit {
+    ($name:literal, $label:literal, $unit:ident) => {
+        action(Group::Edit, $name, $label, &[], |_| {
+            Some(Command::SetUnit(LengthUnit::$unit))
         })
     };
 }
@@ -385,6 +395,38 @@ pub const ACTIONS: &[Action] = &[
     action(Group::View, "safe-frame", "Safe frame", &[], |context| {
         Some(Command::ShowSafeFrame(!context.safe_frame))
     }),
+    action(Group::View, "grid", "Grid and axes", &[plain(Key::Num0)], |context| {
+        Some(Command::SetGrid(GridSettings {
+            shown: !context.grid.shown,
+            ..context.grid
+        }))
+    }),
+    action(
+        Group::View,
+        "dimensions",
+        "Dimensions of the selection",
+        &[],
+        |context| Some(Command::ShowDimensions(!context.dimensions)),
+    ),
+    action(Group::View, "ruler", "Measure distances", &[plain(Key::M)], |context| {
+        Some(Command::SetTool(match context.tool {
+            Tool::Ruler => Tool::Select,
+            _ => Tool::Ruler,
+        }))
+    }),
+    action(
+        Group::View,
+        "clear-rulers",
+        "Remove the measured distances",
+        &[],
+        |_| Some(Command::ClearRulers),
+    ),
+    unit!("unit-none", "Unit: none", None),
+    unit!("unit-m", "Unit: metres", Metre),
+    unit!("unit-cm", "Unit: centimetres", Centimetre),
+    unit!("unit-mm", "Unit: millimetres", Millimetre),
+    unit!("unit-in", "Unit: inches", Inch),
+    unit!("unit-ft", "Unit: feet", Foot),
     action(
         Group::View,
         "inspect-paths",

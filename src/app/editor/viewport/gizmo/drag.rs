@@ -16,7 +16,9 @@ use crate::app::editor::camera::rounding;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode, Pivot};
 use crate::app::editor::command::snapping::SnapTo;
+use crate::app::editor::input::press::Press;
 use crate::app::editor::model::freedom::Freedom;
+use crate::scene::LengthUnit;
 
 /// The change of things since the drag began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +66,8 @@ pub struct Drag {
     pub constraint: Constraint,
     /// Numbers that were typed meanwhile; they count instead of the pointer.
     pub typed: Typed,
+    /// The unit of the scene, for lengths that are typed.
+    lengths: LengthUnit,
     pub(super) settings: GizmoSettings,
     /// The place where the pointer took hold.
     grabbed: Pos2,
@@ -106,6 +110,7 @@ impl Drag {
             targets,
             constraint,
             typed: Typed::default(),
+            lengths: LengthUnit::None,
             settings,
             grabbed,
             last: grabbed,
@@ -114,9 +119,20 @@ impl Drag {
         }
     }
 
+    /// The same, with lengths that are typed in a scene of this unit.
+    pub(crate) fn with_unit(self, unit: LengthUnit) -> Self {
+        Self { lengths: unit, ..self }
+    }
+
     /// The mode of the drag.
     pub fn mode(&self) -> Mode {
         self.settings.mode
+    }
+
+    /// Whether the key belongs to what is typed; then it has been taken in.
+    pub(crate) fn press(&mut self, press: &Press) -> bool {
+        let is_unit = |typed: &mut Typed| typed.press_unit(press.key, press.modifiers.shift);
+        self.typed.press(press.key) || (self.settings.mode == Mode::Move && is_unit(&mut self.typed))
     }
 
     /// Sets another constraint from here on. The same constraint again removes it.
@@ -141,7 +157,11 @@ impl Drag {
     pub fn follow(&mut self, screen: &Screen, pointer: Pos2, snap: bool, length_step: f32) -> Change {
         let pixel = screen.units_per_point(screen.depth(self.frame.origin));
         self.unit = rounding::unit_of_pixel(pixel);
-        if let Some(numbers) = self.typed.numbers() {
+        let numbers = match self.settings.mode {
+            Mode::Move => self.typed.lengths(self.lengths),
+            _ => self.typed.numbers(),
+        };
+        if let Some(numbers) = numbers {
             // A typed move is exact.
             self.unit *= if self.settings.mode == Mode::Move {
                 0.0

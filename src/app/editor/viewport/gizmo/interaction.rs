@@ -20,6 +20,7 @@ use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
 use crate::app::editor::command::snapping::SnapTo;
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
+use crate::scene::LengthUnit;
 
 /// The data that the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,8 @@ pub struct GizmoModel<'a> {
     pub length_step: f32,
     /// The world's upward direction, an axis.
     pub up: Vec3,
+    /// The unit of the scene, for lengths that are typed.
+    pub unit: LengthUnit,
     /// The packed scene, to drop things onto.
     pub packed: &'a PackedScene,
 }
@@ -194,7 +197,7 @@ impl GizmoState {
         self.begun = true;
         let entities: Vec<Entity> = model.targets.iter().map(|target| target.entity).collect();
         self.held = frame(model.targets, &settings, ahead(screen, model)).map(|frame| Held {
-            drag: Drag::new(frame, model.targets.to_vec(), settings, constraint, pointer),
+            drag: Drag::new(frame, model.targets.to_vec(), settings, constraint, pointer).with_unit(model.unit),
             by,
             change: None,
             solids: match settings.mode {
@@ -248,7 +251,7 @@ impl GizmoState {
             } else {
                 Constraint::Axis(axis)
             }),
-            (key, _) if !is_shortcut && held.drag.typed.press(key) => {}
+            _ if !is_shortcut && held.drag.press(press) => {}
             // While something follows the pointer, other keys wait; before that they act as usual.
             _ if held.by == Hold::Keys => {
                 self.held = None;
@@ -293,7 +296,7 @@ impl Held {
     /// Whether the key is part of an amount that is being typed.
     fn waits_for(&self, press: &Press) -> bool {
         let is_plain = !press.modifiers.command && !press.modifiers.alt;
-        let is_amount = axis_of(press.key).is_some() || self.drag.typed.clone().press(press.key);
+        let is_amount = axis_of(press.key).is_some() || self.drag.clone().press(press);
         self.by == Hold::Keys && is_plain && is_amount
     }
 

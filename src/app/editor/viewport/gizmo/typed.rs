@@ -2,6 +2,8 @@
 
 use bevy_egui::egui::Key;
 
+use crate::scene::LengthUnit;
+
 /// The text so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Typed(String);
@@ -50,6 +52,38 @@ impl Typed {
         true
     }
 
+    /// Whether the key goes on with the unit of a length, such as `cm` or `'`; then it has been taken in.
+    pub fn press_unit(&mut self, key: Key, shift: bool) -> bool {
+        let letter = match key {
+            Key::M => 'm',
+            Key::C => 'c',
+            Key::I => 'i',
+            Key::N => 'n',
+            Key::F => 'f',
+            Key::T => 't',
+            Key::Quote if shift => '"',
+            Key::Quote => '\'',
+            _ => return false,
+        };
+        let (number, unit) = split(self.0.rsplit(',').next().unwrap_or_default());
+        let unit = format!("{unit}{letter}");
+        let goes_on =
+            number.contains(|c: char| c.is_ascii_digit()) && self.0.len() < LONGEST && LengthUnit::begins_unit(&unit);
+        if goes_on {
+            self.0.push(letter);
+        }
+        goes_on
+    }
+
+    /// The lengths in order, in units of the scene. A unit that is not complete counts as none.
+    pub fn lengths(&self, unit: LengthUnit) -> Option<Vec<f32>> {
+        let length = |text: &str| {
+            let known = unit.parse(text).or_else(|| unit.parse(split(text).0));
+            known.unwrap_or(0.0) as f32
+        };
+        (!self.is_empty()).then(|| self.0.split(',').map(length).collect())
+    }
+
     /// The numbers in order, zero for one that is not complete; None while nothing is typed.
     pub fn numbers(&self) -> Option<Vec<f32>> {
         let number = |text: &str| {
@@ -60,6 +94,14 @@ impl Typed {
         };
         (!self.is_empty()).then(|| self.0.split(',').map(number).collect())
     }
+}
+
+/// The text before its last unit, and the unit.
+fn split(text: &str) -> (&str, &str) {
+    let end = text
+        .trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.' && c != '-')
+        .len();
+    text.split_at(end)
 }
 
 fn digit(key: Key) -> Option<char> {
@@ -113,6 +155,27 @@ mod tests {
             typed(&[Key::Num7, Key::Minus, Key::Minus, Key::Backspace]).numbers(),
             None
         );
+    }
+
+    #[test]
+    fn units_follow_numbers() {
+        let mut length = typed(&[Key::Num3, Key::Num0]);
+        assert!(!length.press_unit(Key::T, false) && !length.press_unit(Key::N, false));
+        assert!(length.press_unit(Key::C, false));
+        assert_eq!(
+            length.lengths(LengthUnit::None),
+            Some(vec![30.0]),
+            "the unit is not complete"
+        );
+        assert!(length.press_unit(Key::M, false) && !length.press_unit(Key::M, false));
+        assert_eq!(length.lengths(LengthUnit::None), Some(vec![0.3]));
+        assert_eq!(length.lengths(LengthUnit::Millimetre), Some(vec![300.0]));
+        length.press(Key::Minus);
+        assert_eq!(length.lengths(LengthUnit::Metre), Some(vec![-0.3]));
+        let mut feet = typed(&[Key::Num1, Key::Comma, Key::Num6]);
+        assert!(feet.press_unit(Key::Quote, false) && feet.press(Key::Num2) && feet.press_unit(Key::Quote, true));
+        assert_eq!(feet.lengths(LengthUnit::Inch), Some(vec![1.0, 74.0]));
+        assert!(!typed(&[]).press_unit(Key::M, false) && !typed(&[Key::Minus]).press_unit(Key::M, false));
     }
 
     #[test]

@@ -1,0 +1,64 @@
+//! The hint over the picture of a scene without shapes: what one can do first.
+
+use bevy_egui::egui::{self, Align, CornerRadius, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder};
+
+use crate::app::editor::command::Command;
+use crate::app::editor::input::actions::{self, ActionContext, Shortcut};
+
+const SIZE: egui::Vec2 = egui::vec2(330.0, 150.0);
+
+/// Shows the hint in the middle of the picture.
+pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, commands: &mut Vec<Command>) {
+    let place = Rect::from_center_size(picture.center(), SIZE.min(picture.size()));
+    let layout = Layout::top_down(Align::Center);
+    let mut middle = ui.new_child(UiBuilder::new().id_salt("first steps").max_rect(place).layout(layout));
+    middle.set_clip_rect(picture);
+    let frame = Frame::new()
+        .fill(middle.visuals().window_fill.gamma_multiply_u8(238))
+        .stroke(middle.visuals().window_stroke)
+        .corner_radius(CornerRadius::same(4))
+        .inner_margin(Margin::symmetric(14, 10));
+    frame.show(&mut middle, |ui| {
+        ui.label(RichText::new("This scene has no shapes yet").strong());
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            ui.label("Add a");
+            for name in ["add-cube", "add-sphere", "add-rectangle"] {
+                act(ui, name, context, commands);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("or");
+            act(ui, "import", context, commands);
+            ui.label("a mesh, or");
+            act(ui, "open", context, commands);
+            ui.label("a scene.");
+        });
+        ui.add_space(4.0);
+        ui.weak("The menu Add has more. Meshes, pictures and scenes can also be dropped here.");
+        let keys = |name: &str| {
+            let action = actions::find(name);
+            action
+                .and_then(|action| action.keys.first())
+                .map_or(String::new(), Shortcut::text)
+        };
+        ui.weak(format!(
+            "{} shows all keys; {} finds any command.",
+            keys("shortcuts"),
+            keys("palette")
+        ));
+    });
+}
+
+/// The button of an action.
+fn act(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
+    let Some(action) = actions::find(name) else { return };
+    let response = ui.button(action.label);
+    let response = match action.keys.first() {
+        Some(key) => response.on_hover_text(key.text()),
+        None => response,
+    };
+    if response.clicked() {
+        commands.extend((action.command)(context));
+    }
+}

@@ -1,0 +1,350 @@
+//! The grid on the ground and the axes of the world, drawn over the picture where nothing is before them.
+//!
+//! Lines fade where they would be too close to each other on the screen, so the far end of the grid vanishes and no level of it appears or
+//! disappears all at once.
+
+use bevy::math::{Vec2, Vec3};
+use bevy_egui::egui::{self, Color32, Mesh, Pos2, Rect, Shape};
+
+use crate::app::editor::camera::ground::GridPlane;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::picture::depths::Depths;
+
+/// The lines of each level on either side of the middle.
+const LINES: i32 = 60;
+/// Each level has lines ten times as far apart as the one before.
+const LEVELS: u32 = 3;
+/// The distance of lines on the screen, in points, from which and up to which they become visible.
+const APPEAR: [f32; 2] = [9.0, 40.0];
+/// The distance from which and up to which they become stronger still.
+const STRONG: [f32; 2] = [70.0, 300.0];
+/// The opacity that lines have then.
+const FAINT: f32 = 0.16;
+const FIRM: f32 = 0.16;
+const AXIS: f32 = 0.75;
+/// The distance along a line, in points, from one look at the depth of the picture to the next.
+const LOOK: f32 = 4.0;
+/// The most looks from one vertex to the next.
+const MOST_LOOKS: usize = 12;
+/// What is nearer to a surface than this share of the distance is on it.
+const ON_SURFACE: f32 = 2e-3;
+
+/// The colours of lines along x, y and z.
+pub(crate) const AXIS_COLORS: [Color32; 3] = [
+    Color32::from_rgb(226, 70, 84),
+    Color32::from_rgb(116, 178, 44),
+    Color32::from_rgb(66, 128, 230),
+];
+
+/// Draws the grid over the picture. `up` is the world's upward axis.
+pub(crate) fn paint(painter: &egui::Painter, screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) {
+    if settings.shown {
+        painter.add(Shape::mesh(mesh(screen, up, settings, depths)));
+    }
+}
+
+/// The triangles of all lines.
+pub fn mesh(screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) -> Mesh {
+    let plane = GridPlane::of(screen, up);
+    let middle = plane.middle(screen);
+    let step = plane.step(screen, settings);
+    let mut lines = Lines {
+        view: View::new(screen, depths),
+        plane,
+        middle,
+        mesh: Mesh::default(),
+    };
+    for (along, across) in [(0, 1), (1, 0)] {
+        for level in 0..LEVELS {
+            lines.level(along, across, level, step);
+        }
+    }
+    let reach = step * 10f32.powi(LEVELS as i32 - 1) * LINES as f32;
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        lines.axis(axis, reach);
+    }
+    lines.mesh
+}
+
+/// What is needed of the view for every point of a line.
+struct View<'v> {
+    screen: &'v Screen,
+    depths: Depths<'v>,
+    /// The place of a perspective camera; None if rays are parallel.
+    eye: Option<Vec3>,
+    /// World units from one pixel of the depths to the next, at distance 1 in a perspective.
+    pixel: f32,
+}
+
+impl<'v> View<'v> {
+    fn new(screen: &'v Screen, depths: Depths<'v>) -> Self {
+        let eye = (!screen.camera.is_orthographic()).then(|| screen.camera.unproject(Vec2::splat(0.5), 0.0));
+        let pixel = screen.units_per_point(1.0) * screen.picture.width() / depths.width().max(1) as f32;
+        Self {
+            screen,
+            depths,
+            eye,
+            pixel,
+        }
+    }
+
+    /// Whether the picture shows nothing before a point of a plane across `normal`.
+    fn sees(&self, at: Pos2, world: Vec3, normal: Vec3) -> bool {
+        let film = self.screen.film(at);
+        let Some(seen) = self.depths.at(film) else {
+            return true;
+        };
+        let way = world - self.eye.unwrap_or_else(|| self.screen.camera.unproject(film, 0.0));
+        let distance = way.length();
+        // A pixel is as wide as this at that distance, and the plane is as much deeper at its edge than in its middle.
+        let width = self.pixel * self.eye.map_or(1.0, |_| distance);
+        let grazing = (way.dot(normal) / distance).abs().max(1e-3);
+        distance <= seen + ON_SURFACE * distance + width / grazing
+    }
+}
+
+struct Lines<'v> {
+    view: View<'v>,
+    plane: GridPlane,
+    middle: Vec3,
+    mesh: Mesh,
+}
+
+/// A line of the grid that is being drawn.
+#[derive(Clone, Copy)]
+struct Line {
+    /// A point of it, from which `reach` is measured.
+    middle: Vec3,
+    /// The unit direction.
+    along: Vec3,
+    /// The way to the next line.
+    across: Vec3,
+    /// World units in both directions.
+    reach: f32,
+    /// The normal of the plane that it lies in.
+    normal: Vec3,
+    color: Color32,
+    style: Style,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Style {
+    Grid,
+    Axis,
+}
+
+impl Lines<'_> {
+    /// The lines of a level along one axis of the plane, without those that a coarser level has.
+    fn level(&mut self, along: usize, across: usize, level: u32, step: f32) {
+        let [along, across] = [along, across].map(|axis| self.plane.axes[axis]);
+        let step = step * 10f32.powi(level as i32);
+        let first = (self.middle.dot(across) / step).round();
+        // Farther away whole numbers of steps cannot be told apart.
+        if first.is_nan() || first.abs() > 1e6 {
+            return;
+        }
+        let is_last = level + 1 == LEVELS;
+        for line in first as i32 - LINES..=first as i32 + LINES {
+            if line == 0 || (!is_last && line % 10 == 0) {
+                continue;
+            }
+            let off = across * (line as f32 * step - self.middle.dot(across));
+            self.line(Line {
+                middle: self.middle + off,
+                along,
+                across: across * step,
+                reach: step * LINES as f32,
+                normal: self.plane.normal,
+                color: Color32::WHITE,
+                style: Style::Grid,
+            });
+        }
+    }
+
+    fn axis(&mut self, axis: Vec3, reach: f32) {
+        let is_across = self.plane.normal.dot(axis).abs() > 0.5;
+        if is_across && self.view.eye.is_none() && self.view.screen.forward().dot(axis).abs() > 0.999 {
+            return;
+        }
+        // The axis across the plane is in no plane of the grid: any that faces the viewer will do.
+        let normal = match is_across {
+            true => axis.cross(self.view.screen.forward()).cross(axis).normalize_or_zero(),
+            false => self.plane.normal,
+        };
+        self.line(Line {
+            middle: axis * axis.dot(self.middle),
+            along: axis,
+            across: Vec3::ZERO,
+            reach,
+            normal,
+            color: AXIS_COLORS[axis.max_position()],
+            style: Style::Axis,
+        });
+    }
+
+    fn line(&mut self, line: Line) {
+        let ends = [-line.reach, line.reach].map(|along| line.middle + line.along * along);
+        let Some(part) = VisiblePart::of(self.view.screen, ends) else {
+            return;
+        };
+        let length = part.points[0].distance(part.points[1]);
+        let looks = ((length / LOOK).ceil() as usize).clamp(1, 4096);
+        let mut strip = Strip::new(&mut self.mesh, part.points);
+        let mut since_vertex = MOST_LOOKS;
+        let mut was_visible = false;
+        for look in 0..=looks {
+            let (at, world) = part.at(look as f32 / looks as f32);
+            let is_visible = self.view.sees(at, world, line.normal);
+            since_vertex += 1;
+            if is_visible && (since_vertex >= MOST_LOOKS || !was_visible || look == looks) {
+                strip.vertex(at, line.color, opacity(self.view.screen, &line, world, at));
+                since_vertex = 0;
+            } else if was_visible && !is_visible {
+                let (at, world) = part.at((look as f32 - 0.5) / looks as f32);
+                strip.vertex(at, line.color, opacity(self.view.screen, &line, world, at));
+                strip.interrupt();
+            }
+            was_visible = is_visible;
+        }
+    }
+}
+
+/// The opacity of a line at a point of it.
+fn opacity(screen: &Screen, line: &Line, world: Vec3, at: Pos2) -> f32 {
+    let share = (world - line.middle).dot(line.along) / line.reach;
+    let inside = 1.0 - share * share;
+    if line.style == Style::Axis {
+        return AXIS * inside.max(0.0);
+    }
+    let (Some(beside), Some(ahead)) = (
+        screen.project(world + line.across),
+        screen.project(world + line.along * line.across.length()),
+    ) else {
+        return 0.0;
+    };
+    let direction = (ahead - at).normalized();
+    let way = beside - at;
+    let apart = (way.x * direction.y - way.y * direction.x).abs();
+    let strength = FAINT * ramp(apart, APPEAR) + FIRM * ramp(apart, STRONG);
+    strength * inside.clamp(0.0, 1.0)
+}
+
+/// From 0 at `from` or below to 1 at `to`, smoothly.
+fn ramp(x: f32, [from, to]: [f32; 2]) -> f32 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The part of a segment of the world that is in the picture.
+struct VisiblePart {
+    points: [Pos2; 2],
+    /// Distances along the view axis.
+    depths: [f32; 2],
+    world: [Vec3; 2],
+    is_parallel: bool,
+}
+
+impl VisiblePart {
+    fn of(screen: &Screen, ends: [Vec3; 2]) -> Option<Self> {
+        let depths = ends.map(|end| screen.depth(end));
+        let nearest = 1e-3 * depths[0].abs().max(depths[1].abs()).max(1e-6);
+        // Depth is linear along the segment: an end behind the camera moves to just before it.
+        let cut = |from: usize, to: usize| match depths[from] >= nearest {
+            true => Some((ends[from], depths[from])),
+            false if depths[to] > nearest => {
+                let share = (nearest - depths[from]) / (depths[to] - depths[from]);
+                Some((ends[from].lerp(ends[to], share), nearest))
+            }
+            false => None,
+        };
+        let ((a, depth_a), (b, depth_b)) = (cut(0, 1)?, cut(1, 0)?);
+        let points = [screen.project(a)?, screen.project(b)?];
+        let whole = Self {
+            points,
+            depths: [depth_a, depth_b],
+            world: [a, b],
+            is_parallel: screen.camera.is_orthographic(),
+        };
+        let [from, to] = inside(screen.picture, points)?;
+        let (start, end) = (whole.at(from), whole.at(to));
+        Some(Self {
+            points: [start.0, end.0],
+            depths: [start.1, end.1].map(|world| screen.depth(world)),
+            world: [start.1, end.1],
+            ..whole
+        })
+    }
+
+    /// The point at a share of the way on the screen, and its place in the world.
+    fn at(&self, share: f32) -> (Pos2, Vec3) {
+        let [a, b] = self.points;
+        let [near, far] = self.depths;
+        let in_world = match self.is_parallel {
+            true => share,
+            // One over the depth is linear on the screen.
+            false => share * near / (far + share * (near - far)),
+        };
+        (a + (b - a) * share, self.world[0].lerp(self.world[1], in_world))
+    }
+}
+
+/// The shares of the way from `a` to `b` between which it is inside of a rectangle (Liang and Barsky 1984); None if it never is.
+fn inside(rect: Rect, [a, b]: [Pos2; 2]) -> Option<[f32; 2]> {
+    let way = b - a;
+    let (mut from, mut to) = (0.0f32, 1.0f32);
+    for (start, step, min, max) in [
+        (a.x, way.x, rect.left(), rect.right()),
+        (a.y, way.y, rect.top(), rect.bottom()),
+    ] {
+        if step == 0.0 {
+            if start < min || start > max {
+                return None;
+            }
+            continue;
+        }
+        let ends = [(min - start) / step, (max - start) / step];
+        from = from.max(ends[0].min(ends[1]));
+        to = to.min(ends[0].max(ends[1]));
+    }
+    (from < to).then_some([from, to])
+}
+
+/// A line one point wide whose edges are soft.
+struct Strip<'m> {
+    mesh: &'m mut Mesh,
+    /// The way from the line to its edge.
+    side: egui::Vec2,
+    goes_on: bool,
+}
+
+impl<'m> Strip<'m> {
+    fn new(mesh: &'m mut Mesh, [a, b]: [Pos2; 2]) -> Self {
+        let side = (b - a).normalized().rot90();
+        Self {
+            mesh,
+            side,
+            goes_on: false,
+        }
+    }
+
+    fn vertex(&mut self, at: Pos2, color: Color32, opacity: f32) {
+        let first = self.mesh.vertices.len() as u32;
+        let color = color.gamma_multiply(opacity);
+        self.mesh.colored_vertex(at - self.side, Color32::TRANSPARENT);
+        self.mesh.colored_vertex(at, color);
+        self.mesh.colored_vertex(at + self.side, Color32::TRANSPARENT);
+        if self.goes_on && first >= 3 {
+            for edge in 0..2 {
+                let (a, b) = (first - 3 + edge, first + edge);
+                self.mesh.add_triangle(a, a + 1, b);
+                self.mesh.add_triangle(a + 1, b + 1, b);
+            }
+        }
+        self.goes_on = true;
+    }
+
+    fn interrupt(&mut self) {
+        self.goes_on = false;
+    }
+}
