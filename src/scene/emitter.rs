@@ -86,8 +86,8 @@ declare_plugins! {
             /// Whether directions that surfaces find by themselves are sampled less.
             mis_compensation: bool = true => Flag(ParameterInfo::switch(
                 "mis_compensation",
-                "Seek bright",
-                "Looks less for those directions of the picture that surfaces find by themselves: less noise, the same picture.",
+                "Compensation",
+                "MIS compensation (Karlik and others, 2019): light sampling leaves the dim directions of the picture to BSDF sampling. Less noise, the same picture.",
             )),
         },
 
@@ -148,8 +148,8 @@ const INTENSITY: ParameterInfo = ParameterInfo::new(
 
 const SAMPLING_WEIGHT: ParameterInfo = ParameterInfo::sampling_rate(
     "sampling_weight",
-    "Sampled",
-    "How often the light is looked for, relative to the others; 0 leaves it to be met by chance.",
+    "Sampling",
+    "Sampling weight: how often light sampling chooses this light, relative to the others. 0 leaves it to paths that hit it by chance. Only the noise changes.",
 );
 
 impl Default for Emitter {

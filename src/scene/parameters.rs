@@ -407,8 +407,8 @@ pub(crate) const FOV: ParameterInfo = ParameterInfo::degrees(
 
 pub(crate) const FOV_AXIS: ParameterInfo = ParameterInfo::new(
     "fov_axis",
-    "Measured",
-    "Along which edge of the picture the field of view is measured.",
+    "FOV axis",
+    "The edge of the picture, or its diagonal, that the field of view spans.",
     "horizontal, vertical, diagonal, smaller or larger edge",
 );
 

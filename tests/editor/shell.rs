@@ -82,6 +82,7 @@ fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
                 kind: "mesh",
                 can_hide: true,
                 inside_of: None,
+                uses: None,
                 hidden: false,
                 locked: false,
             }],
@@ -151,7 +152,7 @@ fn the_overview_has_every_key_and_closes_by_its_own() {
     for key in [Key::Escape, Key::F1, Key::Questionmark] {
         let mut harness = show((), |egui, shown| {
             if shown.is_open {
-                shown.is_open = shortcuts(egui);
+                shown.is_open = shortcuts(egui, Default::default(), &Default::default());
             }
         });
         for text in [
@@ -266,7 +267,8 @@ fn recovery_is_offered_once() {
     };
     let mut harness = ask();
     assert!(harness.query_by_label_contains("/there/box.xml").is_some());
-    click(&mut harness, "Recover");
+    harness.get_by_label_contains("Recover the copy").click();
+    harness.run_steps(4);
     assert_eq!(
         harness.state().commands,
         [Command::Shell(ShellCommand::Recover(offer()))]

@@ -4,6 +4,7 @@ use bevy_egui::egui;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
@@ -37,6 +38,7 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         panels_shown: true,
         selection,
         tool: Default::default(),
+        bound: &NO_BINDINGS,
         safe_frame: false,
         grid: Default::default(),
         dimensions: false,

@@ -8,6 +8,8 @@ use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
+use sunroom::app::editor::command::navigation_preset::NavigationPreset;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::tool::Tool;
 use sunroom::app::editor::command::{Command, Direction};
@@ -15,6 +17,7 @@ use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::model::freedom::Freedom;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::viewport::gizmo::Target;
@@ -40,6 +43,7 @@ pub struct Window {
     gizmo: GizmoSettings,
     target: Target,
     pub camera: Camera,
+    preset: NavigationPreset,
 }
 
 pub const SIZE: egui::Vec2 = vec2(800.0, 600.0);
@@ -74,6 +78,7 @@ pub fn window() -> Harness<'static, Window> {
             bounds: Some(unit),
         },
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
+        preset: NavigationPreset::default(),
     };
     let lamp = Icon {
         entity: entity(7),
@@ -103,7 +108,9 @@ pub fn window() -> Harness<'static, Window> {
                     up: Vec3::Y,
                     unit: Default::default(),
                     packed: &packed,
+                    bound: &NO_BINDINGS,
                 },
+                denoiser: DenoiserState::Idle,
                 locked: &locked,
                 things: &things,
                 packed: &packed,
@@ -115,6 +122,7 @@ pub fn window() -> Harness<'static, Window> {
                     scene_size: 10.0,
                     ..Navigation::default()
                 },
+                preset: window.preset,
                 keys: ActionContext {
                     gizmo: window.gizmo,
                     tool: window.tool,
@@ -432,6 +440,56 @@ fn alt_orbits_the_selection_and_the_middle_button_pans() {
     assert!(
         panned.len() == 5 && panned.iter().all(|x| (x - step).abs() < 1e-4),
         "{panned:?} for {step}"
+    );
+}
+
+#[test]
+fn the_middle_button_does_what_the_preset_says() {
+    let from = Pos2::new(200.0, 400.0);
+    let dragged = |preset, modifiers| {
+        let mut harness = window();
+        harness.state_mut().preset = preset;
+        let to = from + vec2(40.0, -20.0);
+        drag(&mut harness, PointerButton::Middle, from, to, modifiers, true);
+        *views(&harness).last().expect("the view moves")
+    };
+    let seen = |pose: Affine3A| pose.inverse().transform_point3(Vec3::ZERO);
+    let orbits =
+        |pose: Affine3A| pose.matrix3 != self::pose().matrix3 && seen(pose).abs_diff_eq(seen(self::pose()), 1e-3);
+    let shift = Modifiers::SHIFT;
+    assert!(orbits(dragged(NavigationPreset::Blender, Modifiers::NONE)));
+    assert!(orbits(dragged(NavigationPreset::Sunroom, shift)));
+    let panned = dragged(NavigationPreset::Blender, shift);
+    assert!(
+        panned.matrix3 == pose().matrix3 && panned.translation.z == -10.0,
+        "{panned}"
+    );
+    // Up is nearer.
+    let near = dragged(NavigationPreset::Blender, Modifiers::COMMAND);
+    assert!(near.matrix3 == pose().matrix3 && near.translation.z > -10.0, "{near}");
+}
+
+#[test]
+fn a_box_without_keys_replaces_the_selection() {
+    let mut harness = window();
+    harness.state_mut().preset = NavigationPreset::Blender;
+    let lamp = at(&harness, lamp());
+    let (from, to) = (lamp - vec2(30.0, 20.0), lamp + vec2(20.0, 20.0));
+    drag(&mut harness, PointerButton::Primary, from, to, Modifiers::NONE, true);
+    let empty = Pos2::new(20.0, 560.0);
+    let beside = empty + vec2(30.0, 20.0);
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        empty,
+        beside,
+        Modifiers::NONE,
+        true,
+    );
+    let selects = |entities| Command::Select(entities, Extend::Replace);
+    assert_eq!(
+        harness.state().commands,
+        [selects(vec![entity(7)]), selects(Vec::new())]
     );
 }
 

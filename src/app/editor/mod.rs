@@ -68,6 +68,10 @@ impl Plugin for EditorPlugin {
         settings.gizmo.snap = preferences.snapping;
         settings.grid = preferences.grid;
         settings.dimensions = preferences.dimensions;
+        // A script begins in the same way whatever a user prefers.
+        if options.is_attended() {
+            settings.display.tone_map = preferences.tone_map;
+        }
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {

@@ -73,7 +73,7 @@ fn an_environment_turns_about_its_upward_axis() {
         emitter: Emitter::of_plugin("envmap"),
         ..Inspected::new(entity(8), "sky")
     });
-    slide(&mut harness, "Turned", 0.75);
+    slide(&mut harness, "Azimuth", 0.75);
     let Some(Command::Transform(poses)) = harness.state().commands.last() else {
         panic!("{:?}", harness.state().commands)
     };

@@ -82,7 +82,7 @@ fn colours_are_typed_as_srgb_too() {
     let mut harness = inspect(with_material(Material::Diffuse {
         reflectance: Rgb::splat(0.5).into(),
     }));
-    click(&mut harness, "lin");
+    click(&mut harness, "RGB");
     assert_eq!(harness.state().commands, [], "another notation is the same colour");
     harness.get_by_label("Reflectance hex").focus();
     harness.run_steps(2);

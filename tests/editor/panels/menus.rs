@@ -8,6 +8,7 @@ use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::panel;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
@@ -45,6 +46,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 panels_shown: true,
                 selection: &Selection::default(),
                 tool: Default::default(),
+                bound: &NO_BINDINGS,
                 safe_frame: false,
                 grid: Default::default(),
                 dimensions: false,

@@ -2,6 +2,7 @@
 //! for each panel; here is what moves the mouse.
 
 mod inspector;
+mod keys;
 mod lights;
 mod materials;
 mod menus;
@@ -129,6 +130,7 @@ fn item(index: u32, name: &str) -> Item {
         locked: false,
         can_hide: true,
         inside_of: None,
+        uses: None,
     }
 }
 

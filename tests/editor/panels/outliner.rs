@@ -65,7 +65,7 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     harness.run_steps(3);
     // Of what is selected all is hidden, of anything else only that.
     let eyes: Vec<Pos2> = harness
-        .query_all_by_label("Hide (H)")
+        .query_all_by_label("Hide")
         .map(|eye| eye.rect().center())
         .collect();
     assert_eq!(eyes.len(), 3);
@@ -143,4 +143,35 @@ fn what_is_selected_elsewhere_is_seen_in_the_list() {
         harness.run_steps(4);
         assert!(harness.query_by_label(&format!("thing {wanted}")).is_some(), "{wanted}");
     }
+}
+
+#[test]
+fn a_folder_has_an_eye_and_a_shape_names_its_material() {
+    let mut hidden = item(1, "table/leg");
+    hidden.hidden = true;
+    let mut top = item(2, "table/top");
+    top.uses = Some(entity(5));
+    let outline = Outline {
+        shapes: vec![hidden, top],
+        materials: vec![item(5, "oak")],
+        ..Outline::default()
+    };
+    let state = std::sync::Mutex::new(OutlinerState::default());
+    let shown = Shown {
+        given: with_outline(outline, Selection::default()),
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(260.0, 400.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let mut state = state.lock().expect("one thread");
+            outliner::outliner(ui, &shown.given, &mut state, &mut shown.commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    // Some of it is visible.
+    let eye = harness.get_by_label("Hide everything in the folder").rect().center();
+    press_at(&mut harness, eye);
+    let members = vec![entity(1), entity(2)];
+    assert_eq!(harness.state().commands, [Command::Hide(members, true)]);
 }

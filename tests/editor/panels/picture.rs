@@ -8,11 +8,13 @@ use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
@@ -69,7 +71,10 @@ pub fn picture() -> Harness<'static, Picture> {
                     up: Vec3::Y,
                     unit: Default::default(),
                     packed: &packed,
+                    bound: &NO_BINDINGS,
                 },
+                denoiser: DenoiserState::Idle,
+                preset: Default::default(),
                 locked: &locked,
                 packed: &packed,
                 things: &things,

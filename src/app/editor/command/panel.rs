@@ -48,6 +48,20 @@ impl Panel {
     /// The panels that are shown only on demand.
     pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
 
+    /// The word on a tab that has little room.
+    pub fn short_title(self) -> &'static str {
+        match self {
+            Self::Viewport => "View",
+            Self::Outliner => "Outl.",
+            Self::Library => "Lib.",
+            Self::Inspector => "Insp.",
+            Self::Render => "Rend.",
+            Self::History => "Hist.",
+            Self::Messages => "Mess.",
+            Self::Paths => "Paths",
+        }
+    }
+
     /// The word on the tab and in the menu.
     pub fn title(self) -> &'static str {
         match self {

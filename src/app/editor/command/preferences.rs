@@ -8,9 +8,12 @@ use serde_json::{Map, Value};
 
 use super::gizmo_settings::Steps;
 use super::grid_settings::GridSettings;
+use super::key_bindings::KeyBindings;
+use super::navigation_preset::NavigationPreset;
 use super::resolution::{Enlarging, Resolution};
 use super::snapping::Snapping;
 use crate::memory;
+use crate::render::tonemap::ToneMap;
 
 /// The version of the file's format.
 const VERSION: u32 = 1;
@@ -69,6 +72,13 @@ pub struct Preferences {
     pub ui_scale: f32,
     /// Seconds between; 0 is never.
     pub autosave_seconds: u32,
+    /// The tone map of a new window. Preferences that were written before there was this choice keep the hard clip that they had.
+    #[serde(with = "tone_map_by_name", default = "hard_clip")]
+    pub tone_map: ToneMap,
+    /// The keys that the user has chosen.
+    pub keys: KeyBindings,
+    /// How the mouse moves the view.
+    pub navigation: NavigationPreset,
     /// The speed of flying, as a factor of the usual speed.
     pub speed: f32,
     /// The steps of the gizmo.
@@ -111,6 +121,9 @@ impl Default for Preferences {
             theme: ThemeChoice::default(),
             ui_scale: 1.0,
             autosave_seconds: 60,
+            tone_map: ToneMap::AgX,
+            keys: KeyBindings::default(),
+            navigation: NavigationPreset::default(),
             speed: 1.0,
             steps: Steps::default(),
             snapping: Snapping::default(),
@@ -128,6 +141,28 @@ impl Default for Preferences {
             layout: Value::Null,
             unknown: Map::new(),
         }
+    }
+}
+
+/// The tone map of windows before there was a choice.
+fn hard_clip() -> ToneMap {
+    ToneMap::Clip
+}
+
+/// Tone maps as their names; what is called otherwise is the hard clip.
+mod tone_map_by_name {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{ToneMap, hard_clip};
+
+    pub(super) fn serialize<S: Serializer>(map: &ToneMap, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(map.name())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ToneMap, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let known = ToneMap::ALL.into_iter().find(|map| map.name() == name);
+        Ok(known.unwrap_or_else(hard_clip))
     }
 }
 

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::file_access::Question;
+use super::navigation_preset::NavigationPreset;
 use super::panel::Panel;
 use super::preferences::Preferences;
 use super::recovery_offer::Offer;
@@ -22,6 +23,8 @@ pub enum ShellCommand {
     ShowSheet(Sheet),
     /// Replaces all preferences; values out of range are clamped.
     SetPreferences(Box<Preferences>),
+    /// Chooses how the mouse moves the view.
+    SetNavigation(NavigationPreset),
     /// Opens the edits that were written aside before a crash.
     Recover(Offer),
     /// Deletes the edits that were written aside before a crash.
@@ -39,4 +42,6 @@ pub enum Sheet {
     Shortcuts,
     /// The controls of [`Preferences`].
     Preferences,
+    /// The list where keys are chosen, beside the preferences.
+    Keys,
 }

@@ -144,7 +144,11 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         write_image(path, &picture, &display.tone())
     };
     written.map_err(CommandError::file)?;
-    say_saved(world, format!("Saved {}", path.display()));
+    let shown = match is_png && display.mode.is_light() {
+        true => format!(" with the tone map {}", display.tone_map.name()),
+        false => String::new(),
+    };
+    say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())
 }
 

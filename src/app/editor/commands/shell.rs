@@ -4,11 +4,14 @@ use bevy::prelude::*;
 use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};
 
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::session::{recovery, trust};
 use crate::memory;
+use crate::render::tonemap::ToneMap;
 
 /// Does what a command asks of the window. The error is a sentence for the user.
 pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandError> {
@@ -23,13 +26,27 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         ShellCommand::SetPreferences(preferences) => {
             let preferences = preferences.within_range();
             memory::budget().prefer_limit(preferences.memory_limit());
+            show_tone_map(world, preferences.tone_map);
             world.insert_resource(preferences);
+        }
+        ShellCommand::SetNavigation(preset) => {
+            world.get_resource_or_init::<Preferences>().navigation = preset;
         }
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),
     }
     Ok(())
+}
+
+/// Another preference counts for the open window as well.
+fn show_tone_map(world: &mut World, tone_map: ToneMap) {
+    let is_new = world
+        .get_resource::<Preferences>()
+        .is_some_and(|known| known.tone_map != tone_map);
+    if is_new && let Some(mut settings) = world.get_resource_mut::<ViewSettings>() {
+        settings.display.tone_map = tone_map;
+    }
 }
 
 fn toggle_full_screen(world: &mut World) {

@@ -5,15 +5,20 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{InputState, Key, Modifiers};
 use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 
+use super::actions::bindings::FLIGHT;
 use super::actions::{ACTIONS, Action, ActionContext};
 use super::press::Press;
 use crate::app::editor::command::Command;
+use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shell::ShellCommand;
 
 /// The direction of flight to the left, up and forward, each -1, 0 or 1.
-pub(crate) fn fly_direction(input: &InputState) -> Vec3 {
-    let axis = |plus: Key, minus: Key| f32::from(input.key_down(plus)) - f32::from(input.key_down(minus));
-    Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
+pub(crate) fn fly_direction(input: &InputState, bound: &KeyBindings) -> Vec3 {
+    let axes = FLIGHT.map(|ways| {
+        let [plus, minus] = ways.map(|way| way.keys(bound).iter().any(|held| input.key_down(held.key)));
+        f32::from(plus) - f32::from(minus)
+    });
+    Vec3::from_array(axes)
 }
 
 /// The presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` gives no frame two states of them.
@@ -73,7 +78,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
         if context.flying && press.modifiers.command {
             continue;
         }
-        let is_meant = |action: &&Action| action.keys.iter().any(|key| key.is_pressed(press));
+        let is_meant = |action: &&Action| action.is_pressed(press, context.bound);
         let Some(command) = ACTIONS
             .iter()
             .find(is_meant)
@@ -104,6 +109,7 @@ mod tests {
     use crate::app::editor::command::bvh_overlay::BvhOverlay;
     use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
     use crate::app::editor::command::gizmo_settings::GizmoSettings;
+    use crate::app::editor::command::key_bindings::NO_BINDINGS;
     use crate::app::editor::command::selection::Selection;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
@@ -127,6 +133,7 @@ mod tests {
             gizmo: GizmoSettings::default(),
             selection: &Selection::default(),
             tool: Default::default(),
+            bound: &NO_BINDINGS,
             safe_frame: false,
             grid: Default::default(),
             dimensions: false,

@@ -1,6 +1,7 @@
 //! Keys and their actions, and repairs to the events that egui gets. May import `command`.
 
 pub mod actions;
+pub mod drags;
 pub mod keys;
 pub(crate) mod leaving;
 pub(crate) mod modifier_dedup;

@@ -2,6 +2,8 @@
 
 use bevy_egui::egui::{Key, Modifiers};
 
+use crate::app::editor::command::shortcut::Shortcut;
+
 /// A key going down, with the modifiers held at that moment; never a repeat of a key held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
@@ -11,4 +13,24 @@ pub struct Press {
     pub modifiers: Modifiers,
     /// A digit of the block at the keyboard's right.
     pub numpad: bool,
+}
+
+impl Press {
+    /// The key with its modifiers.
+    pub fn shortcut(&self) -> Shortcut {
+        Shortcut {
+            key: self.key,
+            command: self.modifiers.command,
+            shift: self.modifiers.shift,
+            alt: self.modifiers.alt,
+            numpad: self.numpad,
+        }
+    }
+}
+
+impl Shortcut {
+    /// Whether the press is this key with these modifiers.
+    pub(crate) fn is_pressed(&self, press: &Press) -> bool {
+        *self == press.shortcut()
+    }
 }

@@ -27,7 +27,7 @@ use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings,
     LengthUnit, Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape,
-    ShapeKind,
+    ShapeKind, UsesMaterial,
 };
 
 /// The components that name a thing.
@@ -41,6 +41,7 @@ pub struct Naming {
     locked: Has<Locked>,
     is_shape: Has<Shape>,
     is_emitter: Has<Emitter>,
+    uses: Option<&'static UsesMaterial>,
     inside_first: Option<&'static FirstNestedIn>,
     inside_second: Option<&'static SecondNestedIn>,
 }
@@ -70,6 +71,7 @@ impl NamingItem<'_, '_> {
             locked: self.locked,
             can_hide: self.is_shape || self.is_emitter,
             inside_of: self.outer(),
+            uses: self.uses.filter(|_| self.is_shape).map(|used| used.0),
         };
         (order, item)
     }
@@ -88,6 +90,7 @@ type OutlineChanged = Or<(
     Added<Locked>,
     Changed<FirstNestedIn>,
     Changed<SecondNestedIn>,
+    Changed<UsesMaterial>,
 )>;
 
 #[derive(SystemParam)]
@@ -102,6 +105,7 @@ pub struct OutlineSources<'w, 's> {
     unlocked: RemovedComponents<'w, 's, Locked>,
     taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
     taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
+    bare: RemovedComponents<'w, 's, UsesMaterial>,
     shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
     materials: Query<'w, 's, (Naming, &'static Material)>,
     emitters: Query<'w, 's, (Naming, &'static Emitter)>,
@@ -118,7 +122,8 @@ impl OutlineSources<'_, '_> {
             + self.shown.read().count()
             + self.unlocked.read().count()
             + self.taken_out.read().count()
-            + self.taken_out_second.read().count();
+            + self.taken_out_second.read().count()
+            + self.bare.read().count();
         removed > 0 || !self.changed.is_empty()
     }
 

@@ -51,6 +51,8 @@ pub struct Item {
     pub can_hide: bool,
     /// The material that this one is inside of.
     pub inside_of: Option<Entity>,
+    /// The material of a shape.
+    pub uses: Option<Entity>,
 }
 
 /// The things in the scene, by kind, in the order of the file.
@@ -67,6 +69,13 @@ pub struct Outline {
 }
 
 impl Outline {
+    /// The name of the material of a shape.
+    pub(crate) fn material_of(&self, item: &Item) -> Option<&str> {
+        let used = item.uses?;
+        let found = self.materials.iter().find(|material| material.entity == used);
+        found.map(|material| material.name.as_str())
+    }
+
     /// The heading of the materials.
     pub(crate) const MATERIALS: &str = "Materials";
 

@@ -10,6 +10,8 @@ pub struct Caption<'a> {
     /// The name of the value among the differences of selected things; without one, the row is never marked.
     pub(super) name: &'a str,
     pub(super) info: Option<&'static ParameterInfo>,
+    /// The tool tip of a row that is no parameter of the format.
+    pub(super) about: Option<&'a str>,
 }
 
 impl<'a> From<&'a str> for Caption<'a> {
@@ -18,14 +20,17 @@ impl<'a> From<&'a str> for Caption<'a> {
             text,
             name: "",
             info: None,
+            about: None,
         }
     }
 }
 
 impl<'a> From<(&'a str, &'a str)> for Caption<'a> {
     fn from((text, name): (&'a str, &'a str)) -> Self {
-        let info = None;
-        Self { text, name, info }
+        Self {
+            name,
+            ..Self::from(text)
+        }
     }
 }
 
@@ -39,6 +44,15 @@ impl<'a> Caption<'a> {
     /// Returns the same explanation under another name.
     pub(crate) fn titled(self, text: &'a str) -> Self {
         Self { text, ..self }
+    }
+
+    /// The caption with this tool tip in place of the explanation of a parameter.
+    pub(crate) fn explained(self, about: &'a str) -> Self {
+        Self {
+            info: None,
+            about: Some(about),
+            ..self
+        }
     }
 
     /// The caption of a part of the value, which has no explanation of its own.
@@ -57,6 +71,7 @@ impl From<&'static ParameterInfo> for Caption<'_> {
             text: info.label,
             name: info.name,
             info: Some(info),
+            about: None,
         }
     }
 }

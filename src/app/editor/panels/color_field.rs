@@ -109,13 +109,13 @@ fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
 fn switch(ui: &mut Ui, notation: Notation) {
     let (text, about, other) = match notation {
         Notation::Linear => (
-            "lin",
-            "Linear Rec. 709, as rgb in the file. Click for sRGB in hexadecimal.",
+            "RGB",
+            "Linear numbers (Rec. 709), as rgb in the file. A click: sRGB in hexadecimal, as #rrggbb",
             Notation::Hex,
         ),
         Notation::Hex => (
-            "sRGB",
-            "sRGB in hexadecimal, as in drawing programs and on the web. Click for linear numbers.",
+            "Hex",
+            "sRGB in hexadecimal, as in drawing programs and on the web. A click: linear numbers",
             Notation::Linear,
         ),
     };

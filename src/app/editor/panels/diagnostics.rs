@@ -30,7 +30,7 @@ fn one(ui: &mut Ui, notice: &Notice) {
         ui.label(RichText::new(notice.severity.to_string()).strong().color(color));
         if let Some(place) = &notice.place {
             let color = ui.visuals().hyperlink_color;
-            ui.label(RichText::new(place).monospace().small().color(color));
+            ui.label(RichText::new(place).monospace().size(12.0).color(color));
         }
     });
     ui.add(egui::Label::new(&notice.text).wrap());

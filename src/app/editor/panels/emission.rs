@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bevy::math::Vec3;
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{Label, RichText, Ui};
 
 use super::caption::Caption;
 use super::material::{Edit, Rows, TYPE};
@@ -17,12 +17,17 @@ use crate::scene::{
     AreaLight, Cone, Emitter, EmitterKind, Parameter, ParameterInfo, PlaceAndTime, SquarePath, SunPosition, Texture,
 };
 
-/// The check box makes a shape emit, or not.
-pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, textures: &PanelTextures) -> Edit {
+/// The check box makes a shape emit, or not. `is_flat` says that the shape has two sides that can be seen.
+pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, textures: &PanelTextures) -> Edit {
     let mut emits = light.is_some();
     let toggled = fields::checkbox(ui, ("Emits light", "area_light"), &mut emits);
     if toggled {
         *light = emits.then(AreaLight::default);
+    }
+    if let (Some(_), true) = (&light, is_flat) {
+        let text =
+            "It shines on the side of its normals only, and is black from the other. Flip normals turns it round.";
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
     }
     let mut rows = Rows::new(ui, textures);
     if let Some(light) = light {

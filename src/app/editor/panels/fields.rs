@@ -1,4 +1,5 @@
-//! The rows panels are made of: a name at the left, a control at the right.
+//! The rows panels are made of, in one grid: a column of names, whose texts end before the controls, and a column of controls, which all end at the
+//! panel's right edge.
 //!
 //! Every row edits a copy and writes it back only if the user changed something: showing a value that the control cannot hold exactly
 //! (out of its range, more digits than shown) must not change it.
@@ -10,17 +11,20 @@ use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
 use super::lengths::with_units;
+use super::look::AXIS_COLORS;
 use crate::app::editor::model::mixed::Mixed;
 use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
 pub(crate) const NAME_WIDTH: f32 = 88.0;
 /// The width of the word that marks differences among the selected things.
-const MIXED_WIDTH: f32 = 32.0;
+const MIXED_WIDTH: f32 = 36.0;
 /// The tag of a part of a panel that knows of differences.
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
-const VALUE_WIDTH: f32 = 54.0;
+const VALUE_WIDTH: f32 = 58.0;
+/// The tick that tells the axes of a vector apart: its width and its distance from the edges, in points.
+const TICK: egui::Vec2 = egui::vec2(2.0, 4.0);
 
 /// A row with any control; the control is named for assistive technology (and tests) after the row.
 pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnce(&mut Ui) -> Response) -> Response {
@@ -37,26 +41,28 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
     let caption = caption.into();
     let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
     let is_mixed = is_mixed(ui, caption);
-    let layout = egui::Layout::left_to_right(egui::Align::Center);
-    let label = ui
-        .allocate_ui_with_layout(size, layout, |ui| {
-            ui.set_min_size(size);
-            if is_mixed {
-                ui.set_max_width(NAME_WIDTH - MIXED_WIDTH);
-            }
-            let label = ui.add(egui::Label::new(caption.text).truncate());
-            if is_mixed {
-                let place = egui::Rect::from_min_size(ui.min_rect().right_top(), egui::vec2(MIXED_WIDTH, size.y));
-                let word = egui::RichText::new("mixed").small().color(ui.visuals().warn_fg_color);
-                ui.put(place, egui::Label::new(word))
-                    .on_hover_text("The selected objects differ here; this is the value of the one selected last");
-            }
-            label
-        })
-        .inner;
-    match caption.info {
-        None => label,
-        Some(info) => label.on_hover_ui(|ui| explain(ui, info)),
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    let cell = ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.set_min_size(size);
+        if is_mixed {
+            ui.set_max_width(NAME_WIDTH - MIXED_WIDTH);
+        }
+        let label = ui.add(egui::Label::new(caption.text).truncate());
+        if is_mixed {
+            let corner = egui::pos2(ui.min_rect().right() - size.x, ui.min_rect().top());
+            let place = egui::Rect::from_min_size(corner, egui::vec2(MIXED_WIDTH, size.y));
+            let word = egui::RichText::new("mixed").small().color(ui.visuals().warn_fg_color);
+            ui.put(place, egui::Label::new(word))
+                .on_hover_text("The selected objects differ here; this is the value of the one selected last");
+        }
+        label
+    });
+    // The explanation belongs to the whole cell, however short its text is.
+    let label = cell.inner.union(cell.response);
+    match (caption.info, caption.about) {
+        (Some(info), _) => label.on_hover_ui(|ui| explain(ui, info)),
+        (None, Some(about)) => label.on_hover_text(about),
+        (None, None) => label,
     }
 }
 
@@ -163,10 +169,17 @@ pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f3
     write_back(changed, value, copy)
 }
 
-/// Leaves room for a number of this width.
+/// Leaves room for a number of this width, which ends at the panel's edge.
 fn fit_slider(ui: &mut Ui, number: f32) {
     let room = ui.available_width() - number - ui.spacing().item_spacing.x;
-    ui.spacing_mut().slider_width = room.clamp(32.0, 140.0);
+    ui.spacing_mut().slider_width = room.max(32.0);
+    ui.spacing_mut().interact_size.x = number;
+}
+
+/// A number that is as wide as the column of controls.
+pub(crate) fn wide_number(ui: &mut Ui, drag: egui::DragValue<'_>) -> Response {
+    ui.spacing_mut().interact_size.x = ui.available_width();
+    ui.add(drag)
 }
 
 /// A number that is dragged or typed; `speed` is the change per point of drag.
@@ -198,7 +211,7 @@ pub(crate) fn quantity<'a>(
         .custom_formatter(legible)
         .suffix(unit);
     let drag = with_units(ui, drag);
-    let changed = row(ui, caption, |ui| ui.add(drag)).changed();
+    let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
 
@@ -213,7 +226,7 @@ pub fn integer<'a, N: egui::emath::Numeric>(
     let drag = egui::DragValue::new(&mut copy)
         .range(range)
         .clamp_existing_to_range(false);
-    let changed = row(ui, caption, |ui| ui.add(drag)).changed();
+    let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
 
@@ -309,6 +322,7 @@ pub(crate) fn number_cells<const N: usize>(
         let drag = drag.custom_formatter(|number, _| legible(number, decimals..=decimals));
         let drag = with_units(ui, drag);
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
+        tick(ui, response.rect, style.letter);
         response.widget_info(|| {
             let mut info = egui::WidgetInfo::drag_value(true, shown);
             info.label = Some(format!("{name} {}", style.letter));
@@ -317,6 +331,16 @@ pub(crate) fn number_cells<const N: usize>(
         changed |= response.changed();
     }
     changed
+}
+
+/// Marks the number of an axis by its colour.
+fn tick(ui: &Ui, cell: egui::Rect, letter: &str) {
+    let axis = ["X", "Y", "Z"].iter().position(|axis| *axis == letter);
+    if let Some(axis) = axis {
+        let corner = cell.min + egui::vec2(1.0, TICK.y);
+        let bar = egui::Rect::from_min_size(corner, egui::vec2(TICK.x, cell.height() - 2.0 * TICK.y));
+        ui.painter().rect_filled(bar, 1.0, AXIS_COLORS[axis]);
+    }
 }
 
 pub(crate) fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bool) -> bool {
@@ -348,7 +372,7 @@ pub(crate) fn choice<'a, T: Copy + PartialEq>(
     row(ui, caption, |ui| {
         egui::ComboBox::from_id_salt(caption.text)
             .selected_text(shown)
-            .width(ui.available_width().clamp(80.0, 176.0))
+            .width(ui.available_width().max(80.0))
             .truncate()
             .show_ui(ui, |ui| {
                 for (option, name) in options {

@@ -6,6 +6,7 @@ use bevy_egui::egui::{self, Ui};
 
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
+use super::section::section;
 use super::{camera_angles, dimensions, emission, fields, lengths, sensor, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
@@ -81,7 +82,12 @@ fn sections(
     if inspected.shape.is_some() {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
-            let edit = emission::area_light(ui, &mut edited, &model.textures);
+            let edit = emission::area_light(
+                ui,
+                &mut edited,
+                inspected.shape.as_ref().is_some_and(is_flat),
+                &model.textures,
+            );
             if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
             }
@@ -129,12 +135,6 @@ fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
             place,
         }));
     }
-}
-
-fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
-    egui::CollapsingHeader::new(egui::RichText::new(title).strong())
-        .default_open(true)
-        .show_unindented(ui, content);
 }
 
 fn pose(
@@ -191,6 +191,14 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
         EmitterKind::SunSky(_) => Vec3::Z,
         _ => Vec3::Y,
     }
+}
+
+/// Whether both sides of the surface can be seen.
+fn is_flat(shape: &Shape) -> bool {
+    matches!(
+        shape.kind,
+        ShapeKind::Rectangle | ShapeKind::Disk | ShapeKind::Triangle { .. }
+    )
 }
 
 /// Shows the rows of a shape; true if edited.

@@ -9,7 +9,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group, Shortcut};
+use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group};
 use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::session::layout::Layout;
@@ -41,14 +41,16 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         ui.separator();
         let paused = model.status.paused;
         let pause = ui.button(if paused { "Resume" } else { "Pause" });
-        if pause.on_hover_text("Samples are kept (Space)").clicked() {
+        let hint = actions::hint("Samples are kept", "pause", context.bound);
+        if pause.on_hover_text(hint).clicked() {
             commands.push(Command::SetPaused(!paused));
         }
         let restart = ui.button("Restart");
-        if restart.on_hover_text("Begin the picture anew (Shift+R)").clicked() {
+        let hint = actions::hint("Begin the picture anew", "restart", context.bound);
+        if restart.on_hover_text(hint).clicked() {
             commands.push(Command::Restart);
         }
-        denoise_button(ui, model.status.denoiser, commands);
+        denoise_button(ui, model.status.denoiser, context, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let name = match &model.status.scene {
                 Some(scene) => scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -63,7 +65,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
     });
 }
 
-fn denoise_button(ui: &mut Ui, state: DenoiserState, commands: &mut Vec<Command>) {
+fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, commands: &mut Vec<Command>) {
     match state {
         DenoiserState::Unavailable => {
             ui.add_enabled(false, Button::new("Denoise"))
@@ -76,7 +78,11 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, commands: &mut Vec<Command>
         DenoiserState::Idle | DenoiserState::Shown { .. } => {
             let denoise = ui.button("Denoise");
             if denoise
-                .on_hover_text("Take the noise out of the picture as it is now (N)")
+                .on_hover_text(actions::hint(
+                    "Take the noise out of the picture as it is now",
+                    "denoise",
+                    context.bound,
+                ))
                 .clicked()
             {
                 commands.push(Command::Denoise);
@@ -108,7 +114,7 @@ fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Co
     let Some(action) = actions::find(name) else {
         return;
     };
-    let keys = action.keys.first().map(Shortcut::text).unwrap_or_default();
+    let keys = action.key_text(context.bound);
     let command = (action.command)(context);
     ui.add_enabled_ui(command.is_some(), |ui| {
         if item(ui, action.label, &keys) {
@@ -180,7 +186,10 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     ui.set_min_width(220.0);
     let display = state.context.display;
     for (mode, name) in DisplayMode::ALL {
-        let keys = if mode == display.mode.next() { "Tab" } else { "" };
+        let keys = match mode == display.mode.next() {
+            true => actions::key_text("next-mode", state.context.bound),
+            false => String::new(),
+        };
         let shown = display.mode == mode;
         if ui.add(Button::selectable(shown, name).shortcut_text(keys)).clicked() {
             commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
@@ -207,6 +216,16 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             "view-left",
             "view-top",
             "view-bottom",
+        ] {
+            entry(ui, name, &state.context, commands);
+        }
+    });
+    ui.menu_button("Mouse", |ui| {
+        for name in [
+            "navigation-sunroom",
+            "navigation-blender",
+            "navigation-godot",
+            "navigation-trenchbroom",
         ] {
             entry(ui, name, &state.context, commands);
         }

@@ -74,7 +74,7 @@ pub fn paths(
     });
 }
 
-/// A button in the colour that the path brings; true when clicked.
+/// A button in the colour that the path contributes; true when clicked.
 fn swatch(ui: &mut Ui, path: &NamedPath, chosen: bool) -> bool {
     let [r, g, b] = Display::default().encode(path.path.radiance);
     let (rect, response) = ui.allocate_exact_size(egui::vec2(18.0, 18.0), egui::Sense::click());
@@ -126,7 +126,7 @@ fn vertex_rows(ui: &mut Ui, vertex: &RecordedVertex) {
         );
         row(
             ui,
-            "  brings",
+            "  contribution",
             color(sampled.contribution),
             "What it adds to the path's radiance",
         );
@@ -192,7 +192,7 @@ fn met_rows(ui: &mut Ui, met: &MetEmitter) {
     );
     row(
         ui,
-        "  brings",
+        "  contribution",
         color(met.contribution),
         "What it adds to the path's radiance",
     );

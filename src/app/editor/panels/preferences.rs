@@ -3,10 +3,12 @@
 use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
 
 use crate::app::editor::command::Command;
+use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOST_MEMORY_GIB, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES,
 };
 use crate::app::editor::command::shell::ShellCommand;
+use crate::render::tonemap::ToneMap;
 
 /// Shows the preferences. `problem` is what is wrong with their file.
 pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {
@@ -46,6 +48,35 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 }
                 ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), edited.ui_scale));
             }
+            ui.end_row();
+
+            let label = ui.label("Mouse");
+            egui::ComboBox::from_id_salt("navigation")
+                .selected_text(edited.navigation.name())
+                .show_ui(ui, |ui| {
+                    for (preset, name, hint) in NavigationPreset::ALL {
+                        ui.selectable_value(&mut edited.navigation, preset, name)
+                            .on_hover_text(hint);
+                    }
+                })
+                .response
+                .labelled_by(label.id)
+                .on_hover_text("What drags in the picture do, as in a program that you know; ? shows them all");
+            ui.end_row();
+
+            let label = ui.label("Tone map");
+            egui::ComboBox::from_id_salt("tone map")
+                .selected_text(edited.tone_map.name())
+                .show_ui(ui, |ui| {
+                    for map in ToneMap::ALL {
+                        ui.selectable_value(&mut edited.tone_map, map, map.name());
+                    }
+                })
+                .response
+                .labelled_by(label.id)
+                .on_hover_text(
+                    "Of a new window. agx and filmic let bright light fade to white; clip cuts it off, as `sunroom render` does unless told",
+                );
             ui.end_row();
 
             let label = ui.label("While moving");

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use bevy::math::Rect;
 use bevy_egui::egui::{self, Ui};
 
+use super::section::section;
 use super::{comparison, fields, light_mixing};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
@@ -23,7 +24,21 @@ pub fn render(
     overlay: BvhOverlay,
     commands: &mut Vec<Command>,
 ) {
-    ui.strong("Picture");
+    section(ui, "Picture", |ui| picture_rows(ui, model, commands));
+    section(ui, "Display", |ui| {
+        display_rows(ui, display, commands);
+        overlay_rows(ui, overlay, commands);
+    });
+    section(ui, "Light mixing", |ui| {
+        light_mixing::light_mixing(ui, &model.mixing, display, commands);
+    });
+    section(ui, "Comparison", |ui| {
+        comparison::comparison(ui, &model.comparison, commands)
+    });
+    section(ui, "Light transport", |ui| transport_rows(ui, model, commands));
+}
+
+fn picture_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut target = model.target_samples;
     if fields::integer_slider(ui, "Samples", &mut target, 1..=16384, true) {
         commands.push(Command::SetTargetSamples(target.max(1)));
@@ -35,20 +50,6 @@ pub fn render(
     }
     pixel_rows(ui, model, commands);
     region_rows(ui, model.region, commands);
-    group(ui, "Display");
-    display_rows(ui, display, commands);
-    overlay_rows(ui, overlay, commands);
-    group(ui, "Light mixing");
-    light_mixing::light_mixing(ui, &model.mixing, display, commands);
-    group(ui, "Comparison");
-    comparison::comparison(ui, &model.comparison, commands);
-    group(ui, "Light transport");
-    transport_rows(ui, model, commands);
-}
-
-fn group(ui: &mut Ui, name: &str) {
-    ui.add_space(6.0);
-    ui.strong(name);
 }
 
 /// The limits besides the samples; whichever is reached first ends the picture.

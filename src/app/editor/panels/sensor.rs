@@ -3,6 +3,7 @@
 use bevy::math::UVec2;
 use bevy_egui::egui::{self, Ui};
 
+use super::caption::Caption;
 use super::{fields, lengths};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::memory::Bytes;
@@ -126,7 +127,8 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
         if *blades >= 3 {
             changed |= fields::slider_with(
                 ui,
-                ("Turned by", "blade_rotation"),
+                Caption::from(("Blade angle", "blade_rotation"))
+                    .explained("How far the polygon of the aperture is turned"),
                 blade_rotation,
                 0.0..=360.0,
                 |slider| slider.suffix("°"),
@@ -155,7 +157,7 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
                 ..10.0 => format!("{}", (100.0 * number).round() / 100.0),
                 number => format!("{}", number.round()),
             });
-        ui.add(drag).on_hover_text(about)
+        fields::wide_number(ui, drag).on_hover_text(about)
     });
     let changed = response.changed() && number > 0.0;
     if changed {
@@ -229,7 +231,11 @@ fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
         | match filter {
             Box | CatmullRom => false,
             Tent { radius } => fields::slider(ui, ("Radius", "radius"), radius, 0.1..=4.0),
-            Gaussian { stddev } => fields::slider(ui, ("Width of it", "stddev"), stddev, 0.1..=2.0),
+            Gaussian { stddev } => {
+                let caption = Caption::from(("Deviation", "stddev"));
+                let caption = caption.explained("The standard deviation of the Gaussian, in pixels");
+                fields::slider(ui, caption, stddev, 0.1..=2.0)
+            }
             Mitchell { b, c } => {
                 fields::slider(ui, ("B", "b"), b, 0.0..=1.0) | fields::slider(ui, ("C", "c"), c, 0.0..=1.0)
             }

@@ -108,7 +108,7 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     };
     let pair = |speed| [style("U", speed), style("V", speed)];
     let mut changed = fields::numbers(ui, caption.titled("Repeats"), &mut scaling, pair(0.02));
-    changed |= fields::slider_with(ui, caption.titled("Turned"), &mut degrees, -180.0..=180.0, |slider| {
+    changed |= fields::slider_with(ui, caption.titled("Rotation"), &mut degrees, -180.0..=180.0, |slider| {
         slider.suffix("°").max_decimals(1)
     });
     changed |= fields::numbers(ui, caption.titled("Offset"), &mut shift, pair(0.005));

@@ -3,6 +3,7 @@
 use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
 use bevy_egui::egui::Ui;
 
+use super::caption::Caption;
 use super::{fields, lengths};
 use crate::app::editor::model::freedom::Freedom;
 
@@ -67,7 +68,8 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
         return false;
     };
     let (swing, mut degrees) = spin_about(rotation, up);
-    let turned = fields::slider_with(ui, "Turned", &mut degrees, -180.0..=180.0, |slider| {
+    let caption = Caption::from("Azimuth").explained("The angle about the vertical axis");
+    let turned = fields::slider_with(ui, caption, &mut degrees, -180.0..=180.0, |slider| {
         slider.suffix("°").max_decimals(1)
     });
     if turned {

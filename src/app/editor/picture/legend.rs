@@ -1,26 +1,71 @@
-//! The meaning of the false colours of the picture.
+//! The meaning of the colours of the picture, where they are not those of light.
 
-use super::painter::Scales;
-use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_STEPS};
+use super::painter::{DARKEST, Scales};
+use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_STEPS, heat};
+use crate::app::editor::words::figures::length;
 
-/// The meaning of a mode's false colours.
+/// The meaning of a mode's colours.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Legend {
-    /// The value where the heat map is 0.
-    pub low: String,
-    /// The value where the heat map is 1.
-    pub high: String,
+pub enum Legend {
+    /// A number by a ramp of colours.
+    Ramp {
+        /// The colours.
+        ramp: Ramp,
+        /// The value at the left end of the ramp.
+        low: String,
+        /// The value at its right end.
+        high: String,
+    },
+    /// Colours with the words for them; sRGB.
+    Words([([u8; 3], &'static str); 3]),
 }
 
-/// The legend; None for modes without false colours.
+/// The colours of a ramp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ramp {
+    /// The heat map.
+    Heat,
+    /// White for near, dark grey for far.
+    Nearness,
+}
+
+impl Ramp {
+    /// The colour at a share of the ramp from 0 to 1; sRGB-encoded.
+    pub fn color(self, share: f32) -> [f32; 3] {
+        match self {
+            Self::Heat => heat(share),
+            Self::Nearness => [1.0 - (1.0 - DARKEST) * share; 3],
+        }
+    }
+}
+
+/// The legend; None for modes that need none.
 pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
-    let (low, high) = match mode {
-        DisplayMode::BvhSteps => ("0".to_owned(), format!("{HOTTEST_STEPS:.0}+")),
-        DisplayMode::Samples => ("0".to_owned(), scales.most_samples.to_string()),
-        DisplayMode::Noise => ("0 %".to_owned(), format!("{:.0} %+", 100.0 * HOTTEST_NOISE)),
-        _ => return None,
+    let heat = |low: &str, high: String| Legend::Ramp {
+        ramp: Ramp::Heat,
+        low: low.to_owned(),
+        high,
     };
-    Some(Legend { low, high })
+    Some(match mode {
+        DisplayMode::BvhSteps => heat("0", format!("{HOTTEST_STEPS:.0}+")),
+        DisplayMode::Samples => heat("0", scales.most_samples.to_string()),
+        DisplayMode::Noise => heat("0 %", format!("{:.0} %+", 100.0 * HOTTEST_NOISE)),
+        DisplayMode::Depth => {
+            let [low, high] = scales.depth.map(length);
+            Legend::Ramp {
+                ramp: Ramp::Nearness,
+                low,
+                high,
+            }
+        }
+        // Half of the colour is zero: a normal along an axis has 255 in its channel and 128 in the others.
+        DisplayMode::Normal => Legend::Words([
+            ([255, 128, 128], "towards +X"),
+            ([128, 255, 128], "towards +Y"),
+            ([128, 128, 255], "towards +Z"),
+        ]),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -31,11 +76,23 @@ mod tests {
     fn false_colours_have_a_legend_and_light_has_none() {
         let scales = Scales {
             most_samples: 64,
+            depth: [0.5, 12.25],
             ..Scales::default()
         };
-        let high = |mode| legend(mode, &scales).map(|legend| legend.high);
-        assert_eq!(high(DisplayMode::Samples).as_deref(), Some("64"));
-        assert_eq!(high(DisplayMode::Noise).as_deref(), Some("25 %+"));
-        assert_eq!(high(DisplayMode::Shaded), None);
+        let ends = |mode| match legend(mode, &scales) {
+            Some(Legend::Ramp { low, high, .. }) => Some((low, high)),
+            _ => None,
+        };
+        assert_eq!(ends(DisplayMode::Samples), Some(("0".to_owned(), "64".to_owned())));
+        assert_eq!(ends(DisplayMode::Noise).map(|(_, high)| high).as_deref(), Some("25 %+"));
+        assert_eq!(ends(DisplayMode::Depth), Some(("0.5".to_owned(), "12.2".to_owned())));
+        assert_eq!(legend(DisplayMode::Shaded, &scales), None);
+        assert!(matches!(legend(DisplayMode::Normal, &scales), Some(Legend::Words(_))));
+    }
+
+    #[test]
+    fn near_is_white() {
+        assert_eq!(Ramp::Nearness.color(0.0), [1.0; 3]);
+        assert!(Ramp::Nearness.color(1.0)[0] < 0.1);
     }
 }

@@ -182,9 +182,11 @@ fn mean_luminance(film: &Film) -> f32 {
     radiance.iter().map(|&rgb| luminance(rgb)).sum::<f32>() / radiance.len().max(1) as f32
 }
 
+/// The brightness of the far end of the range of depths.
+pub(super) const DARKEST: f32 = 0.08;
+
 /// The brightness that stands for a depth: 1 at the near end of the range, a dark grey at its far end, 0 where nothing was hit.
 fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
-    const DARKEST: f32 = 0.08;
     if depth <= 0.0 {
         return 0.0;
     }

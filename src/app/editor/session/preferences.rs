@@ -175,6 +175,7 @@ mod tests {
     use crate::app::editor::command::panel::Panel;
     use crate::app::editor::command::preferences::{MOST_MEMORY_GIB, MOST_RECENT_FILES, ThemeChoice};
     use crate::memory;
+    use crate::render::tonemap::ToneMap;
 
     fn written(folder: &Path, text: &str) -> PathBuf {
         let path = folder.join(FILE);
@@ -217,6 +218,21 @@ mod tests {
         assert!(!Layout::remembered(&back).has(Panel::History) && Layout::remembered(&back).has(Panel::Render));
         let text = std::fs::read_to_string(folder.path().join(FILE)).expect("just written");
         assert!(text.contains("of tomorrow"), "{text}");
+    }
+
+    #[test]
+    fn new_preferences_have_a_soft_shoulder_and_older_ones_stay_as_they_were() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (mut file, new) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!(new.tone_map, ToneMap::AgX);
+        file.store(Preferences { speed: 2.0, ..new });
+        let (_, back) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!(back.tone_map, ToneMap::AgX);
+        for text in [r#"{"speed": 2.0}"#, r#"{"tone_map": "of tomorrow"}"#] {
+            written(folder.path(), text);
+            let (file, old) = PreferencesFile::open(Some(folder.path()));
+            assert_eq!((old.tone_map, file.problem), (ToneMap::Clip, None), "{text}");
+        }
     }
 
     #[test]

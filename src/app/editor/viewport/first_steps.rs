@@ -3,7 +3,7 @@
 use bevy_egui::egui::{self, Align, CornerRadius, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder};
 
 use crate::app::editor::command::Command;
-use crate::app::editor::input::actions::{self, ActionContext, Shortcut};
+use crate::app::editor::input::actions::{self, ActionContext};
 
 const SIZE: egui::Vec2 = egui::vec2(330.0, 150.0);
 
@@ -36,12 +36,7 @@ pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, c
         });
         ui.add_space(4.0);
         ui.weak("The menu Add has more. Meshes, pictures and scenes can also be dropped here.");
-        let keys = |name: &str| {
-            let action = actions::find(name);
-            action
-                .and_then(|action| action.keys.first())
-                .map_or(String::new(), Shortcut::text)
-        };
+        let keys = |name: &str| actions::key_text(name, context.bound);
         ui.weak(format!(
             "{} shows all keys; {} finds any command.",
             keys("shortcuts"),
@@ -54,9 +49,9 @@ pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, c
 fn act(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else { return };
     let response = ui.button(action.label);
-    let response = match action.keys.first() {
-        Some(key) => response.on_hover_text(key.text()),
-        None => response,
+    let response = match action.key_text(context.bound) {
+        key if key.is_empty() => response,
+        key => response.on_hover_text(key),
     };
     if response.clicked() {
         commands.extend((action.command)(context));

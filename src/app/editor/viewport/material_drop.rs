@@ -99,6 +99,7 @@ mod tests {
             locked: false,
             can_hide: true,
             inside_of: None,
+            uses: None,
         };
         let (glass, lamp) = (Entity::from_raw_u32(7), Entity::from_raw_u32(8));
         let [glass, lamp] = [glass, lamp].map(|entity| entity.expect("a small index is valid"));

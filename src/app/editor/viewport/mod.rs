@@ -10,6 +10,7 @@ pub mod gather;
 pub mod gizmo;
 pub mod grid;
 pub mod icons;
+pub(crate) mod legend;
 pub mod marks;
 pub mod material_drop;
 pub mod model;
@@ -19,6 +20,7 @@ pub(crate) mod rulers;
 mod snap_menu;
 pub mod state;
 pub mod steer_cursor;
+pub mod tool_icons;
 pub mod toolbar;
 
 use std::time::Duration;
@@ -29,17 +31,16 @@ use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect
 use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
-use crate::app::editor::command::display::{DisplayMode, heat};
+use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::keys;
-use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
 use crate::engine::fit;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::Rest;
-use marks::{BACKING, tag, thin_frame};
+use marks::{tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
 use state::ViewportState;
@@ -90,7 +91,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
-        toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
+        toolbar(ui, panel, model, commands);
     }
     if model.is_empty && model.enabled && model.picture.is_some() {
         first_steps(ui, picture, &model.keys, commands);
@@ -161,7 +162,7 @@ fn act(
         let keys_fly = has_keyboard && !state.gizmo.is_dragging() && !modifiers.alt && flies;
         FlyInput {
             direction: if keys_fly {
-                keys::fly_direction(input)
+                keys::fly_direction(input, model.keys.bound)
             } else {
                 Vec3::ZERO
             },
@@ -255,7 +256,7 @@ fn paint_over(
         rulers::paint(&painter, screen, model, state.pointer.measured_from, pointer);
         state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
         state.pointer.paint(&painter, pointer);
-        if let Some(note) = state.gizmo.note(model.gizmo.length_step) {
+        if let Some(note) = state.gizmo.note(model.gizmo.length_step, model.gizmo.bound) {
             tag(
                 &painter,
                 picture.center_bottom() - egui::vec2(0.0, 8.0),
@@ -320,7 +321,7 @@ fn paint_over(
         tag(&painter, place, Align2::CENTER_BOTTOM, words);
     }
     if let Some(shown) = model.legend {
-        legend(&painter, picture, shown);
+        legend::paint(&painter, picture, shown);
     }
 }
 
@@ -331,38 +332,4 @@ fn safe_frame(painter: &egui::Painter, picture: Rect) {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());
         thin_frame(painter, frame, 140);
     }
-}
-
-/// Shows the heat map's colours with their meaning.
-fn legend(painter: &egui::Painter, picture: Rect, legend: &Legend) {
-    let bar = Rect::from_min_size(
-        picture.right_bottom() - egui::vec2(228.0, 26.0),
-        egui::vec2(180.0, 12.0),
-    );
-    painter.rect_filled(bar.expand2(egui::vec2(40.0, 8.0)), 3.0, BACKING);
-    let strips = 60;
-    for strip in 0..strips {
-        let (from, to) = (strip as f32 / strips as f32, (strip + 1) as f32 / strips as f32);
-        let [r, g, b] = heat(0.5 * (from + to)).map(|c| (255.0 * c) as u8);
-        let rect = Rect::from_x_y_ranges(
-            egui::lerp(bar.x_range(), from)..=egui::lerp(bar.x_range(), to),
-            bar.y_range(),
-        );
-        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
-    }
-    let font = FontId::proportional(11.5);
-    painter.text(
-        bar.left_center() - egui::vec2(5.0, 0.0),
-        Align2::RIGHT_CENTER,
-        &legend.low,
-        font.clone(),
-        Color32::WHITE,
-    );
-    painter.text(
-        bar.right_center() + egui::vec2(5.0, 0.0),
-        Align2::LEFT_CENTER,
-        &legend.high,
-        font,
-        Color32::WHITE,
-    );
 }

@@ -8,10 +8,12 @@ use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
 use crate::app::editor::camera::navigation::Navigation;
+use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Outline;
+use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
@@ -58,6 +60,10 @@ pub struct ViewportModel<'a> {
     pub region: Option<bevy::math::Rect>,
     /// The speed and centre of the view's movements.
     pub navigation: Navigation,
+    /// What the denoiser is doing.
+    pub denoiser: DenoiserState,
+    /// What the drags of the mouse do.
+    pub preset: NavigationPreset,
     /// The context of keys.
     pub keys: ActionContext<'a>,
     /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the screen.

@@ -1,11 +1,10 @@
 //! Handles the mouse over the picture where the gizmo does not use it: looking, orbiting, panning, the wheel, picking and the selection box.
 //!
-//! What a drag does is decided by its press: the right button and the left one look around, Alt and the left orbit, Shift and the left draw
-//! a box, the middle one pans.
+//! What a drag does is decided by its press and the navigation preset, whose tables are in `input/drags.rs`.
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Color32, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Ui};
+use bevy_egui::egui::{self, Color32, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Ui};
 
 use super::cursor::TurningCursor;
 use super::marks::thin_frame;
@@ -20,6 +19,7 @@ use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::input::drags::{DragUse, drag_use};
 
 /// The use of the mouse, from press to release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,13 +36,29 @@ pub struct PointerState {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Hold {
     Look,
-    Orbit { center: Vec3 },
-    Pan { last: Pos2, depth: f32 },
-    Box { from: Pos2 },
+    Orbit {
+        center: Vec3,
+    },
+    Pan {
+        last: Pos2,
+        depth: f32,
+    },
+    Dolly {
+        from: Pos2,
+        last: Pos2,
+        target: Option<Vec3>,
+    },
+    Box {
+        from: Pos2,
+    },
 }
 
 /// The points by which the wheel has to turn for one notch.
 const POINTS_PER_NOTCH: f32 = 50.0;
+/// The points of a dolly's drag that count as one notch of the wheel.
+const POINTS_PER_STEP: f32 = 25.0;
+/// The points that a box has to be drawn before it is shown; a click draws none.
+const LEAST_BOX: f32 = 4.0;
 /// The distance at which things are taken to be where nothing is seen, as a share of the scene.
 const NOWHERE: f32 = 0.5;
 
@@ -75,8 +91,12 @@ impl PointerState {
         let pressed_at = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
         let is_pressed_here = is_over && response.interact_rect.contains(pressed_at);
         if is_pressed_here && let Some(button) = pressed_button(ui) {
-            let modifiers = ui.input(|input| input.modifiers);
-            self.hold = Some(self.hold_of(button, modifiers, pressed_at, screen, model, *pose));
+            let what = drag_use(model.preset, button, ui.input(|input| input.modifiers));
+            let what = match (model.keys.tool, button) {
+                (Tool::Region, PointerButton::Primary) if what != DragUse::Orbit => DragUse::Box,
+                _ => what,
+            };
+            self.hold = Some(hold_of(what, pressed_at, screen, model, *pose));
         }
         if is_over && self.hold.is_some() && response.clicked_by(PointerButton::Primary) {
             self.click(ui, pointer, screen, model, commands);
@@ -104,6 +124,11 @@ impl PointerState {
                 *pose = orbit::pan(*pose, screen, *last, pointer, *depth);
                 *last = pointer;
             }
+            Some(Hold::Dolly { from, last, target }) if last.y != pointer.y => {
+                let notches = (last.y - pointer.y) / POINTS_PER_STEP;
+                *pose = approach(*pose, screen, model, *from, *target, notches);
+                *last = pointer;
+            }
             Some(Hold::Box { from }) if response.drag_stopped() => {
                 let boxed = Rect::from_two_pos(*from, pointer);
                 if model.keys.tool == Tool::Region {
@@ -113,13 +138,14 @@ impl PointerState {
                     commands.push(Command::SetTool(Tool::Select));
                     return Vec2::ZERO;
                 }
-                let how = if ui.input(|input| input.modifiers.command) {
-                    Extend::Toggle
-                } else {
-                    Extend::Add
+                let modifiers = ui.input(|input| input.modifiers);
+                let how = match (modifiers.command, modifiers.shift) {
+                    (true, _) => Extend::Toggle,
+                    (false, true) => Extend::Add,
+                    (false, false) => Extend::Replace,
                 };
                 let entities = inside(boxed, screen, model);
-                if !entities.is_empty() {
+                if !entities.is_empty() || how == Extend::Replace {
                     commands.push(Command::Select(entities, how));
                 }
             }
@@ -144,31 +170,6 @@ impl PointerState {
     pub(crate) fn let_go(&mut self, ui: &Ui) {
         self.hold = None;
         self.cursor.let_go(ui.ctx().pixels_per_point());
-    }
-
-    fn hold_of(
-        &self,
-        button: PointerButton,
-        modifiers: Modifiers,
-        pointer: Pos2,
-        screen: &Screen,
-        model: &ViewportModel,
-        pose: Affine3A,
-    ) -> Hold {
-        match button {
-            PointerButton::Primary if modifiers.alt => Hold::Orbit {
-                center: center(screen, model, pose),
-            },
-            PointerButton::Primary if modifiers.shift || model.keys.tool == Tool::Region => Hold::Box { from: pointer },
-            PointerButton::Middle => Hold::Pan {
-                last: pointer,
-                depth: picking::surface(model.packed, &screen.ray(pointer), |_| false)
-                    .map_or(NOWHERE * model.navigation.scene_size, |seen| {
-                        screen.depth(seen.position)
-                    }),
-            },
-            _ => Hold::Look,
-        }
     }
 
     fn click(&mut self, ui: &Ui, pointer: Pos2, screen: &Screen, model: &ViewportModel, commands: &mut Vec<Command>) {
@@ -229,14 +230,9 @@ impl PointerState {
         }
         if ui.input(|input| input.pointer.secondary_down()) {
             commands.push(Command::SetSpeed(model.navigation.speed_after(notches)));
-        } else if screen.camera.is_orthographic() {
-            *pose = model.navigation.narrow(*pose, screen.film(pointer), screen, notches);
         } else {
-            let ray = screen.ray(pointer);
-            let target = picking::surface(model.packed, &ray, |_| false);
-            *pose = model
-                .navigation
-                .dolly(*pose, &ray, target.map(|seen| seen.position), notches);
+            let target = seen_at(pointer, screen, model);
+            *pose = approach(*pose, screen, model, pointer, target, notches);
         }
     }
 
@@ -244,9 +240,52 @@ impl PointerState {
     pub fn paint(&self, painter: &egui::Painter, pointer: Option<Pos2>) {
         if let (Some(Hold::Box { from }), Some(pointer)) = (self.hold, pointer) {
             let rect = Rect::from_two_pos(from, pointer);
+            if rect.size().max_elem() < LEAST_BOX {
+                return;
+            }
             painter.rect_filled(rect, 0.0, Color32::from_white_alpha(18));
             thin_frame(painter, rect, 200);
         }
+    }
+}
+
+fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Hold {
+    match what {
+        DragUse::Look => Hold::Look,
+        DragUse::Orbit => Hold::Orbit {
+            center: center(screen, model, pose),
+        },
+        DragUse::Pan => Hold::Pan {
+            last: pointer,
+            depth: seen_at(pointer, screen, model)
+                .map_or(NOWHERE * model.navigation.scene_size, |seen| screen.depth(seen)),
+        },
+        DragUse::Dolly => Hold::Dolly {
+            from: pointer,
+            last: pointer,
+            target: seen_at(pointer, screen, model),
+        },
+        DragUse::Box => Hold::Box { from: pointer },
+    }
+}
+
+/// The place on the nearest surface under a point of the window.
+fn seen_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
+    picking::surface(model.packed, &screen.ray(pointer), |_| false).map(|seen| seen.position)
+}
+
+/// The view after going by notches of the wheel towards `target`, which is seen at `at`.
+fn approach(
+    pose: Affine3A,
+    screen: &Screen,
+    model: &ViewportModel,
+    at: Pos2,
+    target: Option<Vec3>,
+    notches: f32,
+) -> Affine3A {
+    match screen.camera.is_orthographic() {
+        true => model.navigation.narrow(pose, screen.film(at), screen, notches),
+        false => model.navigation.dolly(pose, &screen.ray(at), target, notches),
     }
 }
 

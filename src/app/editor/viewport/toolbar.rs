@@ -1,79 +1,58 @@
-//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps.
+//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
+//! over it. A new button is a line of one of the groups, a new group a function beside them.
 
 use bevy_egui::egui::{
-    self, Align, Button, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
+    self, Align, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
 };
 
+use super::model::ViewportModel;
 use super::snap_menu::snap_menu;
+use super::tool_icons::{ToolIcon, icon_button, icon_menu};
 use crate::app::editor::command::Command;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
+use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::input::actions::{ActionContext, hint};
+use crate::app::editor::picture::denoiser::DenoiserState;
 
-const HEIGHT: f32 = 30.0;
-const WIDTH: f32 = 590.0;
+const HEIGHT: f32 = 32.0;
+/// The width before the first frame; afterwards it is what the buttons need.
+const WIDTH: f32 = 500.0;
 
-/// Shows the toolbar. `length_step` is the step of lengths in use, in world units.
-pub(crate) fn toolbar(
-    ui: &mut Ui,
-    panel: Rect,
-    settings: GizmoSettings,
-    length_step: f32,
-    commands: &mut Vec<Command>,
-) {
-    let size = egui::vec2(WIDTH.min(panel.width() - 16.0), HEIGHT);
+/// Shows the toolbar.
+pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands: &mut Vec<Command>) {
+    let id = ui.id().with("width of the toolbar");
+    let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(WIDTH);
+    let size = egui::vec2(known.min(panel.width() - 16.0), HEIGHT);
     let place = Rect::from_min_size(panel.center_top() + egui::vec2(-0.5 * size.x, 6.0), size);
-    let mut edited = settings;
     let layout = Layout::left_to_right(Align::Center);
-    let mut bar = ui.new_child(UiBuilder::new().id_salt("gizmo toolbar").max_rect(place).layout(layout));
+    let mut bar = ui.new_child(UiBuilder::new().id_salt("toolbar").max_rect(place).layout(layout));
     bar.set_clip_rect(panel);
     let frame = Frame::new()
         .fill(backing(&bar))
         .stroke(bar.visuals().window_stroke)
         .corner_radius(CornerRadius::same(4))
-        .inner_margin(Margin::symmetric(6, 3));
-    frame.show(&mut bar, |ui| {
-        for (mode, name, help) in [
-            (Mode::Move, "Move", "Move (G)"),
-            (Mode::Rotate, "Rotate", "Rotate (R)"),
-            (Mode::Scale, "Scale", "Scale along the object's own axes (T)"),
-        ] {
-            let button = Button::selectable(settings.mode == mode, name);
-            if ui.add(button).on_hover_text(help).clicked() {
-                edited.mode = mode;
-            }
+        .inner_margin(Margin::symmetric(5, 2));
+    let shown = frame.show(&mut bar, |ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        let mut edited = model.gizmo.settings;
+        tools(ui, &model.keys, &mut edited);
+        ui.separator();
+        frames(ui, &model.keys, &mut edited);
+        ui.separator();
+        snapping(ui, &model.keys, &mut edited, model.gizmo.length_step);
+        if edited != model.gizmo.settings {
+            commands.push(Command::SetGizmo(edited));
         }
         ui.separator();
-        let (name, other) = match settings.axes {
-            Axes::World => ("World", Axes::Local),
-            Axes::Local => ("Local", Axes::World),
-        };
-        let help = "Whose axes the handles are along: the world's or the active object's (X)";
-        if ui
-            .add_enabled(settings.mode != Mode::Scale, Button::new(name))
-            .on_hover_text(help)
-            .clicked()
-        {
-            edited.axes = other;
-        }
-        let chosen = Pivot::ALL
-            .iter()
-            .find(|(pivot, _)| *pivot == settings.pivot)
-            .map_or("", |(_, name)| name);
-        ComboBox::from_id_salt("pivot")
-            .width(96.0)
-            .selected_text(chosen)
-            .show_ui(ui, |ui| {
-                for (pivot, name) in Pivot::ALL {
-                    ui.selectable_value(&mut edited.pivot, pivot, name);
-                }
-            })
-            .response
-            .on_hover_text("The point that things turn and grow about");
-        ui.separator();
-        snap_menu(ui, &mut edited.snap);
-        step(ui, &mut edited, length_step);
+        picture(ui, model, commands);
+        overlays(ui, &model.keys, commands);
     });
-    if edited != settings {
-        commands.push(Command::SetGizmo(edited));
+    let width = shown.response.rect.width();
+    if (width - known).abs() > 0.5 {
+        ui.data_mut(|data| data.insert_temp(id, width));
+        ui.ctx().request_repaint();
     }
 }
 
@@ -82,9 +61,72 @@ fn backing(ui: &Ui) -> Color32 {
     ui.visuals().window_fill.gamma_multiply_u8(238)
 }
 
-/// The step of the mode.
-fn step(ui: &mut Ui, edited: &mut GizmoSettings, length_step: f32) {
-    ui.label("Step");
+/// What a drag of the handles does.
+fn tools(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
+    let help = hint("Select without handles", "gizmo-hide", keys.bound);
+    if icon_button(ui, ToolIcon::Select, edited.is_hidden, "Select", &help).clicked() {
+        edited.is_hidden = true;
+    }
+    for (mode, icon, name, help, action) in [
+        (Mode::Move, ToolIcon::Move, "Move", "Move", "gizmo-move"),
+        (Mode::Rotate, ToolIcon::Rotate, "Rotate", "Rotate", "gizmo-rotate"),
+        (
+            Mode::Scale,
+            ToolIcon::Scale,
+            "Scale",
+            "Scale along the object's own axes",
+            "gizmo-scale",
+        ),
+    ] {
+        let is_on = edited.mode == mode && !edited.is_hidden;
+        if icon_button(ui, icon, is_on, name, &hint(help, action, keys.bound)).clicked() {
+            (edited.mode, edited.is_hidden) = (mode, false);
+        }
+    }
+}
+
+/// The axes of the handles and the point that things turn about.
+fn frames(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
+    let (icon, name, other, help) = match edited.axes {
+        Axes::World => (
+            ToolIcon::World,
+            "World",
+            Axes::Local,
+            "The handles are along the axes of the world. A click: those of the active object",
+        ),
+        Axes::Local => (
+            ToolIcon::Local,
+            "Local",
+            Axes::World,
+            "The handles are along the axes of the active object. A click: those of the world",
+        ),
+    };
+    let help = hint(help, "gizmo-axes", keys.bound);
+    let can_choose = edited.mode != Mode::Scale;
+    ui.add_enabled_ui(can_choose, |ui| {
+        if icon_button(ui, icon, false, name, &help).clicked() {
+            edited.axes = other;
+        }
+    });
+    let chosen = Pivot::ALL
+        .iter()
+        .find(|(pivot, _)| *pivot == edited.pivot)
+        .map_or("", |(_, name)| name);
+    ComboBox::from_id_salt("pivot")
+        .width(96.0)
+        .selected_text(chosen)
+        .show_ui(ui, |ui| {
+            for (pivot, name) in Pivot::ALL {
+                ui.selectable_value(&mut edited.pivot, pivot, name);
+            }
+        })
+        .response
+        .on_hover_text("The point that things turn and grow about");
+}
+
+/// What moves snap to, and the step of the mode.
+fn snapping(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings, length_step: f32) {
+    snap_menu(ui, keys, &mut edited.snap);
     let steps = &mut edited.steps;
     let mut length = length_step;
     let (value, speed, range, suffix) = match edited.mode {
@@ -98,7 +140,7 @@ fn step(ui: &mut Ui, edited: &mut GizmoSettings, length_step: f32) {
         .suffix(suffix)
         .max_decimals(4);
     let response = ui.add(drag).on_hover_text(
-        "What Control rounds to while dragging, and how far the arrow keys go. A click with the right button: as in the beginning",
+        "The step: what Control rounds to while dragging, and how far the arrow keys go. A click with the right button: as in the beginning",
     );
     if response.secondary_clicked() {
         let usual = Steps::default();
@@ -110,4 +152,79 @@ fn step(ui: &mut Ui, edited: &mut GizmoSettings, length_step: f32) {
     } else if response.changed() && edited.mode == Mode::Move {
         edited.steps.length = Some(length);
     }
+}
+
+/// What the picture shows.
+fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
+    let keys = &model.keys;
+    let display = keys.display;
+    let help = hint("What the picture shows", "next-mode", keys.bound);
+    icon_menu(ui, ToolIcon::Shading, false, "Display mode", &help, |ui| {
+        for (mode, name) in DisplayMode::ALL {
+            if ui.selectable_label(display.mode == mode, name).clicked() {
+                commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
+                ui.close();
+            }
+        }
+    });
+    let (can, is_shown) = match model.denoiser {
+        DenoiserState::Unavailable | DenoiserState::Running => (false, false),
+        DenoiserState::Idle => (true, false),
+        DenoiserState::Shown { .. } => (true, true),
+    };
+    let help = match model.denoiser {
+        DenoiserState::Unavailable => "Built without the feature `denoise`".to_owned(),
+        DenoiserState::Running => "The denoiser is at work".to_owned(),
+        DenoiserState::Shown { .. } => "Show the picture as it was sampled".to_owned(),
+        DenoiserState::Idle => hint("Take the noise out of the picture", "denoise", keys.bound),
+    };
+    ui.add_enabled_ui(can, |ui| {
+        if icon_button(ui, ToolIcon::Denoise, is_shown, "Denoiser", &help).clicked() {
+            commands.push(match is_shown {
+                true => Command::DropDenoised,
+                false => Command::Denoise,
+            });
+        }
+    });
+}
+
+/// What is drawn over the picture.
+fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
+    let help = hint("The grid on the ground and the axes", "grid", keys.bound);
+    if icon_button(ui, ToolIcon::Grid, keys.grid.shown, "Grid", &help).clicked() {
+        let grid = GridSettings {
+            shown: !keys.grid.shown,
+            ..keys.grid
+        };
+        commands.push(Command::SetGrid(grid));
+    }
+    icon_menu(
+        ui,
+        ToolIcon::Overlays,
+        false,
+        "Overlays",
+        "What is drawn over the picture",
+        |ui| {
+            let mut boxes = keys.overlay.shown;
+            if ui
+                .checkbox(&mut boxes, "BVH boxes")
+                .on_hover_text(hint("The boxes of the acceleration structure", "boxes", keys.bound))
+                .changed()
+            {
+                let overlay = BvhOverlay {
+                    shown: boxes,
+                    ..keys.overlay
+                };
+                commands.push(Command::SetOverlay(overlay));
+            }
+            let mut safe = keys.safe_frame;
+            if ui
+                .checkbox(&mut safe, "Safe frame")
+                .on_hover_text("Frames of nine and eight tenths of the picture")
+                .changed()
+            {
+                commands.push(Command::ShowSafeFrame(safe));
+            }
+        },
+    );
 }

@@ -11,6 +11,7 @@ use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::words::files::{ENVIRONMENTS, SCENE_FILES, extension};
+use crate::render::tonemap::ToneMap;
 
 #[derive(Resource, Default)]
 pub struct Dialogs {
@@ -30,6 +31,7 @@ impl Dialogs {
         &mut self,
         context: &egui::Context,
         scene: Option<&Path>,
+        tone_map: ToneMap,
         requests: &mut Requests,
         toasts: &mut Toasts,
         commands: &mut Vec<Command>,
@@ -51,7 +53,7 @@ impl Dialogs {
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene => None,
             };
             let start = before.or(beside_scene).or_else(examples).unwrap_or_else(|| ".".into());
-            let dialog = opened(wanted, scene, &start);
+            let dialog = opened(wanted, scene, tone_map, &start);
             self.open = Some((wanted, dialog));
         }
         let Some((kind, dialog)) = &mut self.open else {
@@ -115,7 +117,7 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
 const IMPORTS: [&str; 5] = ["obj", "ply", "serialized", "hdr", "exr"];
 const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
 
-fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialog {
+fn opened(kind: FileDialogKind, scene: Option<&Path>, tone_map: ToneMap, start: &Path) -> FileDialog {
     let start = std::path::absolute(start).unwrap_or_else(|_| start.to_path_buf());
     let dialog = FileDialog::new()
         .default_size([720.0, 460.0])
@@ -166,7 +168,7 @@ fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialo
         }
         FileDialogKind::SaveImage => {
             let mut dialog = dialog
-                .title("Save the picture")
+                .title(&format!("Save the picture (PNG: tone map {})", tone_map.name()))
                 .add_save_extension("PNG, as shown", "png")
                 .add_save_extension("EXR, linear", "exr")
                 .add_save_extension("HDR, linear", "hdr")

@@ -25,6 +25,8 @@ pub struct Panels<'a> {
     commands: &'a mut Vec<Command>,
     /// The panels in front of their groups: only they have a button to close them.
     fronts: Vec<Panel>,
+    /// The panels whose titles are shortened, because those of their group have no room beside each other.
+    crowded: Vec<Panel>,
     /// The colour of the title of the messages while there are errors.
     error_color: Color32,
 }
@@ -46,6 +48,7 @@ impl<'a> Panels<'a> {
             widgets,
             commands,
             fronts: Vec::new(),
+            crowded: Vec::new(),
             error_color: Color32::PLACEHOLDER,
         }
     }
@@ -59,8 +62,10 @@ pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
     panels.fronts = leaves
         .filter_map(|(_, leaf)| leaf.tabs.get(leaf.active.0).copied())
         .collect();
+    panels.crowded = crowded(ui, layout, &panels);
     let mut style = Style::from_egui(ui.style());
     style.tab_bar.height = 24.0;
+    style.tab_bar.show_scroll_bar_on_overflow = false;
     style.tab.tab_body.inner_margin = Margin::symmetric(6, 5);
     style.tab.tab_body.stroke = egui::Stroke::NONE;
     style.tab.tab_body.hidden_tab_bar_drag_height = Some(0.0);
@@ -79,10 +84,44 @@ pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
         .show_inside(ui, &mut panels);
 }
 
+/// The points that a tab has around its title, and those of the button to close the one in front.
+const AROUND_TITLE: f32 = 16.0;
+const CLOSE_BUTTON: f32 = 24.0;
+
+/// The panels behind others in groups whose titles are wider together than the group.
+fn crowded(ui: &Ui, layout: &Layout, panels: &Panels) -> Vec<Panel> {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let width = |panel: &Panel| {
+        let text = panels.text(*panel);
+        let galley = ui.painter().layout_no_wrap(text, font.clone(), Color32::PLACEHOLDER);
+        galley.size().x + AROUND_TITLE
+    };
+    let mut crowded = Vec::new();
+    for (_, leaf) in layout.0.iter_leaves() {
+        let needed: f32 = leaf.tabs.iter().map(width).sum::<f32>() + CLOSE_BUTTON;
+        // A group that was never shown has no width yet.
+        if leaf.rect.width() > 0.0 && needed > leaf.rect.width() {
+            let behind = leaf.tabs.iter().filter(|panel| !panels.fronts.contains(panel));
+            crowded.extend(behind.copied());
+        }
+    }
+    crowded
+}
+
 /// The viewport has no title, unless other panels stand behind it.
 fn hide_lonely_bar(layout: &mut Layout) {
     for (_, leaf) in layout.0.iter_leaves_mut() {
         leaf.tab_bar_hidden = leaf.tabs == [Panel::Viewport];
+    }
+}
+
+impl Panels<'_> {
+    /// The whole title.
+    fn text(&self, panel: Panel) -> String {
+        match (panel, self.model.notices.len()) {
+            (Panel::Messages, count @ 1..) => format!("{} ({count})", panel.title()),
+            _ => panel.title().to_owned(),
+        }
     }
 }
 
@@ -95,14 +134,20 @@ impl TabViewer for Panels<'_> {
 
     fn title(&mut self, panel: &mut Panel) -> WidgetText {
         let notices = &self.model.notices;
-        if *panel != Panel::Messages || notices.is_empty() {
-            return panel.title().into();
-        }
-        let title = RichText::new(format!("{} ({})", panel.title(), notices.len()));
-        if notices.iter().any(|notice| notice.severity == Severity::Error) {
+        let title = RichText::new(match self.crowded.contains(panel) {
+            true => panel.short_title().to_owned(),
+            false => self.text(*panel),
+        });
+        if *panel == Panel::Messages && notices.iter().any(|notice| notice.severity == Severity::Error) {
             title.color(self.error_color).into()
         } else {
             title.into()
+        }
+    }
+
+    fn on_tab_button(&mut self, panel: &mut Panel, response: &egui::Response) {
+        if self.crowded.contains(panel) {
+            response.clone().on_hover_text(self.text(*panel));
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy_egui::egui::{self, Align2, Button, Id, Key, Modal, Modifiers, RichText, Ui};
 
 use crate::app::editor::command::Command;
+use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::input::actions::{ACTIONS, Action, ActionContext, Group, Shortcut};
 use crate::app::editor::model::{Item, Model};
@@ -37,9 +38,9 @@ impl Hit<'_> {
     }
 
     /// The faint text at the right: keys, or the kind of hit.
-    fn remark(&self) -> String {
+    fn remark(&self, bound: &KeyBindings) -> String {
         match self {
-            Self::Action(action) => action.keys.first().map(Shortcut::text).unwrap_or_default(),
+            Self::Action(action) => action.key_text(bound),
             Self::Scene(_) => "open scene".to_owned(),
             Self::Thing(item) => item.kind.to_owned(),
         }
@@ -55,11 +56,12 @@ impl Hit<'_> {
     }
 
     /// The quality of the match; None if it does not match.
-    fn score(&self, query: &str) -> Option<i32> {
+    fn score(&self, query: &str, bound: &KeyBindings) -> Option<i32> {
         match self {
             // Actions before files and things that are called the same.
             Self::Action(action) => {
-                let keys = action.keys.iter().map(Shortcut::text).collect::<Vec<_>>().join(" ");
+                let keys = action.keys_in(bound).iter().map(Shortcut::text);
+                let keys = keys.collect::<Vec<_>>().join(" ");
                 let label = score(query, &title(action));
                 let name = score(query, action.name).map(|score| score - 5);
                 let keys = score(query, &keys).map(|score| score - 10);
@@ -123,7 +125,7 @@ fn score_word(word: &str, text: &str) -> Option<i32> {
 }
 
 /// The hits, best first; without a query everything that is in the menus.
-pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf]) -> Vec<Hit<'a>> {
+pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf], bound: &KeyBindings) -> Vec<Hit<'a>> {
     let actions = ACTIONS.iter().map(Hit::Action);
     if query.trim().is_empty() {
         return actions.collect();
@@ -134,7 +136,7 @@ pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf])
     let lists = [&outline.shapes, &outline.lights, &outline.materials, &outline.sensors];
     let things = lists.into_iter().flatten().map(Hit::Thing);
     let all = actions.chain(scenes).chain(things);
-    let mut scored: Vec<(i32, Hit)> = all.filter_map(|hit| Some((hit.score(query)?, hit))).collect();
+    let mut scored: Vec<(i32, Hit)> = all.filter_map(|hit| Some((hit.score(query, bound)?, hit))).collect();
     scored.sort_by_key(|(score, _)| -score);
     scored.into_iter().map(|(_, hit)| hit).collect()
 }
@@ -167,7 +169,7 @@ impl Palette {
             if field.changed() {
                 self.chosen = 0;
             }
-            let hits = hits(&self.query, model, recent);
+            let hits = hits(&self.query, model, recent, actions.bound);
             self.chosen = (self.chosen + down)
                 .saturating_sub(up)
                 .min(hits.len().saturating_sub(1));
@@ -205,7 +207,7 @@ fn list<'a>(ui: &mut Ui, hits: &[Hit<'a>], chosen: usize, moved: bool, actions: 
             let text = RichText::new(hit.text());
             let can = hit.command(actions).is_some();
             let text = if can { text } else { text.weak() };
-            let remark = RichText::new(hit.remark()).weak().small();
+            let remark = RichText::new(hit.remark(actions.bound)).weak().small();
             let button = Button::selectable(place == chosen, text)
                 .right_text(remark)
                 .truncate()
@@ -225,6 +227,7 @@ mod tests {
     use bevy::prelude::Entity;
 
     use super::*;
+    use crate::app::editor::command::key_bindings::NO_BINDINGS;
     use crate::app::editor::model::Outline;
 
     fn found(query: &str) -> Vec<String> {
@@ -234,6 +237,7 @@ mod tests {
             kind: "mesh",
             can_hide: true,
             inside_of: None,
+            uses: None,
             hidden: false,
             locked: false,
         };
@@ -245,9 +249,13 @@ mod tests {
             scene_files: Arc::new(vec!["/there/undo.xml".into(), "/there/cornell-box.xml".into()]),
             ..Model::default()
         };
-        hits(query, &model, &["/else/cornell-box.xml".into()])
+        hits(query, &model, &["/else/cornell-box.xml".into()], &NO_BINDINGS)
             .iter()
-            .map(|hit| format!("{} {}", hit.text(), hit.remark()).trim_end().to_owned())
+            .map(|hit| {
+                format!("{} {}", hit.text(), hit.remark(&NO_BINDINGS))
+                    .trim_end()
+                    .to_owned()
+            })
             .collect()
     }
 

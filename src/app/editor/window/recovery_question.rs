@@ -3,54 +3,98 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use bevy_egui::egui::{self, Id, Modal};
+use bevy_egui::egui;
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
 
+use super::dialog;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::panels::look;
 
 /// Asks what to do with the edits; `offer` is None once that is answered.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
     let Some(asked) = offer else {
         return;
     };
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
+    let clock = clock_of(asked.note.time);
     let mut answer = None;
-    let modal = Modal::new(Id::new("recovery")).show(context, |ui| {
-        ui.set_width(420.0);
-        ui.heading("Recover unsaved edits?");
-        ui.add_space(4.0);
+    let modal = dialog::question(context, "recovery", 460.0, "Recover unsaved edits?", |ui| {
         let scene = name_of(&asked.note);
-        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
         let age = since(asked.note.time);
+        let when = match &clock {
+            Some(clock) => format!("at {clock}, {age}"),
+            None => age,
+        };
         ui.label(format!(
-            "The program ended {age} without saving the last edits of {scene}."
+            "The program ended without saving the last edits of {scene}. A copy of them was written {when}."
         ));
         let changed = asked.note.scene.as_deref().map(changed_at);
         if let Some(file) = changed.and_then(|changed| about_file(changed, asked.note.time, since)) {
             ui.add_space(4.0);
             ui.label(file);
         }
-        ui.add_space(8.0);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let recover = ui.button("Recover").on_hover_text("Open the scene with those edits");
-            if recover.clicked() {
-                answer = Some(ShellCommand::Recover(asked.clone()));
-            }
-            let discard = ui.button("Discard").on_hover_text("Those edits are lost");
-            if discard.clicked() {
-                answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
-            }
-            let later = ui.button("Later").on_hover_text("Ask again next time (Esc)");
-            if later.clicked() {
-                ui.close();
-            }
-        });
+        ui.add_space(6.0);
+        dialog::consequence(
+            ui,
+            "Recover",
+            "the scene opens with those edits. No file is changed until you save.",
+        );
+        dialog::consequence(
+            ui,
+            "Later",
+            "the copy stays, and the question comes again at the next start.",
+        );
+        dialog::consequence(ui, "Discard", "the copy is deleted, and the edits are lost.");
+        let discard = look::danger(ui, "Discard");
+        let recover = look::primary(ui, &recover_text(clock.as_deref()));
+        let (mut discards, mut recovers) = (false, false);
+        dialog::answers(
+            ui,
+            |ui| discards = ui.add(discard).clicked(),
+            |ui| {
+                recovers = ui.add(recover).clicked();
+                if ui.button("Later").on_hover_text("Esc").clicked() {
+                    ui.close();
+                }
+            },
+        );
+        if recovers {
+            answer = Some(ShellCommand::Recover(asked.clone()));
+        } else if discards {
+            answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
+        }
     });
     if answer.is_some() || modal.should_close() {
         commands.extend(answer.map(Command::Shell));
         *offer = None;
     }
+}
+
+/// The text of the button, such as "Recover the copy of 14:32".
+fn recover_text(clock: Option<&str>) -> String {
+    match clock {
+        Some(clock) => format!("Recover the copy of {clock}"),
+        None => "Recover the copy".to_owned(),
+    }
+}
+
+/// The time of day in the zone of the system, with the date if it is not today. None if the time is not known.
+fn clock_of(seconds: u64) -> Option<String> {
+    let time = Timestamp::from_second(i64::try_from(seconds).ok()?).ok()?;
+    let zone = TimeZone::system();
+    let (then, now) = (
+        time.to_zoned_datetime(zone.clone()),
+        Timestamp::now().to_zoned_datetime(zone),
+    );
+    let clock = format!("{:02}:{:02}", then.hour(), then.minute());
+    Some(match then.date() == now.date() {
+        true => clock,
+        false => format!("{} {clock}", then.date()),
+    })
 }
 
 fn name_of(note: &Note) -> String {
@@ -118,6 +162,17 @@ mod tests {
         };
         assert_eq!(named(Some(3)), "a scene of 3 things that was never saved");
         assert_eq!(named(None), "a scene that was never saved");
+    }
+
+    #[test]
+    fn the_button_says_which_copy() {
+        assert_eq!(recover_text(Some("14:32")), "Recover the copy of 14:32");
+        let today = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970");
+        let clock = clock_of(today.as_secs()).expect("a time");
+        assert!(clock.len() == 5 && clock.as_bytes()[2] == b':', "{clock}");
+        // Any zone is less than a day away.
+        assert!(clock_of(86_400).is_some_and(|clock| clock.starts_with("1970-01-0")));
+        assert_eq!(clock_of(u64::MAX), None);
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side.
 
-use bevy_egui::egui::{self, Id, Modal};
+use bevy_egui::egui::{self, Ui};
 
+use super::dialog;
 use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::panels::look;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
 use crate::scene::write::OnChange;
@@ -40,41 +42,43 @@ enum Answer {
 }
 
 fn ask(context: &egui::Context, question: &SaveQuestion) -> Option<Answer> {
-    let modal = Modal::new(Id::new("file changed")).show(context, |ui| {
-        ui.set_width(440.0);
-        ui.heading("The file was changed elsewhere");
-        ui.add_space(4.0);
+    let modal = dialog::question(context, "file changed", 480.0, "The file was changed elsewhere", |ui| {
         ui.label(format!("{}.", question.reason));
-        ui.add_space(8.0);
-        let mut answer = None;
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if question.can_merge {
-                let merge = ui.button("Merge and save").on_hover_text(
-                    "Take in what the file changed and save the rest of your edits; where both changed the same, the file's edit counts",
-                );
-                if merge.clicked() {
-                    answer = Some(Answer::Save(OnChange::TakeIn));
-                }
-            }
-            let overwrite = ui
-                .button("Overwrite")
-                .on_hover_text("Save the scene as it is here; what others changed in the file is lost");
-            if overwrite.clicked() {
-                answer = Some(Answer::Save(OnChange::Overwrite));
-            }
-            let save_as = ui
-                .button("Save as...")
-                .on_hover_text("Save under another name; the file stays as it is");
-            if save_as.clicked() {
-                answer = Some(Answer::SaveAs);
-            }
-            let cancel = ui.button("Cancel").on_hover_text("Save nothing (Esc)");
-            if cancel.clicked() {
-                answer = Some(Answer::Cancel);
-            }
-        });
-        answer
+        ui.add_space(6.0);
+        consequences(ui, question.can_merge);
+        let (mut merges, mut overwrites, mut renames, mut cancels) = (false, false, false, false);
+        let (merge, overwrite) = (look::primary(ui, MERGE), look::danger(ui, OVERWRITE));
+        dialog::answers(
+            ui,
+            |ui| overwrites = ui.add(overwrite).clicked(),
+            |ui| {
+                merges = question.can_merge && ui.add(merge).clicked();
+                renames = ui.button("Save as...").clicked();
+                cancels = ui.button("Cancel").on_hover_text("Save nothing (Esc)").clicked();
+            },
+        );
+        match (merges, overwrites, renames, cancels) {
+            (true, ..) => Some(Answer::Save(OnChange::TakeIn)),
+            (_, true, ..) => Some(Answer::Save(OnChange::Overwrite)),
+            (_, _, true, _) => Some(Answer::SaveAs),
+            (.., true) => Some(Answer::Cancel),
+            _ => None,
+        }
     });
     let closed = modal.should_close();
     modal.inner.or(closed.then_some(Answer::Cancel))
+}
+
+const MERGE: &str = "Merge and save";
+const OVERWRITE: &str = "Overwrite";
+
+fn consequences(ui: &mut Ui, can_merge: bool) {
+    if can_merge {
+        let merge = "what the file changed is taken in, and the rest of your edits is saved. Where both changed the same, the file's edit counts.";
+        dialog::consequence(ui, MERGE, merge);
+    }
+    let overwrite = "the scene is saved as it is here, and what others changed in the file is lost.";
+    dialog::consequence(ui, OVERWRITE, overwrite);
+    let save_as = "the scene is saved under another name, and the file stays as it is.";
+    dialog::consequence(ui, "Save as", save_as);
 }

@@ -1,15 +1,21 @@
-//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences.
+//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys.
 
-use bevy_egui::egui::{self, Id, Modal};
+use bevy_egui::egui::{self, Id, Modal, Ui};
 
 use super::palette::Palette;
 use super::shortcuts::shortcuts;
+use super::widgets::Widgets;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::shell::Sheet;
-use crate::app::editor::input::actions::ActionContext;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::input::actions::{self, ActionContext};
+use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Model;
+use crate::app::editor::panels::key_bindings::{KeyList, key_bindings};
 use crate::app::editor::panels::preferences::preferences;
+
+/// The width of the preferences, in points.
+const WIDTH: f32 = 480.0;
 
 /// The data of the sheets beside the model.
 #[derive(Clone, Copy)]
@@ -18,6 +24,8 @@ pub struct SheetModel<'a> {
     pub preferences: &'a Preferences,
     /// A problem with the file of the preferences.
     pub problem: Option<&'a str>,
+    /// The keys that went down in this frame.
+    pub presses: &'a [Press],
 }
 
 pub fn show(
@@ -25,41 +33,90 @@ pub fn show(
     model: &Model,
     shown: SheetModel,
     sheet: &mut Option<Sheet>,
-    palette: &mut Palette,
+    widgets: &mut Widgets,
     commands: &mut Vec<Command>,
 ) {
     if *sheet != Some(Sheet::Palette) {
         // The palette opens without a query.
-        *palette = Palette::default();
+        widgets.palette = Palette::default();
+    }
+    if *sheet != Some(Sheet::Keys) {
+        widgets.keys = KeyList::default();
     }
     let Some(open) = *sheet else {
         return;
     };
     let recent = &shown.preferences.recent_files;
     let stays = match open {
-        Sheet::Palette => palette.show(context, model, &shown.actions, recent, commands),
-        Sheet::Shortcuts => shortcuts(context),
-        Sheet::Preferences => {
-            let modal = Modal::new(Id::new("preferences")).show(context, |ui| {
-                ui.set_width(400.0);
-                ui.heading("Preferences");
-                ui.add_space(6.0);
-                preferences(ui, shown.preferences, shown.problem, commands);
-                ui.add_space(6.0);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if ui
-                        .button("Close")
-                        .on_hover_text("They are kept as they are (Esc)")
-                        .clicked()
-                    {
-                        ui.close();
-                    }
-                });
-            });
-            !modal.should_close()
-        }
+        Sheet::Palette => widgets.palette.show(context, model, &shown.actions, recent, commands),
+        Sheet::Shortcuts => shortcuts(context, shown.preferences.navigation, shown.actions.bound),
+        Sheet::Preferences | Sheet::Keys => pages(context, shown, sheet, &mut widgets.keys, commands),
     };
     if !stays {
         *sheet = None;
     }
+}
+
+/// Shows the preferences or the list of keys, with tabs to switch between both; false when they are to be closed.
+fn pages(
+    context: &egui::Context,
+    shown: SheetModel,
+    sheet: &mut Option<Sheet>,
+    keys: &mut KeyList,
+    commands: &mut Vec<Command>,
+) -> bool {
+    if keys.waits() {
+        // The press belongs to the list: Esc must not close the sheet, nor Tab go on to another control.
+        context.input_mut(|input| input.events.retain(|event| !is_typed(event)));
+    }
+    let modal = Modal::new(Id::new("preferences")).show(context, |ui| {
+        ui.set_width(WIDTH);
+        ui.heading("Preferences");
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for (page, name) in [(Sheet::Preferences, "General"), (Sheet::Keys, "Keys")] {
+                if ui.selectable_label(*sheet == Some(page), name).clicked() {
+                    *sheet = Some(page);
+                }
+            }
+        });
+        ui.separator();
+        page(ui, shown, *sheet, keys, commands);
+        ui.add_space(6.0);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui
+                .button("Close")
+                .on_hover_text("They are kept as they are (Esc)")
+                .clicked()
+            {
+                ui.close();
+            }
+        });
+    });
+    !modal.should_close()
+}
+
+fn page(ui: &mut Ui, shown: SheetModel, sheet: Option<Sheet>, keys: &mut KeyList, commands: &mut Vec<Command>) {
+    if sheet != Some(Sheet::Keys) {
+        preferences(ui, shown.preferences, shown.problem, commands);
+        return;
+    }
+    if let Some(chosen) = key_bindings(ui, keys, shown.actions.bound, shown.presses) {
+        let preferences = Preferences {
+            keys: chosen,
+            ..shown.preferences.clone()
+        };
+        commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(preferences))));
+    }
+    let palette = actions::hint(
+        "Everything can also be found by its name",
+        "palette",
+        shown.actions.bound,
+    );
+    ui.weak(palette);
+}
+
+fn is_typed(event: &egui::Event) -> bool {
+    use egui::Event::{Copy, Cut, Key, Paste, Text};
+    matches!(event, Copy | Cut | Key { .. } | Paste(_) | Text(_))
 }

@@ -2,26 +2,23 @@
 
 use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
 
-use crate::app::editor::input::actions::{ACTIONS, Action, Group, Shortcut};
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::navigation_preset::NavigationPreset;
+use crate::app::editor::input::actions::bindings::FLIGHT;
+use crate::app::editor::input::actions::{self, ACTIONS, Action, Group, Shortcut};
+use crate::app::editor::input::drags::drags;
 
 /// Controls that are no actions: held keys, and the mouse.
-const CONTROLS: [(&str, &str); 19] = [
-    ("W A S D", "Fly"),
-    ("Q E", "Fly down and up"),
+const CONTROLS: [(&str, &str); 12] = [
     ("Shift, Ctrl", "while flying: fast, slow"),
-    ("Right drag", "Look around"),
-    ("Left drag", "Look, or drag a handle"),
-    ("Alt+Left drag", "Orbit the selection"),
-    ("Middle drag", "Pan"),
     ("Wheel", "Towards the pointer"),
     ("Right+Wheel", "Flying speed"),
     ("Click", "Select"),
     ("Shift+Click", "Add or take away"),
     ("Ctrl+Click", "Add or take away"),
-    ("Shift+Left drag", "Add what shows in the box"),
     ("Ctrl in a drag", "Round to the step"),
     ("Shift in a drag", "Onto the surface"),
-    ("G R T, X, 1.5", "By a number along an axis"),
+    ("Left drag", "on a handle: drag it"),
     ("1 to 9", "Back to a stored view"),
     ("Ctrl+1 to 9", "Store the view"),
     ("Ctrl +, -, 0", "Size of the panels"),
@@ -37,14 +34,19 @@ const KEY_SIZE: f32 = 11.5;
 type Lines = Vec<(String, &'static str)>;
 
 /// The headings with their lines, a list for each column.
-fn columns() -> Vec<Vec<(&'static str, Lines)>> {
-    let controls = CONTROLS.iter().map(|(keys, what)| ((*keys).to_owned(), *what));
-    let mut groups: Vec<(&str, Lines)> = vec![("Mouse and flying", controls.collect())];
+fn columns(preset: NavigationPreset, bound: &KeyBindings) -> Vec<Vec<(&'static str, Lines)>> {
+    let mut mouse: Lines = drags(preset)
+        .iter()
+        .map(|rule| (rule.text(), rule.what.label()))
+        .collect();
+    mouse.extend(flying(bound));
+    mouse.extend(CONTROLS.iter().map(|(keys, what)| ((*keys).to_owned(), *what)));
+    let mut groups: Vec<(&str, Lines)> = vec![("Mouse and flying", mouse)];
     groups.extend(Group::ALL.into_iter().map(|(group, name)| {
-        let actions = ACTIONS
-            .iter()
-            .filter(|action| action.group == group && !action.keys.is_empty() && !is_of_a_series(action));
-        let lines = actions.map(|action| (keys(action), action.label));
+        let actions = ACTIONS.iter().filter(|action| {
+            action.group == group && !action.keys_in(bound).is_empty() && !is_of_a_series(action, bound)
+        });
+        let lines = actions.map(|action| (keys(action, bound), action.label));
         (name, lines.collect())
     }));
     groups.push(("Clipboard", clipboard()));
@@ -62,8 +64,8 @@ fn columns() -> Vec<Vec<(&'static str, Lines)>> {
 }
 
 /// The keys of an action. Those of the numeric keypad are left out if there are others.
-fn keys(action: &Action) -> String {
-    let all: Vec<String> = action.keys.iter().map(Shortcut::text).collect();
+fn keys(action: &Action, bound: &KeyBindings) -> String {
+    let all: Vec<String> = action.keys_in(bound).iter().map(Shortcut::text).collect();
     let is_plain = |text: &&String| !text.contains("Numpad");
     let plain: Vec<&str> = all.iter().filter(is_plain).map(String::as_str).collect();
     if plain.is_empty() {
@@ -73,9 +75,21 @@ fn keys(action: &Action) -> String {
     }
 }
 
-/// Whether the action is one of the nine stored views, which are listed together.
-fn is_of_a_series(action: &Action) -> bool {
-    action.name.ends_with(|c: char| c.is_ascii_digit())
+/// The lines about flying and about typed amounts, whose keys can be chosen.
+fn flying(bound: &KeyBindings) -> Lines {
+    let [[left, right], [up, down], [ahead, back]] =
+        FLIGHT.map(|ways| ways.map(|way| way.keys(bound).first().map(Shortcut::text).unwrap_or_default()));
+    let modes = ["gizmo-move", "gizmo-rotate", "gizmo-scale"].map(|name| actions::key_text(name, bound));
+    vec![
+        (format!("{ahead} {left} {back} {right}"), "Fly"),
+        (format!("{down} {up}"), "Fly down and up"),
+        (format!("{}, X, 1.5", modes.join(" ")), "By a number along an axis"),
+    ]
+}
+
+/// Whether the action is one of the nine stored views, which are listed together unless other keys were chosen.
+fn is_of_a_series(action: &Action, bound: &KeyBindings) -> bool {
+    action.name.ends_with(|c: char| c.is_ascii_digit()) && bound.of(action.name).is_none()
 }
 
 fn clipboard() -> Lines {
@@ -85,19 +99,24 @@ fn clipboard() -> Lines {
 }
 
 /// Shows the overview; false when it is to be closed.
-pub fn shortcuts(context: &egui::Context) -> bool {
-    let closing = [
-        (Modifiers::NONE, Key::F1),
-        (Modifiers::NONE, Key::Questionmark),
-        (Modifiers::SHIFT, Key::Questionmark),
-    ];
+pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyBindings) -> bool {
+    let closing = actions::find("shortcuts").map_or(&[][..], |action| action.keys_in(bound));
     let closes = context.input_mut(|input| {
-        closing
-            .iter()
-            .any(|(modifiers, key)| input.consume_key(*modifiers, *key))
+        closing.iter().any(|key| {
+            let modifiers = Modifiers {
+                alt: key.alt,
+                ctrl: key.command,
+                shift: key.shift,
+                command: key.command,
+                ..Modifiers::NONE
+            };
+            // Not every keyboard needs Shift for the question mark.
+            let is_bare = key.key == Key::Questionmark && input.consume_key(Modifiers::NONE, key.key);
+            is_bare || input.consume_key(modifiers, key.key)
+        })
     });
     let modal = Modal::new(Id::new("shortcuts")).show(context, |ui| {
-        let columns = columns();
+        let columns = columns(preset, bound);
         let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 100.0);
         let gap = ui.spacing().item_spacing.x;
         ui.set_width(room.x.min(columns.len() as f32 * (COLUMN_WIDTH + gap)));
@@ -112,7 +131,10 @@ pub fn shortcuts(context: &egui::Context) -> bool {
                 });
             });
         ui.separator();
-        ui.weak("Everything else is found by name with Ctrl+P. Esc closes this.");
+        let palette = actions::key_text("palette", bound);
+        ui.weak(format!(
+            "Everything else is found by name with {palette}. Preferences > Keys changes keys. Esc closes this."
+        ));
     });
     !(closes || modal.should_close())
 }
@@ -141,18 +163,44 @@ fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::editor::command::key_bindings::NO_BINDINGS;
+    use crate::app::editor::input::actions::bindings::bind;
+
+    fn shown(preset: NavigationPreset, bound: &KeyBindings) -> Lines {
+        let groups = columns(preset, bound).into_iter().flatten();
+        groups.flat_map(|(_, lines)| lines).collect()
+    }
 
     #[test]
     fn every_key_is_in_it() {
-        let shown: Vec<String> = columns()
+        let shown: Vec<String> = shown(NavigationPreset::Sunroom, &NO_BINDINGS)
             .into_iter()
-            .flatten()
-            .flat_map(|(_, lines)| lines)
             .map(|(keys, _)| keys)
             .collect();
-        let alone = ACTIONS.iter().filter(|action| !is_of_a_series(action));
+        let alone = ACTIONS.iter().filter(|action| !is_of_a_series(action, &NO_BINDINGS));
         for action in alone.filter(|action| !action.keys.is_empty()) {
-            assert!(shown.contains(&keys(action)), "{}", action.name);
+            assert!(shown.contains(&keys(action, &NO_BINDINGS)), "{}", action.name);
         }
+    }
+
+    #[test]
+    fn the_drags_are_those_of_the_preset() {
+        for (preset, orbit) in [
+            (NavigationPreset::Sunroom, "Shift+Middle drag"),
+            (NavigationPreset::Blender, "Middle drag"),
+        ] {
+            let line = (orbit.to_owned(), "Orbit the selection");
+            assert!(shown(preset, &NO_BINDINGS).contains(&line), "{preset:?}");
+        }
+    }
+
+    #[test]
+    fn chosen_keys_are_shown() {
+        let mut bound = KeyBindings::default();
+        bind(&mut bound, "save", Shortcut::parse("F7").expect("a key"));
+        bind(&mut bound, "fly-ahead", Shortcut::parse("Y").expect("a key"));
+        let shown = shown(NavigationPreset::Sunroom, &bound);
+        assert!(shown.contains(&("F7".to_owned(), "Save")));
+        assert!(shown.contains(&("Y A S D".to_owned(), "Fly")));
     }
 }

@@ -92,6 +92,7 @@ pub fn show_window(
     let modifiers = context.input(|input| input.modifiers);
     let presses = keys::presses(key_events.read(), modifiers);
     count_interactions(&context, &presses, &state, &mut said.requests, &mut focus);
+    let pressed = presses.clone();
     // A field that is left and a list that closes in this frame still had its keys.
     let presses = match *is_typing || egui::Popup::is_any_open(&context) {
         true => Vec::new(),
@@ -123,6 +124,7 @@ pub fn show_window(
         panels_shown: settings.panels_shown,
         selection: &scene.selection,
         tool: settings.tool,
+        bound: &shell.preferences.keys,
         safe_frame: settings.safe_frame,
         grid: settings.grid,
         dimensions: settings.dimensions,
@@ -152,6 +154,7 @@ pub fn show_window(
             up: settings.navigation.up,
             unit: model.unit,
             packed: &scene.packed,
+            bound: &shell.preferences.keys,
         },
         locked: &seen.locked,
         things: &model.outline,
@@ -161,6 +164,8 @@ pub fn show_window(
         region: model.render.region,
         paths: &scene.paths,
         navigation: settings.navigation,
+        denoiser: model.status.denoiser,
+        preset: shell.preferences.navigation,
         keys: action_context,
         mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),
         extent: model.extent,
@@ -195,6 +200,7 @@ pub fn show_window(
     dialogs.show(
         &context,
         scene.status.path.as_deref(),
+        settings.display.tone_map,
         requests,
         &mut said.toasts,
         commands,
@@ -203,15 +209,9 @@ pub fn show_window(
         actions: action_context,
         preferences: &shell.preferences,
         problem: shell.preferences_file.problem.as_deref(),
+        presses: &pressed,
     };
-    sheet::show(
-        &context,
-        model,
-        sheets,
-        &mut requests.sheet,
-        &mut widgets.palette,
-        commands,
-    );
+    sheet::show(&context, model, sheets, &mut requests.sheet, widgets, commands);
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);

@@ -1,9 +1,11 @@
 //! The question what to do with unsaved edits. A command that would lose them waits until it is answered.
 
-use bevy_egui::egui::{self, Id, Modal, Ui};
+use bevy_egui::egui::{self, Ui};
 
+use super::dialog;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, Effect};
+use crate::app::editor::panels::look;
 
 /// The command that waits for an answer, if there is one.
 #[derive(Debug, Default)]
@@ -114,26 +116,24 @@ enum Answer {
 }
 
 fn question(context: &egui::Context, name: &str, command: &Command) -> Option<Answer> {
-    let modal = Modal::new(Id::new("unsaved edits")).show(context, |ui| {
-        ui.set_width(380.0);
-        let reverts = *command == Command::RevertScene;
+    let reverts = *command == Command::RevertScene;
+    let heading = match reverts {
+        true => format!("Lose the changes of {name}?"),
+        false => format!("Save the changes of {name}?"),
+    };
+    let modal = dialog::question(context, "unsaved edits", 420.0, &heading, |ui| {
         if reverts {
-            ui.heading(format!("Lose the changes of {name}?"));
-            ui.add_space(4.0);
             ui.label("What was changed since the scene was saved cannot be brought back.");
         } else {
-            ui.heading(format!("Save the changes of {name}?"));
-            ui.add_space(4.0);
             let what = match command {
                 Command::Quit => "closing the window",
                 Command::NewScene => "a new scene",
                 _ => "opening another scene",
             };
             ui.label(format!(
-                "Otherwise {what} loses what was changed since the scene was saved."
+                "Without saving, {what} loses what was changed since the scene was saved."
             ));
         }
-        ui.add_space(8.0);
         answers(ui, reverts)
     });
     let closed = modal.should_close();
@@ -142,29 +142,29 @@ fn question(context: &egui::Context, name: &str, command: &Command) -> Option<An
 
 /// The buttons. The command to revert has none to save.
 fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
-    let mut answer = None;
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        if reverts {
-            if ui.button("Revert").on_hover_text("Read the file anew").clicked() {
-                answer = Some(Answer::Lose);
+    let (mut lost, mut saved, mut cancelled) = (false, false, false);
+    let (lose, help) = match reverts {
+        true => ("Revert", "Read the file anew"),
+        false => ("Don't save", "Continue without saving"),
+    };
+    let (lose, save) = (look::danger(ui, lose), look::primary(ui, "Save"));
+    if !reverts {
+        saved = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
+    }
+    dialog::answers(
+        ui,
+        |ui| lost = ui.add(lose).on_hover_text(help).clicked(),
+        |ui| {
+            if !reverts {
+                saved |= ui.add(save).on_hover_text("Save, then continue (Enter)").clicked();
             }
-        } else {
-            let accepted = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
-            let save = ui.button("Save").on_hover_text("Save, then continue (Enter)");
-            if save.clicked() || accepted {
-                answer = Some(Answer::Save);
-            }
-            if ui
-                .button("Don't save")
-                .on_hover_text("Continue without saving")
-                .clicked()
-            {
-                answer = Some(Answer::Lose);
-            }
-        }
-        if ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked() {
-            answer = Some(Answer::Cancel);
-        }
-    });
-    answer
+            cancelled = ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked();
+        },
+    );
+    match (saved, lost, cancelled) {
+        (true, ..) => Some(Answer::Save),
+        (_, true, _) => Some(Answer::Lose),
+        (_, _, true) => Some(Answer::Cancel),
+        _ => None,
+    }
 }

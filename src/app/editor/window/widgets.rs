@@ -5,6 +5,7 @@ use bevy_egui::egui::Rect;
 
 use super::palette::Palette;
 use crate::app::editor::panels::inspector::InspectorState;
+use crate::app::editor::panels::key_bindings::KeyList;
 use crate::app::editor::panels::library::LibraryState;
 use crate::app::editor::panels::outliner::state::OutlinerState;
 
@@ -15,6 +16,8 @@ pub(crate) struct Widgets {
     pub shelf: LibraryState,
     pub inspector: InspectorState,
     pub palette: Palette,
+    /// The list where keys are chosen.
+    pub keys: KeyList,
     /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
@@ -26,6 +29,7 @@ impl Default for Widgets {
             shelf: LibraryState::default(),
             inspector: InspectorState::default(),
             palette: Palette::default(),
+            keys: KeyList::default(),
             viewport_place: Rect::ZERO,
         }
     }

@@ -21,3 +21,16 @@ pub fn grouped(number: u64) -> String {
     }
     grouped
 }
+
+/// A length in three digits, such as `0.5`, `12.2` or `1230`.
+pub(crate) fn length(units: f32) -> String {
+    if units == 0.0 || !units.is_finite() {
+        return "0".to_owned();
+    }
+    let decimals = (2 - units.abs().log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{units:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}

@@ -261,7 +261,7 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            let sheet = [Sheet::Palette, Sheet::Shortcuts, Sheet::Preferences][random.below(3)];
+            let sheet = [Sheet::Palette, Sheet::Shortcuts, Sheet::Preferences, Sheet::Keys][random.below(4)];
             let mut acts = shell(ShellCommand::ShowSheet(sheet));
             acts.extend([Act::Rest(1 + random.below(5)), Act::CloseSheet]);
             acts

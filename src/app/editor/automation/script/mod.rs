@@ -6,6 +6,7 @@
 
 pub mod assign;
 pub mod error;
+mod keys;
 pub mod parse;
 mod placing;
 mod rendering;

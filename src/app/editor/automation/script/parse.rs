@@ -7,15 +7,17 @@ use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
-use super::{placing, rendering};
+use super::{keys, placing, rendering};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::key_bindings::NO_BINDINGS;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside};
+use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::input::actions::{self, ActionContext};
@@ -50,7 +52,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 45] = [
+pub const VERBS: [(&str, &str); 46] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -97,6 +99,7 @@ pub const VERBS: [(&str, &str); 45] = [
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
+    ("bind", "ACTION KEY|none|usual"),
     ("wait", "SAMPLES|done"),
     ("screenshot", "FILE"),
 ];
@@ -143,6 +146,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         panels_shown: settings.panels_shown,
         selection,
         tool: settings.tool,
+        bound: &NO_BINDINGS,
         safe_frame: settings.safe_frame,
         grid: settings.grid,
         dimensions: settings.dimensions,
@@ -292,6 +296,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             rendering::mix(world.resource::<LightMix>(), light, gain)?
         }
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
+        ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
         ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
         ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),

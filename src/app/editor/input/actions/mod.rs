@@ -1,17 +1,17 @@
 //! The table of actions, each of which is one key, one menu entry or one word. The keyboard, the menus, the palette, the overview of shortcuts and
 //! scripts share it.
 
+pub mod bindings;
 mod table;
 
-use bevy_egui::egui::Key;
-
-use super::press::Press;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::selection::Selection;
+pub use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
 pub use table::ACTIONS;
 
@@ -32,6 +32,8 @@ pub struct ActionContext<'a> {
     pub selection: &'a Selection,
     /// A tool that is in use is given up by its own key.
     pub tool: Tool,
+    /// The keys that the user has chosen.
+    pub bound: &'a KeyBindings,
     /// Whether the safe frame is shown.
     pub safe_frame: bool,
     /// The grid, which is shown or hidden.
@@ -40,21 +42,6 @@ pub struct ActionContext<'a> {
     pub dimensions: bool,
     /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
-}
-
-/// A key with its modifiers; `command` is Control, on a Mac the command key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shortcut {
-    /// The key that goes down last.
-    pub key: Key,
-    /// Whether Control, or the command key of a Mac, is held.
-    pub command: bool,
-    /// Whether Shift is held.
-    pub shift: bool,
-    /// Whether Alt is held.
-    pub alt: bool,
-    /// A digit of the block at the keyboard's right.
-    pub numpad: bool,
 }
 
 /// An action, which keys, menus, palette and scripts call by one name.
@@ -66,7 +53,7 @@ pub struct Action {
     pub label: &'static str,
     /// Its menu, and its heading in the overview.
     pub group: Group,
-    /// The keys, any of which will do; the first is shown.
+    /// The keys of the program, any of which will do; `keys_in` gives those that the user has chosen instead.
     pub keys: &'static [Shortcut],
     /// The command. None: there is nothing to apply it to.
     pub command: fn(&ActionContext) -> Option<Command>,
@@ -99,37 +86,32 @@ impl Group {
         (Self::Render, "Render"),
         (Self::Window, "Window"),
     ];
-}
 
-impl Shortcut {
-    pub(crate) fn is_pressed(&self, press: &Press) -> bool {
-        let modifiers = press.modifiers;
-        press.key == self.key
-            && press.numpad == self.numpad
-            && modifiers.command == self.command
-            && modifiers.shift == self.shift
-            && modifiers.alt == self.alt
-    }
-
-    /// The text of a shortcut, such as `Ctrl+Shift+Z`.
-    pub fn text(&self) -> String {
-        // Users do not think of the question mark as a key with Shift.
-        let shift = self.shift && self.key != Key::Questionmark;
-        let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (shift, "Shift+")];
-        let mut text: String = modifiers
-            .into_iter()
-            .filter(|(held, _)| *held)
-            .map(|(_, name)| name)
-            .collect();
-        text += if self.numpad { "Numpad " } else { "" };
-        text += self.key.symbol_or_name();
-        text
+    /// The heading.
+    pub fn title(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .find(|(group, _)| *group == self)
+            .map_or("", |(_, title)| title)
     }
 }
 
 /// The action of this name.
 pub fn find(name: &str) -> Option<&'static Action> {
     ACTIONS.iter().find(|action| action.name == name)
+}
+
+/// The text of the first key of the action with this name; empty without one.
+pub fn key_text(name: &str, bound: &KeyBindings) -> String {
+    find(name).map(|action| action.key_text(bound)).unwrap_or_default()
+}
+
+/// A tool tip with the key of the action behind it, such as `Samples are kept (Space)`.
+pub fn hint(text: &str, name: &str, bound: &KeyBindings) -> String {
+    match key_text(name, bound) {
+        key if key.is_empty() => text.to_owned(),
+        key => format!("{text} ({key})"),
+    }
 }
 
 impl ActionContext<'_> {
@@ -158,43 +140,5 @@ impl ActionContext<'_> {
             Command::ShowPanels(shown) => self.panels_shown = *shown,
             _ => {}
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_name_and_no_key_means_two_things() {
-        for (place, action) in ACTIONS.iter().enumerate() {
-            for other in &ACTIONS[..place] {
-                assert_ne!(action.name, other.name);
-                assert!(
-                    !action.keys.iter().any(|key| other.keys.contains(key)),
-                    "{}",
-                    action.name
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn keys_are_named_as_people_do() {
-        let all = Shortcut {
-            key: Key::Z,
-            command: true,
-            shift: true,
-            alt: true,
-            numpad: false,
-        };
-        assert_eq!(all.text(), "Ctrl+Alt+Shift+Z");
-        let slash = Shortcut {
-            key: Key::Questionmark,
-            command: false,
-            alt: false,
-            ..all
-        };
-        assert_eq!(slash.text(), "?");
     }
 }

@@ -9,6 +9,7 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
@@ -18,13 +19,7 @@ use crate::app::editor::command::{Command, Direction, FileDialogKind};
 use crate::scene::LengthUnit;
 
 const fn plain(key: Key) -> Shortcut {
-    Shortcut {
-        key,
-        command: false,
-        shift: false,
-        alt: false,
-        numpad: false,
-    }
+    Shortcut::plain(key)
 }
 
 const fn numpad(key: Key) -> Shortcut {
@@ -100,6 +95,7 @@ macro_rules! gizmo_mode {
         action(Group::Edit, $name, $label, &[plain($key)], |context| {
             Some(Command::SetGizmo(GizmoSettings {
                 mode: Mode::$mode,
+                is_hidden: false,
                 ..context.gizmo
             }))
         })
@@ -136,6 +132,14 @@ macro_rules! unit {
 macro_rules! view {
     ($name:literal, $label:literal, $shortcut:expr => $command:expr) => {
         action(Group::View, $name, $label, &[$shortcut], |_| Some($command))
+    };
+}
+
+macro_rules! navigation {
+    ($name:literal, $label:literal, $preset:ident) => {
+        action(Group::View, $name, $label, &[], |_| {
+            Some(Command::Shell(ShellCommand::SetNavigation(NavigationPreset::$preset)))
+        })
     };
 }
 
@@ -218,6 +222,12 @@ pub const ACTIONS: &[Action] = &[
     gizmo_mode!("gizmo-move", "Move with the gizmo", Key::G, Move),
     gizmo_mode!("gizmo-rotate", "Rotate with the gizmo", Key::R, Rotate),
     gizmo_mode!("gizmo-scale", "Scale with the gizmo", Key::T, Scale),
+    action(Group::Edit, "gizmo-hide", "Select without handles", &[], |context| {
+        Some(Command::SetGizmo(GizmoSettings {
+            is_hidden: true,
+            ..context.gizmo
+        }))
+    }),
     action(
         Group::Edit,
         "gizmo-axes",
@@ -439,6 +449,10 @@ pub const ACTIONS: &[Action] = &[
             }))
         },
     ),
+    navigation!("navigation-sunroom", "Navigate as in Sunroom", Sunroom),
+    navigation!("navigation-blender", "Navigate as in Blender", Blender),
+    navigation!("navigation-godot", "Navigate as in Godot", Godot),
+    navigation!("navigation-trenchbroom", "Navigate as in TrenchBroom", TrenchBroom),
     action(Group::Render, "focus", "Focus by a click", &[], |_| {
         Some(Command::SetTool(Tool::Focus))
     }),
@@ -503,6 +517,9 @@ pub const ACTIONS: &[Action] = &[
         &[command(Key::Comma)],
         |_| Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Preferences))),
     ),
+    action(Group::Window, "choose-keys", "Choose keys…", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Keys)))
+    }),
     action(Group::Window, "reset-layout", "Reset layout", &[], |_| {
         Some(Command::Shell(ShellCommand::ResetLayout))
     }),

@@ -22,6 +22,8 @@ pub enum Line {
         path: String,
         depth: usize,
         members: Vec<Entity>,
+        /// Whether all of them are left out of the picture; None if they cannot be.
+        hidden: Option<bool>,
     },
     Item {
         /// The index into [`Outline::groups`], and below that within the group.
@@ -168,6 +170,7 @@ impl<'a> Writer<'a> {
                         path: path.clone(),
                         depth,
                         members: members.iter().map(|&index| self.items[index].entity).collect(),
+                        hidden: self.hidden(&members),
                     });
                     if is_open {
                         self.folder(&path, depth + 1, &members);
@@ -175,6 +178,16 @@ impl<'a> Writer<'a> {
                 }
             }
         }
+    }
+
+    /// Whether all of these are hidden; None if none of them can be.
+    fn hidden(&self, members: &[usize]) -> Option<bool> {
+        let mut can_hide = members
+            .iter()
+            .map(|&index| &self.items[index])
+            .filter(|item| item.can_hide);
+        let first = can_hide.next()?;
+        Some(first.hidden && can_hide.all(|item| item.hidden))
     }
 
     /// The name of the next folder down to this thing.
@@ -216,6 +229,7 @@ mod tests {
             locked: false,
             can_hide: true,
             inside_of: None,
+            uses: None,
         }
     }
 

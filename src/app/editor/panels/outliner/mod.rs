@@ -50,9 +50,15 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
         for line in &lines[range] {
             match line {
                 Line::Heading { name, count } => heading(ui, name, *count, height, state, commands),
-                Line::Folder { path, depth, members } => {
+                Line::Folder {
+                    path,
+                    depth,
+                    members,
+                    hidden,
+                } => {
                     Folder {
                         path,
+                        hidden: *hidden,
                         depth: *depth,
                         members,
                         is_selected: members.iter().all(|entity| selection.contains(*entity)),
@@ -182,6 +188,8 @@ fn heading(
 
 struct Folder<'a> {
     path: &'a str,
+    /// Whether all members are hidden; None if they cannot be.
+    hidden: Option<bool>,
     depth: usize,
     members: &'a [Entity],
     is_selected: bool,
@@ -193,7 +201,12 @@ impl Folder<'_> {
             ui.add_space(row::indent(self.depth));
             state.folding.triangle_of(ui, self.path);
             let text = format!("{}  ({})", leaf(self.path), self.members.len());
-            let response = row::left_aligned(ui, text.into(), None, self.is_selected, ui.available_width(), height)
+            let marks = match self.hidden {
+                Some(_) => 2.0 * marks::BUTTON + 8.0,
+                None => 4.0,
+            };
+            let width = (ui.available_width() - marks).max(40.0);
+            let response = row::left_aligned(ui, text.into(), None, self.is_selected, width, height)
                 .on_hover_text("A folder; a click selects everything in it");
             if response.clicked() {
                 commands.push(Command::Select(self.members.to_vec(), how(ui)));
@@ -204,6 +217,15 @@ impl Folder<'_> {
             if let Some(Dragged(things)) = dropped(ui, &response) {
                 let folder = Some(self.path.to_owned());
                 commands.push(Command::PutInto { things, folder });
+            }
+            if let Some(hidden) = self.hidden {
+                let help = match hidden {
+                    true => "Show everything in the folder",
+                    false => "Hide everything in the folder",
+                };
+                if marks::mark(ui, help, !hidden, marks::eye).clicked() {
+                    commands.push(Command::Hide(self.members.to_vec(), !hidden));
+                }
             }
         });
     }

@@ -143,7 +143,9 @@ impl Row<'_> {
     fn name(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
         let item = self.item;
         let selected = self.model.selection.contains(item.entity);
-        let kind = RichText::new(item.kind).weak().small();
+        // In a list of a hundred spheres the material says more than the kind, which has its drawing.
+        let hint = self.model.outline.material_of(item).map_or(item.kind, leaf);
+        let kind = RichText::new(hint).weak().small();
         let name = leaf(&item.name);
         let mut text = RichText::new(name);
         if item.hidden {
@@ -217,7 +219,7 @@ impl Row<'_> {
         if !item.can_hide {
             return;
         }
-        let help = if item.hidden { "Show" } else { "Hide (H)" };
+        let help = if item.hidden { "Show" } else { "Hide" };
         if mark(ui, help, !item.hidden, eye).clicked() {
             commands.push(Command::Hide(self.meant(), !item.hidden));
         }

@@ -5,8 +5,9 @@
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
-use bevy_egui::egui::{Key, Painter, PointerButton, Pos2, Response, Ui};
+use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Response, Ui, Vec2};
 
+use super::super::marks::tag;
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};
 use super::handles::{self, Handle};
@@ -17,10 +18,15 @@ use crate::app::editor::camera::snapping::{self, SnapPoint};
 use crate::app::editor::camera::solid::{Solid, solids_of};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
+use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::snapping::SnapTo;
+use crate::app::editor::input::actions;
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 use crate::scene::LengthUnit;
+
+/// Where the figures of a drag are from the pointer, in points.
+const READ_OUT: Vec2 = Vec2::new(18.0, 14.0);
 
 /// The data that the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +43,8 @@ pub struct GizmoModel<'a> {
     pub unit: LengthUnit,
     /// The packed scene, to drop things onto.
     pub packed: &'a PackedScene,
+    /// The keys that the user has chosen.
+    pub bound: &'a KeyBindings,
 }
 
 /// The state that the gizmo keeps between frames.
@@ -228,7 +236,7 @@ impl GizmoState {
         commands: &mut Vec<Command>,
     ) -> bool {
         let pointer = pointer.unwrap_or(screen.picture.center());
-        let mode = mode_of(press);
+        let mode = mode_of(press, model.bound);
         let Some(held) = &mut self.held else {
             // The key chooses the mode as well.
             if let Some(mode) = mode {
@@ -270,20 +278,21 @@ impl GizmoState {
                 if let Some(point) = &held.snapped {
                     paint::paint_snap(painter, point, screen);
                 }
+                if let (Some(change), Some(pointer), true) = (held.change, pointer, held.by != Hold::Keys) {
+                    let text = held.drag.text(change, model.length_step);
+                    tag(painter, pointer + READ_OUT, Align2::LEFT_TOP, &text);
+                }
             }
             _ => paint::paint(painter, &shown(screen, model), model.settings.mode, self.lit),
         }
     }
 
-    /// A line about the drag; None without one.
-    pub fn note(&self, length_step: f32) -> Option<String> {
-        let held = self.held.as_ref()?;
-        if held.by == Hold::Keys && held.change.is_none() {
-            let same = match held.drag.mode() {
-                Mode::Move => "G",
-                Mode::Rotate => "R",
-                Mode::Scale => "T",
-            };
+    /// A line about a drag by the keyboard; None without one.
+    pub fn note(&self, length_step: f32, bound: &KeyBindings) -> Option<String> {
+        // What follows the pointer has its figures there.
+        let held = self.held.as_ref().filter(|held| held.by == Hold::Keys)?;
+        if held.change.is_none() {
+            let same = actions::key_text(action_of(held.drag.mode()), bound);
             return Some(format!(
                 "X Y Z: axis   0-9: amount   {same}: follow the mouse   Esc: leave"
             ));
@@ -379,6 +388,9 @@ fn upper_side(target: &Target, up: Vec3) -> Vec3 {
 }
 
 fn shown(screen: &Screen, model: &GizmoModel) -> Vec<Handle> {
+    if model.settings.is_hidden {
+        return Vec::new();
+    }
     let frame = frame(model.targets, &model.settings, ahead(screen, model));
     frame.map_or(Vec::new(), |frame| {
         handles::handles(&frame, model.settings.mode, screen)
@@ -390,14 +402,19 @@ fn ahead(screen: &Screen, model: &GizmoModel) -> Vec3 {
     screen.unproject(screen.picture.center(), model.length_step.max(f32::MIN_POSITIVE) * 50.0)
 }
 
-fn mode_of(press: &Press) -> Option<Mode> {
-    let mode = match press.key {
-        Key::G => Mode::Move,
-        Key::R => Mode::Rotate,
-        Key::T => Mode::Scale,
-        _ => return None,
-    };
-    press.modifiers.is_none().then_some(mode)
+/// The action whose key chooses the mode.
+fn action_of(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Move => "gizmo-move",
+        Mode::Rotate => "gizmo-rotate",
+        Mode::Scale => "gizmo-scale",
+    }
+}
+
+fn mode_of(press: &Press, bound: &KeyBindings) -> Option<Mode> {
+    let is_pressed =
+        |mode: &Mode| actions::find(action_of(*mode)).is_some_and(|action| action.is_pressed(press, bound));
+    [Mode::Move, Mode::Rotate, Mode::Scale].into_iter().find(is_pressed)
 }
 
 fn axis_of(key: Key) -> Option<usize> {

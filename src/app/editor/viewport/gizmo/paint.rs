@@ -1,7 +1,8 @@
 //! Paints the gizmo.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2};
+use bevy_egui::egui::epaint::RectShape;
+use bevy_egui::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 
 use super::Frame;
 use super::constraint::Constraint;
@@ -19,8 +20,10 @@ const AXIS_COLORS: [Color32; 3] = [
 ];
 const NEUTRAL: Color32 = Color32::from_gray(225);
 const LIT: Color32 = Color32::from_rgb(255, 214, 64);
-/// The shadow of every line, so that it is visible on any picture.
-const SHADOW: Color32 = Color32::from_black_alpha(110);
+/// The dark edge of every handle, so that it is visible on any picture.
+const SHADOW: Color32 = Color32::from_black_alpha(190);
+/// The width of that edge at each side, in points.
+const EDGE: f32 = 1.0;
 const LINE: f32 = 2.5;
 /// The width of the line along the axis of a drag.
 const GUIDE: f32 = 1.0;
@@ -43,6 +46,8 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
             }
             Form::Square(corners) => {
                 let fill = color.gamma_multiply(if is_lit { 0.75 } else { 0.35 });
+                let edge = Stroke::new(1.0 + 2.0 * EDGE, SHADOW);
+                painter.add(Shape::closed_line(corners.to_vec(), edge));
                 painter.add(Shape::convex_polygon(corners.to_vec(), fill, Stroke::new(1.0, color)));
             }
             Form::Ring { front, back } => {
@@ -51,17 +56,18 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
                 }
                 let width = if is_lit { LINE + 1.0 } else { LINE };
                 for (stroke, ends) in [
-                    (Stroke::new(width + 1.5, SHADOW), front),
+                    (Stroke::new(width + 2.0 * EDGE, SHADOW), front),
                     (Stroke::new(width, color), front),
                 ] {
                     painter.extend(ends.iter().map(|ends| Shape::line_segment(*ends, stroke)));
                 }
             }
             Form::Circle { middle, radius } if *radius <= MIDDLE => {
+                painter.circle_stroke(*middle, *radius, Stroke::new(1.5 + 2.0 * EDGE, SHADOW));
                 painter.circle(*middle, *radius, color.gamma_multiply(0.3), Stroke::new(1.5, color));
             }
             Form::Circle { middle, radius } => {
-                painter.circle_stroke(*middle, *radius, Stroke::new(LINE, SHADOW));
+                painter.circle_stroke(*middle, *radius, Stroke::new(1.5 + 2.0 * EDGE, SHADOW));
                 painter.circle_stroke(*middle, *radius, Stroke::new(1.5, color));
             }
         }
@@ -130,7 +136,7 @@ fn color_of(constraint: Constraint) -> Color32 {
 }
 
 fn line(painter: &Painter, ends: &[Pos2; 2], color: Color32, width: f32) {
-    painter.line_segment(*ends, Stroke::new(width + 1.5, SHADOW));
+    painter.line_segment(*ends, Stroke::new(width + 2.0 * EDGE, SHADOW));
     painter.line_segment(*ends, Stroke::new(width, color));
 }
 
@@ -138,9 +144,16 @@ fn arrow_head(start: Pos2, tip: Pos2, color: Color32) -> Shape {
     let along = (tip - start).normalized() * TIP;
     let across = Vec2::new(-along.y, along.x);
     let corners = vec![tip + 1.6 * along, tip - across - along, tip + across - along];
-    Shape::convex_polygon(corners, color, Stroke::new(1.0, SHADOW))
+    Shape::convex_polygon(corners, color, Stroke::new(EDGE, SHADOW))
 }
 
 fn block(tip: Pos2, color: Color32) -> Shape {
-    Shape::rect_filled(Rect::from_center_size(tip, Vec2::splat(2.0 * TIP)), 1.0, color)
+    let rect = Rect::from_center_size(tip, Vec2::splat(2.0 * TIP));
+    Shape::Rect(RectShape::new(
+        rect,
+        1.0,
+        color,
+        Stroke::new(EDGE, SHADOW),
+        StrokeKind::Outside,
+    ))
 }

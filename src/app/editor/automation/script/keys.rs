@@ -1,0 +1,27 @@
+//! The words of scripts about keys.
+
+use super::error::ScriptError;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::shortcut::Shortcut;
+use crate::app::editor::input::actions::bindings::{bind, bindables, reserved};
+
+/// Gives an action a key; if it was that of another action, that one gets the key that this one had.
+pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Result<Command, ScriptError> {
+    let own = bindables().find(|own| own.name == action);
+    let own = own.ok_or_else(|| format!("no action is called `{action}`"))?;
+    let mut preferences = preferences.cloned().unwrap_or_default();
+    match key {
+        "usual" => preferences.keys.reset(own.name),
+        "none" => preferences.keys.set(own.name, Vec::new()),
+        _ => {
+            let key = Shortcut::parse(key).ok_or_else(|| format!("`{key}` is no key"))?;
+            if let Some(what) = reserved(&key) {
+                return Err(format!("{} always {what}", key.text()).into());
+            }
+            bind(&mut preferences.keys, own.name, key);
+        }
+    }
+    Ok(Command::Shell(ShellCommand::SetPreferences(Box::new(preferences))))
+}

@@ -1,0 +1,76 @@
+//! The keys that the user has chosen, where they differ from those of the program.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::shortcut::Shortcut;
+
+/// The keys that the user has chosen in place of those of the program, by the names of actions. In a file they are texts such as `Ctrl+Shift+Z`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeyBindings(BTreeMap<String, Vec<Shortcut>>);
+
+/// No keys but those of the program.
+pub static NO_BINDINGS: KeyBindings = KeyBindings(BTreeMap::new());
+
+impl KeyBindings {
+    /// The keys that the user has chosen for an action, which may be none at all. None: those of the program.
+    pub fn of(&self, name: &str) -> Option<&[Shortcut]> {
+        self.0.get(name).map(Vec::as_slice)
+    }
+
+    /// Gives an action these keys.
+    pub fn set(&mut self, name: &str, keys: Vec<Shortcut>) {
+        self.0.insert(name.to_owned(), keys);
+    }
+
+    /// Gives an action the keys of the program again.
+    pub fn reset(&mut self, name: &str) {
+        self.0.remove(name);
+    }
+
+    /// Whether no key was chosen.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Serialize for KeyBindings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let named = |keys: &Vec<Shortcut>| keys.iter().map(Shortcut::name).collect::<Vec<_>>();
+        serializer.collect_map(self.0.iter().map(|(name, keys)| (name, named(keys))))
+    }
+}
+
+/// Texts that name no key are left out: a keyboard of a later version is no reason to give up all preferences.
+impl<'de> Deserialize<'de> for KeyBindings {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let texts = BTreeMap::<String, Vec<String>>::deserialize(deserializer)?;
+        let keys = |texts: Vec<String>| texts.iter().filter_map(|text| Shortcut::parse(text)).collect();
+        Ok(Self(
+            texts.into_iter().map(|(name, texts)| (name, keys(texts))).collect(),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn they_come_back_from_their_texts() {
+        let text = r#"{"save":["Ctrl+Shift+F5","Numpad 7"],"undo":[]}"#;
+        let bindings: KeyBindings = serde_json::from_str(text).expect("two actions");
+        assert_eq!(bindings.of("save").map(<[_]>::len), Some(2));
+        assert_eq!(bindings.of("undo"), Some(&[][..]));
+        assert_eq!(bindings.of("redo"), None);
+        assert_eq!(serde_json::to_string(&bindings).ok().as_deref(), Some(text));
+    }
+
+    #[test]
+    fn texts_without_a_key_are_left_out() {
+        let bindings: KeyBindings = serde_json::from_str(r#"{"save":["Hyper+Q","F2"]}"#).expect("a map");
+        let f2 = Shortcut::parse("F2").expect("a key");
+        assert_eq!(bindings.of("save"), Some(&[f2][..]));
+    }
+}

@@ -1,0 +1,201 @@
+//! The list of all keys, where other ones can be chosen: a click, then a press.
+
+use bevy_egui::egui::{self, Key, RichText, Ui};
+
+use super::look;
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::shortcut::Shortcut;
+use crate::app::editor::input::actions::Group;
+use crate::app::editor::input::actions::bindings::{Bindable, bind, bindables, owner, reserved};
+use crate::app::editor::input::press::Press;
+
+/// The width of the columns of names and of keys, in points.
+const COLUMNS: [f32; 2] = [240.0, 150.0];
+/// The height of the list, in points.
+const HEIGHT: f32 = 320.0;
+
+/// The state of the list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeyList {
+    query: String,
+    /// The action that waits for its key.
+    waiting: Option<&'static str>,
+    /// What became of the last press, if it was not simply taken.
+    answer: Option<Answer>,
+}
+
+/// A press that is not taken as it is.
+#[derive(Clone, Debug, PartialEq)]
+enum Answer {
+    /// The key has a fixed meaning.
+    Refused { key: Shortcut, what: &'static str },
+    /// The key is that of another action.
+    Taken {
+        name: &'static str,
+        key: Shortcut,
+        other: &'static str,
+    },
+}
+
+impl KeyList {
+    /// The list of what is called so.
+    pub fn searching(query: &str) -> Self {
+        Self {
+            query: query.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether the next press is to be a key of the list: nothing else may take it.
+    pub fn waits(&self) -> bool {
+        self.waiting.is_some()
+    }
+}
+
+/// Shows the list. Some if keys were chosen or reset; `presses` are those of this frame.
+pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, presses: &[Press]) -> Option<KeyBindings> {
+    let mut edited = bound.clone();
+    if let (Some(name), Some(press)) = (state.waiting, presses.first()) {
+        state.waiting = None;
+        take(state, name, press, &mut edited);
+    }
+    ui.horizontal(|ui| {
+        let search = egui::TextEdit::singleline(&mut state.query)
+            .hint_text("Search by name or key")
+            .desired_width(COLUMNS[0]);
+        ui.add(search);
+        let reset = ui.add_enabled(!edited.is_empty(), egui::Button::new("Reset all"));
+        if reset.on_hover_text("All keys as in the beginning").clicked() {
+            edited = KeyBindings::default();
+            state.answer = None;
+        }
+    });
+    answer(ui, state, &mut edited);
+    ui.separator();
+    egui::ScrollArea::vertical()
+        .max_height(HEIGHT)
+        .auto_shrink([false, false])
+        .show(ui, |ui| list(ui, state, &mut edited));
+    (edited != *bound).then_some(edited)
+}
+
+/// Gives the key of a press to an action, unless it means something already.
+fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut KeyBindings) {
+    state.answer = None;
+    if press.key == Key::Escape {
+        return;
+    }
+    let is_held = bindables().any(|own| own.name == name && own.is_held());
+    let key = match is_held {
+        true => Shortcut::plain(press.key),
+        false => press.shortcut(),
+    };
+    if let Some(what) = reserved(&key) {
+        state.answer = Some(Answer::Refused { key, what });
+    } else if let Some(other) = owner(&key, name, edited) {
+        let other = other.label;
+        state.answer = Some(Answer::Taken { name, key, other });
+    } else {
+        bind(edited, name, key);
+    }
+}
+
+/// The line about a key that could not simply be taken.
+fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
+    let Some(answer) = state.answer.clone() else {
+        let text = match state.waiting {
+            Some(_) => "Press the new key, with the modifiers that you want. Esc: leave it as it is",
+            None => "Click a key to choose another one",
+        };
+        ui.weak(text);
+        return;
+    };
+    let warning = ui.visuals().warn_fg_color;
+    match answer {
+        Answer::Refused { key, what } => {
+            ui.colored_label(warning, format!("{} always {what}.", key.text()));
+        }
+        Answer::Taken { name, key, other } => {
+            ui.horizontal(|ui| {
+                ui.colored_label(
+                    warning,
+                    format!("{} is the key of \u{201c}{other}\u{201d}.", key.text()),
+                );
+                if ui
+                    .add(look::primary(ui, "Swap"))
+                    .on_hover_text("The other one gets the key that this one had")
+                    .clicked()
+                {
+                    bind(edited, name, key);
+                    state.answer = None;
+                }
+                if ui.button("Leave both").clicked() {
+                    state.answer = None;
+                }
+            });
+        }
+    }
+}
+
+fn list(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
+    let query = state.query.trim().to_lowercase();
+    let text = |own: &Bindable, edited: &KeyBindings| {
+        let keys: Vec<String> = own.keys(edited).iter().map(Shortcut::text).collect();
+        keys.join(", ")
+    };
+    let mut group = Some("");
+    for own in bindables() {
+        let keys = text(&own, edited);
+        let found = [own.label, own.name, &keys]
+            .iter()
+            .any(|text| text.to_lowercase().contains(&query));
+        if !found {
+            continue;
+        }
+        let title = own.group.map_or("Flying", Group::title);
+        if group != Some(title) {
+            group = Some(title);
+            ui.add_space(4.0);
+            ui.strong(title);
+        }
+        ui.push_id(own.name, |ui| row(ui, &own, &keys, state, edited));
+    }
+}
+
+fn row(ui: &mut Ui, own: &Bindable, keys: &str, state: &mut KeyList, edited: &mut KeyBindings) {
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        let name = ui.add_sized(
+            [COLUMNS[0], height],
+            egui::Label::new(own.label).halign(egui::Align::Min).truncate(),
+        );
+        let waits = state.waiting == Some(own.name);
+        let text = match (waits, keys) {
+            (true, _) => RichText::new("press a key\u{2026}").weak(),
+            (false, "") => RichText::new("none").weak(),
+            (false, keys) => RichText::new(keys),
+        };
+        let button = egui::Button::selectable(waits, text)
+            .frame_when_inactive(true)
+            .truncate();
+        let button = ui.add_sized([COLUMNS[1], height], button).labelled_by(name.id);
+        button.widget_info(|| {
+            let label = format!("{} key", own.label);
+            egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
+        });
+        if button.clicked() {
+            state.waiting = (!waits).then_some(own.name);
+            state.answer = None;
+            // A field that is typed in would get the press as well.
+            ui.memory_mut(|memory| memory.stop_text_input());
+        }
+        if edited.of(own.name).is_some() {
+            let reset = ui.button("Reset").on_hover_text("The key as in the beginning");
+            if reset.clicked() {
+                edited.reset(own.name);
+            }
+        } else if !own.keys(edited).is_empty() && ui.button("\u{00d7}").on_hover_text("No key").clicked() {
+            edited.set(own.name, Vec::new());
+        }
+    });
+}

@@ -1,0 +1,39 @@
+//! Colours that the panels add to those of the theme, and the primary button.
+
+use bevy_egui::egui::{Button, Color32, RichText, Ui, Visuals};
+
+/// The colours of the three axes, as those of the handles in the picture.
+pub const AXIS_COLORS: [Color32; 3] = [
+    Color32::from_rgb(236, 76, 76),
+    Color32::from_rgb(98, 176, 50),
+    Color32::from_rgb(74, 132, 246),
+];
+
+/// The background of the headers of sections: a slightly lighter grey than the panel in the dark theme, a darker one in the light theme.
+pub fn strip(visuals: &Visuals) -> Color32 {
+    match visuals.dark_mode {
+        true => Color32::from_gray(52),
+        false => Color32::from_gray(214),
+    }
+}
+
+/// The background of the button that does what a dialog is about.
+pub fn accent(visuals: &Visuals) -> Color32 {
+    match visuals.dark_mode {
+        true => Color32::from_rgb(0, 98, 142),
+        false => Color32::from_rgb(0, 92, 148),
+    }
+}
+
+/// The text on [`accent`].
+pub const ON_ACCENT: Color32 = Color32::WHITE;
+
+/// The button of a dialog or a panel that does what most users came for.
+pub fn primary(ui: &Ui, text: &str) -> Button<'static> {
+    Button::new(RichText::new(text.to_owned()).color(ON_ACCENT)).fill(accent(ui.visuals()))
+}
+
+/// The button of a dialog that loses something.
+pub fn danger(ui: &Ui, text: &str) -> Button<'static> {
+    Button::new(RichText::new(text.to_owned()).color(ui.visuals().error_fg_color))
+}

@@ -1,0 +1,62 @@
+//! Shows the meaning of the picture's colours at its lower right.
+
+use bevy_egui::egui::{self, Align2, Color32, FontId, Painter, Rect, lerp, pos2, vec2};
+
+use super::marks::BACKING;
+use crate::app::editor::picture::legend::{Legend, Ramp};
+
+/// The size of the texts, in points.
+const SIZE: f32 = 12.0;
+/// The size of the bar of a ramp, in points.
+const BAR: egui::Vec2 = vec2(180.0, 12.0);
+/// The room around it for the numbers, in points.
+const MARGIN: egui::Vec2 = vec2(48.0, 8.0);
+/// The height of a line of words, and the width of all, in points.
+const LINE: egui::Vec2 = vec2(108.0, 18.0);
+
+pub(crate) fn paint(painter: &Painter, picture: Rect, legend: &Legend) {
+    match legend {
+        Legend::Ramp { ramp, low, high } => paint_ramp(painter, picture, *ramp, low, high),
+        Legend::Words(words) => paint_words(painter, picture, words),
+    }
+}
+
+fn paint_ramp(painter: &Painter, picture: Rect, ramp: Ramp, low: &str, high: &str) {
+    let corner = picture.right_bottom() - BAR - MARGIN - vec2(8.0, 6.0);
+    let bar = Rect::from_min_size(corner, BAR);
+    painter.rect_filled(bar.expand2(MARGIN), 3.0, BACKING);
+    let strips = 60;
+    for strip in 0..strips {
+        let (from, to) = (strip as f32 / strips as f32, (strip + 1) as f32 / strips as f32);
+        let [r, g, b] = ramp.color(0.5 * (from + to)).map(|c| (255.0 * c) as u8);
+        let rect = Rect::from_x_y_ranges(lerp(bar.x_range(), from)..=lerp(bar.x_range(), to), bar.y_range());
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let font = FontId::proportional(SIZE);
+    let gap = vec2(5.0, 0.0);
+    for (place, align, text) in [
+        (bar.left_center() - gap, Align2::RIGHT_CENTER, low),
+        (bar.right_center() + gap, Align2::LEFT_CENTER, high),
+    ] {
+        painter.text(place, align, text, font.clone(), Color32::WHITE);
+    }
+}
+
+fn paint_words(painter: &Painter, picture: Rect, words: &[([u8; 3], &str)]) {
+    let size = vec2(LINE.x, LINE.y * words.len() as f32 + 6.0);
+    let back = Rect::from_min_size(picture.right_bottom() - size - vec2(8.0, 6.0), size);
+    painter.rect_filled(back, 3.0, BACKING);
+    for (place, ([r, g, b], text)) in words.iter().enumerate() {
+        let middle = back.top() + 3.0 + (place as f32 + 0.5) * LINE.y;
+        let swatch = Rect::from_center_size(pos2(back.left() + 14.0, middle), egui::Vec2::splat(11.0));
+        painter.rect_filled(swatch, 2.0, Color32::from_rgb(*r, *g, *b));
+        let at = pos2(back.left() + 26.0, middle);
+        painter.text(
+            at,
+            Align2::LEFT_CENTER,
+            *text,
+            FontId::proportional(SIZE),
+            Color32::WHITE,
+        );
+    }
+}

@@ -1,0 +1,254 @@
+//! The icons of the toolbar, drawn as lines on a square of 16 by 16 points, and the button that has one.
+
+use std::f32::consts::TAU;
+
+use bevy_egui::egui::{self, Button, Color32, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
+
+/// An icon of the toolbar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToolIcon {
+    /// An arrow as of the mouse: select.
+    Select,
+    /// Arrows in four directions.
+    Move,
+    /// An arrow in a circle.
+    Rotate,
+    /// A small square that becomes a large one.
+    Scale,
+    /// A globe: the axes of the world.
+    World,
+    /// A tilted square: the axes of the thing.
+    Local,
+    /// A magnet: snapping.
+    Magnet,
+    /// A sphere with a shadow: the display mode.
+    Shading,
+    /// Grains that become a line: the denoiser.
+    Denoise,
+    /// A grid.
+    Grid,
+    /// Two squares over each other: what is drawn over the picture.
+    Overlays,
+}
+
+impl ToolIcon {
+    /// All icons.
+    pub const ALL: [Self; 11] = [
+        Self::Select,
+        Self::Move,
+        Self::Rotate,
+        Self::Scale,
+        Self::World,
+        Self::Local,
+        Self::Magnet,
+        Self::Shading,
+        Self::Denoise,
+        Self::Grid,
+        Self::Overlays,
+    ];
+}
+
+/// The edge of an icon, in points.
+const EDGE: f32 = 16.0;
+/// The width of the lines, in points.
+const LINE: f32 = 1.4;
+/// The size of a button, in points.
+const BUTTON: Vec2 = vec2(26.0, 24.0);
+
+/// A piece of an icon. Places count from its upper left corner; angles are in degrees from the right, clockwise.
+enum Mark {
+    Line(&'static [(f32, f32)]),
+    Loop(&'static [(f32, f32)]),
+    Arc {
+        middle: (f32, f32),
+        radius: f32,
+        from: f32,
+        to: f32,
+    },
+    Oval {
+        middle: (f32, f32),
+        radii: (f32, f32),
+    },
+    Dot {
+        middle: (f32, f32),
+        radius: f32,
+    },
+    /// The right half of a disk.
+    Half {
+        middle: (f32, f32),
+        radius: f32,
+    },
+}
+
+use Mark::{Arc, Dot, Half, Line, Loop, Oval};
+
+fn marks(icon: ToolIcon) -> &'static [Mark] {
+    match icon {
+        ToolIcon::Select => &[Loop(&[
+            (4.0, 1.5),
+            (4.0, 12.5),
+            (6.8, 10.0),
+            (8.8, 14.5),
+            (10.8, 13.6),
+            (8.9, 9.3),
+            (12.5, 9.0),
+        ])],
+        ToolIcon::Move => &[
+            Line(&[(8.0, 1.5), (8.0, 14.5)]),
+            Line(&[(1.5, 8.0), (14.5, 8.0)]),
+            Line(&[(6.0, 3.5), (8.0, 1.5), (10.0, 3.5)]),
+            Line(&[(6.0, 12.5), (8.0, 14.5), (10.0, 12.5)]),
+            Line(&[(3.5, 6.0), (1.5, 8.0), (3.5, 10.0)]),
+            Line(&[(12.5, 6.0), (14.5, 8.0), (12.5, 10.0)]),
+        ],
+        ToolIcon::Rotate => &[
+            Arc {
+                middle: (8.0, 8.5),
+                radius: 5.5,
+                from: -20.0,
+                to: 270.0,
+            },
+            Line(&[(5.6, 0.6), (8.4, 3.0), (5.8, 5.6)]),
+        ],
+        ToolIcon::Scale => &[
+            Loop(&[(1.5, 9.0), (7.0, 9.0), (7.0, 14.5), (1.5, 14.5)]),
+            Line(&[(7.0, 9.0), (14.0, 2.0)]),
+            Line(&[(9.5, 2.0), (14.0, 2.0), (14.0, 6.5)]),
+        ],
+        ToolIcon::World => &[
+            Oval {
+                middle: (8.0, 8.0),
+                radii: (6.0, 6.0),
+            },
+            Oval {
+                middle: (8.0, 8.0),
+                radii: (2.6, 6.0),
+            },
+            Line(&[(2.0, 8.0), (14.0, 8.0)]),
+        ],
+        ToolIcon::Local => &[
+            Loop(&[(6.5, 2.0), (14.0, 6.5), (9.5, 14.0), (2.0, 9.5)]),
+            Dot {
+                middle: (8.0, 8.0),
+                radius: 1.5,
+            },
+        ],
+        ToolIcon::Magnet => &[
+            Line(&[(3.2, 2.0), (3.2, 8.5)]),
+            Line(&[(12.8, 2.0), (12.8, 8.5)]),
+            Arc {
+                middle: (8.0, 8.5),
+                radius: 4.8,
+                from: 0.0,
+                to: 180.0,
+            },
+            Line(&[(1.6, 4.8), (4.8, 4.8)]),
+            Line(&[(11.2, 4.8), (14.4, 4.8)]),
+        ],
+        ToolIcon::Shading => &[
+            Oval {
+                middle: (8.0, 8.0),
+                radii: (6.0, 6.0),
+            },
+            Half {
+                middle: (8.0, 8.0),
+                radius: 6.0,
+            },
+        ],
+        ToolIcon::Denoise => &[
+            Dot {
+                middle: (2.5, 4.0),
+                radius: 1.1,
+            },
+            Dot {
+                middle: (4.5, 9.5),
+                radius: 1.1,
+            },
+            Dot {
+                middle: (2.0, 12.5),
+                radius: 1.1,
+            },
+            Dot {
+                middle: (6.0, 6.0),
+                radius: 1.1,
+            },
+            Line(&[(8.0, 11.5), (9.5, 8.5), (11.0, 7.2), (12.5, 6.8), (14.5, 6.6)]),
+        ],
+        ToolIcon::Grid => &[
+            Line(&[(1.5, 5.5), (14.5, 5.5)]),
+            Line(&[(1.5, 10.5), (14.5, 10.5)]),
+            Line(&[(5.5, 1.5), (5.5, 14.5)]),
+            Line(&[(10.5, 1.5), (10.5, 14.5)]),
+        ],
+        ToolIcon::Overlays => &[
+            Loop(&[(1.5, 1.5), (10.0, 1.5), (10.0, 10.0), (1.5, 10.0)]),
+            Loop(&[(6.0, 6.0), (14.5, 6.0), (14.5, 14.5), (6.0, 14.5)]),
+        ],
+    }
+}
+
+/// Paints an icon in the middle of a rectangle.
+pub fn paint(painter: &Painter, icon: ToolIcon, rect: Rect, color: Color32) {
+    let corner = rect.center() - Vec2::splat(0.5 * EDGE);
+    let at = |&(x, y): &(f32, f32)| corner + vec2(x, y);
+    let stroke = Stroke::new(LINE, color);
+    let arc = |middle: &(f32, f32), radius: f32, from: f32, to: f32| -> Vec<Pos2> {
+        let steps = 24;
+        let angles = (0..=steps).map(|step| egui::lerp(from..=to, step as f32 / steps as f32) / 360.0 * TAU);
+        angles.map(|angle| at(middle) + radius * Vec2::angled(angle)).collect()
+    };
+    for mark in marks(icon) {
+        match mark {
+            Line(points) => {
+                painter.line(points.iter().map(at).collect(), stroke);
+            }
+            Loop(points) => {
+                painter.add(Shape::closed_line(points.iter().map(at).collect(), stroke));
+            }
+            Arc {
+                middle,
+                radius,
+                from,
+                to,
+            } => {
+                painter.line(arc(middle, *radius, *from, *to), stroke);
+            }
+            Oval { middle, radii } => {
+                painter.add(Shape::ellipse_stroke(at(middle), vec2(radii.0, radii.1), stroke));
+            }
+            Dot { middle, radius } => {
+                painter.circle_filled(at(middle), *radius, color);
+            }
+            Half { middle, radius } => {
+                let half = arc(middle, *radius, -90.0, 90.0);
+                painter.add(Shape::convex_polygon(half, color, Stroke::NONE));
+            }
+        }
+    }
+}
+
+/// A button with an icon, which is found by its name; `help` is its tool tip.
+pub(crate) fn icon_button(ui: &mut Ui, icon: ToolIcon, is_on: bool, name: &str, help: &str) -> Response {
+    let response = ui.add(Button::selectable(is_on, "").min_size(BUTTON));
+    let color = match ui.is_enabled() {
+        true => ui.visuals().text_color(),
+        false => ui.visuals().weak_text_color().gamma_multiply(0.6),
+    };
+    paint(ui.painter(), icon, response.rect, color);
+    let is_enabled = ui.is_enabled();
+    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, is_enabled, is_on, name));
+    response.on_hover_text(help).on_disabled_hover_text(help)
+}
+
+/// A button with an icon that opens a menu.
+pub(crate) fn icon_menu(
+    ui: &mut Ui,
+    icon: ToolIcon,
+    is_on: bool,
+    name: &str,
+    help: &str,
+    content: impl FnOnce(&mut Ui),
+) {
+    let response = icon_button(ui, icon, is_on, name, help);
+    egui::Popup::menu(&response).show(content);
+}
