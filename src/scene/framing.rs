@@ -11,7 +11,7 @@ use crate::math::Aabb;
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct FrameWhenLoaded;
 
-/// World bounds of one shape; None while its mesh is not there, and for instances of groups.
+/// World bounds of one shape; None while its mesh is not there, and for instances of groups and what has no surface.
 pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMesh>) -> Option<Aabb> {
     let local = match &shape.kind {
         ShapeKind::Sphere { center, radius } => Aabb::from_points([*center - *radius, *center + *radius]),
@@ -27,7 +27,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
                 *radius * Vec3::from_array((Vec3::ONE - along * along).to_array().map(|part| part.max(0.0).sqrt()));
             Aabb::from_points([p0.min(*p1) - reach, p0.max(*p1) + reach])
         }
-        ShapeKind::Instance => return None,
+        ShapeKind::Instance | ShapeKind::Frame => return None,
         ShapeKind::Mesh(file) => mesh?.data(file.shape_index)?.bounds(),
     };
     Some(local.transformed(to_world))

@@ -33,6 +33,11 @@ pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
     if !taken.contains(wanted) {
         return wanted.to_owned();
     }
+    // The number of a folder is before its slash.
+    let (wanted, end) = match wanted.strip_suffix('/') {
+        Some(folder) => (folder, "/"),
+        None => (wanted, ""),
+    };
     let (stem, number) = match wanted.rsplit_once('-') {
         Some((stem, number)) => match number.parse::<u32>() {
             Ok(number) => (stem, number),
@@ -43,7 +48,7 @@ pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
     let mut next = number;
     loop {
         next = next.saturating_add(1);
-        let name = format!("{stem}-{next}");
+        let name = format!("{stem}-{next}{end}");
         if !taken.contains(&name) || next == u32::MAX {
             return name;
         }

@@ -26,6 +26,11 @@ impl Shape {
         }
     }
 
+    /// Whether it is the transform of a folder, which has no surface, material or light.
+    pub(crate) fn is_frame(&self) -> bool {
+        self.kind == ShapeKind::Frame
+    }
+
     /// Whether v grows from the bottom up, as seen from the side where u grows to the right. Pictures begin with their uppermost row, so that they
     /// are upside down there.
     pub(crate) fn shows_pictures_upside_down(&self) -> bool {
@@ -38,7 +43,8 @@ impl Shape {
             | ShapeKind::Cube
             | ShapeKind::Disk
             | ShapeKind::Triangle { .. }
-            | ShapeKind::Instance => false,
+            | ShapeKind::Instance
+            | ShapeKind::Frame => false,
         }
     }
 }
@@ -78,6 +84,8 @@ pub enum ShapeKind {
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
     Instance,
+    /// Nothing that is seen: the transform of the folder whose name, with a slash behind it, it has.
+    Frame,
 }
 
 impl ShapeKind {

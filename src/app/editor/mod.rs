@@ -28,7 +28,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
 use crate::app::terminal;
-use crate::engine::EngineSystems;
+use crate::engine::{EngineSystems, PackedScene};
 use crate::memory;
 use crate::scene::{OpenScene, SceneAccess, SceneSystems};
 use automation::monkey::Monkey;
@@ -195,6 +195,7 @@ impl Plugin for EditorPlugin {
                 (
                     (
                         commands::scene_watch::measure_scene,
+                        commands::fitting::tell_sizes.run_if(resource_changed::<PackedScene>),
                         model::gather::gather_outline,
                         picture::paths::follow_paths,
                         model::inspection::gather_selection,

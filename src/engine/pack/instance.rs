@@ -82,7 +82,7 @@ pub(in crate::engine) fn pack_instance(
             )
         }
         // Becomes no shape of its own.
-        ShapeKind::Instance => return None,
+        ShapeKind::Instance | ShapeKind::Frame => return None,
         ShapeKind::Cube => (mesh_primitive()?, to_world, false),
         ShapeKind::Triangle { corners: [a, b, c] } => {
             let (u, v) = (*b - *a, *c - *a);

@@ -25,6 +25,9 @@ pub fn material(material: &Material, folder: &Path) -> Object {
     writer.object
 }
 
+/// The plugin that a folder's transform is written as.
+pub const FRAME: &str = "constvolume";
+
 /// `folder`: of the file that is written; the mesh's name is relative to it.
 pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folder: &Path) -> Object {
     let object = |plugin: &str| Object::new(Category::Shape, plugin);
@@ -46,6 +49,10 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         }
         // The group it shows is not these functions' business, and it has no other parameters.
         ShapeKind::Instance => return with_to_world(object("instance"), to_world),
+        ShapeKind::Frame => {
+            let volume = Object::new(Category::Volume, FRAME);
+            return with_to_world(with_float(volume, "value", 1.0), to_world);
+        }
         ShapeKind::Mesh(file) => {
             let plugin = match file.format {
                 MeshFormat::Obj => "obj",

@@ -26,7 +26,8 @@ use self::scene_reader::SceneReader;
 use super::description::{DeclarationPlace, SceneDescription};
 use super::{AuthoredScene, LengthUnit};
 pub use crate::document::paths::settle;
-use crate::document::{Category, Child, Diagnostics, Document, Reader, Severity, UNIT};
+use crate::document::{Category, Child, Diagnostics, Document, Object, Reader, Severity, UNIT};
+use crate::scene::encode::objects::FRAME;
 
 /// Reads the whole document; what is wrong with it is added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -85,6 +86,7 @@ impl SceneReader<'_> {
                 }
                 Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
+                Category::Volume if is_frame(object) => self.read_shape(object, None),
                 // Others are used only by references to them, and reported there.
                 _ => false,
             };
@@ -107,6 +109,12 @@ impl SceneReader<'_> {
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);
         }
     }
+}
+
+/// Whether it is the transform of a folder. Mitsuba reads such a volume and does nothing with it, because nothing refers to it.
+pub(crate) fn is_frame(object: &Object) -> bool {
+    let id = object.id.as_deref().unwrap_or_default();
+    object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
 }
 
 /// Sorts the materials, which are found in the order of references, into the order of the file.

@@ -10,7 +10,7 @@ use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
-use crate::scene::encode::objects;
+use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.
@@ -57,6 +57,10 @@ impl<'a> SceneReader<'a> {
                 radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
             },
             "instance" => ShapeKind::Instance,
+            FRAME if object.category == Category::Volume => {
+                reader.ignore(&["value"]);
+                ShapeKind::Frame
+            }
             plugin @ ("obj" | "ply" | "serialized") => {
                 file_name = reader.string("filename");
                 if file_name.is_none() && !reader.has("filename") {
@@ -94,7 +98,8 @@ impl<'a> SceneReader<'a> {
             }
         };
         let is_instance = kind == ShapeKind::Instance;
-        let flip_normals = !is_instance && reader.boolean_or("flip_normals", false);
+        let has_surface = !is_instance && kind != ShapeKind::Frame;
+        let flip_normals = has_surface && reader.boolean_or("flip_normals", false);
         reader.ignore(&["silhouette_sampling_weight"]);
         let to_world = reader.to_world();
         let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());

@@ -372,6 +372,7 @@ impl<'s> Writer<'s> {
         let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
         let draft = self.draft(shape.identity.authored.as_ref(), current);
         let mut object = match shape.instance_of {
+            None if shape.shape.is_frame() => draft.object,
             Some(group) => {
                 let id = self.scene.groups[group].identity.id.as_deref();
                 draft.set_nested(Category::Shape, id.map(reference).into_iter().collect())

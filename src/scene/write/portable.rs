@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::document::{Category, Child, Object, TransformOp, Value};
+use crate::scene::read::is_frame;
 
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -30,6 +31,11 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Op
 /// Whether there are triangles.
 fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions) -> bool {
     let mut has_triangles = false;
+    if extensions == Extensions::Approximate {
+        // What is in a group stands where it is by itself.
+        let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
+        object.children.retain(|child| !is_frame(child));
+    }
     for child in &mut object.children {
         let Child::Object(inner) = child else { continue };
         let inner = Arc::make_mut(inner);

@@ -10,7 +10,8 @@ const RESIDUE: f32 = 1e-6;
 /// The largest power of ten that is at most `size`; 0 if `size` is not a positive number. Rounding to 0 changes nothing.
 pub fn unit_below(size: f32) -> f64 {
     match size.is_finite() && size > f32::MIN_POSITIVE {
-        true => 10f64.powf(f64::from(size).log10().floor()),
+        // Single precision may have a power of ten a little too small.
+        true => 10f64.powf((f64::from(size) * (1.0 + 1e-6)).log10().floor()),
         false => 0.0,
     }
 }
@@ -46,9 +47,17 @@ pub fn with_digits(number: f32, digits: i32) -> f32 {
 
 /// The sum of numbers as they are written: 0.1 and 0.2 are 0.3.
 pub fn sum(one: f32, other: f32) -> f32 {
-    // The shortest decimal that stands for a number is the one that was written.
-    let decimal = |number: f32| number.to_string().parse::<f64>().unwrap_or(f64::from(number));
     (decimal(one) + decimal(other)) as f32 + 0.0
+}
+
+/// A multiple of a number as it is written.
+pub fn multiple(number: f32, times: u32) -> f32 {
+    (decimal(number) * f64::from(times)) as f32 + 0.0
+}
+
+/// The shortest decimal that stands for a number, which is the one that was written.
+fn decimal(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
 }
 
 /// The [`sum`] of each coordinate.
@@ -76,7 +85,9 @@ mod tests {
         for (size, unit) in [(8.0, 1.0), (0.05, 0.01), (1.0, 1.0), (0.0, 0.0), (f32::NAN, 0.0)] {
             assert!((unit_below(size) - unit).abs() < 1e-9, "{size}");
         }
-        assert!((unit_of_scene(8.0) - 1e-4).abs() < 1e-12);
+        for extent in [1.0, 8.0] {
+            assert!((unit_of_scene(extent) - 1e-4).abs() < 1e-12, "{extent}");
+        }
     }
 
     #[test]

@@ -38,14 +38,20 @@ pub enum Pivot {
     Active,
     /// Each object turns about the origin of its own space.
     Each,
+    /// The mean of the objects' origins, which the size of no object shifts.
+    Median,
+    /// The origin of the world. Moves have their handles in the middle of the selection.
+    World,
 }
 
 impl Pivot {
     /// The pivots with their names, in the order of the menu.
-    pub const ALL: [(Self, &'static str); 3] = [
+    pub const ALL: [(Self, &'static str); 5] = [
         (Self::Middle, "Middle"),
+        (Self::Median, "Median"),
         (Self::Active, "Active origin"),
         (Self::Each, "Own origins"),
+        (Self::World, "World origin"),
     ];
 }
 

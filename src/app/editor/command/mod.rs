@@ -1,6 +1,7 @@
 //! The commands that a user can give: [`Command`], and the plain values that commands carry. This module imports no other module of the editor.
 
 pub mod addition;
+pub mod arrange;
 pub mod axis_view;
 pub mod bvh_overlay;
 pub mod compare_view;
@@ -41,6 +42,7 @@ use crate::scene::{
     SquarePath,
 };
 use addition::Addition;
+use arrange::{Reference, Series, Side, Spacing};
 use axis_view::AxisView;
 use bvh_overlay::BvhOverlay;
 use compare_view::CompareView;
@@ -101,6 +103,9 @@ pub enum Command {
     /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
     Pick(Vec2, Extend),
 
+    /// Selects everything in the group around the active thing; again: in the group around that.
+    SelectGroup,
+
     // Commands that move the view. None of them edits the scene, except `MoveCameraToView`.
     /// Moves back or forth until the selection fills the view.
     FrameSelection,
@@ -128,8 +133,16 @@ pub enum Command {
     Add(Addition),
     /// Removes the selection.
     Delete,
-    /// Copies the selection; the copies become the selection.
+    /// Copies the selection beside it, or on along a series of copies; the copies become the selection.
     Duplicate,
+    /// Makes a series of copies or instances of the selection.
+    MakeSeries(Series),
+    /// Brings one side of each selected thing in line, along an axis of the world from 0 to 2.
+    Align(usize, Side, Reference),
+    /// Spaces the selected things evenly along an axis of the world from 0 to 2; the outermost stay.
+    Distribute(usize, Spacing),
+    /// Scales things so that they are seen well, and puts them onto what is in the middle of the picture.
+    FitToView(Vec<Entity>),
     /// Copies the selection to the clipboard, as XML text.
     Copy,
     /// Does `Copy`, then `Delete`.
@@ -145,8 +158,10 @@ pub enum Command {
         /// The thing before which they go; None for the end of the list.
         before: Option<Entity>,
     },
-    /// Puts the selection into a folder of its own.
+    /// Puts the selection into a folder of its own, with a transform of its own.
     Group,
+    /// Takes what is in the selected groups out of them; the groups are gone then.
+    Ungroup,
     /// Puts things into the folder of this path, or out of all.
     PutInto {
         /// The things that are put there.
@@ -364,11 +379,16 @@ impl Command {
             | Self::Add(_)
             | Self::Delete
             | Self::Duplicate
+            | Self::MakeSeries(_)
+            | Self::Align(..)
+            | Self::Distribute(..)
+            | Self::FitToView(_)
             | Self::Cut
             | Self::Paste(_)
             | Self::Rename(..)
             | Self::Reorder { .. }
             | Self::Group
+            | Self::Ungroup
             | Self::PutInto { .. }
             | Self::Hide(..)
             | Self::HideOthers
@@ -417,6 +437,7 @@ impl Command {
             | Self::Quit
             | Self::Select(..)
             | Self::SelectAll
+            | Self::SelectGroup
             | Self::Pick(..)
             | Self::SetSpeed(_)
             | Self::StoreView(_)
@@ -458,11 +479,16 @@ impl Command {
             Self::Add(_) => "Add",
             Self::Delete => "Delete",
             Self::Duplicate => "Duplicate",
+            Self::MakeSeries(_) => "Make a series of",
+            Self::Align(..) => "Align",
+            Self::Distribute(..) => "Distribute",
+            Self::FitToView(_) => "Fit to view",
             Self::Cut => "Cut",
             Self::Paste(_) => "Paste",
             Self::Rename(..) => "Rename",
             Self::Reorder { .. } => "Reorder",
             Self::Group => "Group",
+            Self::Ungroup => "Ungroup",
             Self::PutInto { .. } => "Put into folder",
             Self::Hide(_, true) => "Hide",
             Self::Hide(_, false) | Self::ShowAll => "Show",
@@ -512,6 +538,7 @@ impl Command {
             | Self::UseMaterial { shapes: entities, .. }
             | Self::UsePreset { shapes: entities, .. }
             | Self::PutInto { things: entities, .. }
+            | Self::FitToView(entities)
             | Self::BuildMaterial { targets: entities, .. }
             | Self::Reorder { moved: entities, .. } => entities.clone(),
             _ => Vec::new(),
@@ -538,7 +565,12 @@ impl Command {
         self.effect() != Effect::None
             && !matches!(
                 self,
-                Self::Rename(..) | Self::PutInto { .. } | Self::Group | Self::Lock(..) | Self::SetUnit(_)
+                Self::Rename(..)
+                    | Self::PutInto { .. }
+                    | Self::Group
+                    | Self::Ungroup
+                    | Self::Lock(..)
+                    | Self::SetUnit(_)
             )
     }
 }

@@ -44,4 +44,6 @@ pub enum Sheet {
     Preferences,
     /// The list where keys are chosen, beside the preferences.
     Keys,
+    /// The form for a series of copies.
+    Series,
 }

@@ -2,10 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::edits::{delete_selection, duplicate, group, hide, put_into, rename, reorder, visible_things};
+use super::edits::{delete_selection, hide, rename, reorder, visible_things};
 use super::pictures::set_picture;
-use super::things::{need, replace, transform};
-use super::{adding, materials, mixing, placing, several, view};
+use super::things::{need, need_surface, replace, transform};
+use super::{adding, arranging, copying, fitting, grouping, materials, mixing, placing, several, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -15,7 +15,7 @@ use crate::document::paths::settle;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, LengthUnit, Locked,
-    Material, SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
+    Material, MemberOf, SamplerSettings, SceneId, Sensor, ToWorld, UsesMaterial,
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
@@ -23,6 +23,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(path) => {
             adding::import(edit, &path)?;
+            fitting::note_import(edit.world);
             trust::allow_chosen(edit.world, &path);
         }
         Command::Paste(text) => adding::paste(edit, &text)?,
@@ -32,11 +33,16 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             super::files::copy(edit.world)?;
             delete_selection(edit)?;
         }
-        Command::Duplicate => duplicate(edit)?,
+        Command::Duplicate => copying::duplicate(edit)?,
+        Command::MakeSeries(series) => copying::series(edit, &series)?,
+        Command::Align(axis, side, to) => arranging::align(edit, axis, side, to)?,
+        Command::Distribute(axis, by) => arranging::distribute(edit, axis, by)?,
+        Command::FitToView(entities) => fitting::fit_to_view(edit, &entities)?,
         Command::Rename(entity, name) => rename(edit, entity, &name)?,
         Command::Reorder { moved, before } => reorder(edit, &moved, before),
-        Command::Group => group(edit)?,
-        Command::PutInto { things, folder } => put_into(edit, things, folder.as_deref())?,
+        Command::Group => grouping::group(edit)?,
+        Command::Ungroup => grouping::ungroup(edit)?,
+        Command::PutInto { things, folder } => grouping::put_into(edit, things, folder.as_deref())?,
         Command::Hide(entities, hidden) => hide(edit, &entities, hidden),
         Command::HideOthers => {
             let selection = edit.world.resource::<Selection>().clone();
@@ -73,7 +79,10 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::Nudge(direction) => placing::nudge(edit, direction)?,
         Command::Drop => placing::drop(edit)?,
         Command::SnapToGrid => placing::onto_grid(edit)?,
-        Command::Transform(poses) => transform(edit, poses)?,
+        Command::Transform(poses) => {
+            let poses = grouping::with_members(edit, poses);
+            transform(edit, poses)?;
+        }
         Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
         Command::SetMaterial(entity, material) => {
             replace(edit, entity, *material)?;
@@ -94,7 +103,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
                 need::<Material>(edit, material)?;
             }
             for shape in shapes {
-                need::<Shape>(edit, shape)?;
+                need_surface(edit, shape)?;
                 match material {
                     Some(material) => edit.set(shape, UsesMaterial(material)),
                     None => edit.remove::<UsesMaterial>(shape),
@@ -102,7 +111,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             }
         }
         Command::GiveMaterial { shape } => {
-            need::<Shape>(edit, shape)?;
+            need_surface(edit, shape)?;
             let order = DocumentOrder(next_order(edit.world));
             let name = free_name(&names(edit.world), "material");
             let material = edit.spawn((Material::default(), order, SceneId(name.clone()), Name::new(name)));
@@ -117,7 +126,10 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         }
         Command::SetAreaLight(entity, light) => match light {
             Some(light) => {
-                need::<Shape>(edit, entity)?;
+                need_surface(edit, entity)?;
+                if edit.world.get::<MemberOf>(entity).is_some() {
+                    return Err("Shapes that stand there as instances cannot shine.".into());
+                }
                 edit.set(entity, light);
             }
             None => edit.remove::<AreaLight>(entity),

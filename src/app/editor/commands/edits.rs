@@ -4,15 +4,13 @@ use std::collections::HashSet;
 
 use bevy::prelude::*;
 
-use super::placing;
-use super::things::{call, check_name, delete, is_no_name, selected};
-use crate::app::editor::camera::rounding;
-use crate::app::editor::command::Direction;
+use super::grouping;
+use super::things::{call, check_name, delete, selected};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
-use crate::scene::insert::{free_name, names, next_order};
-use crate::scene::{DocumentOrder, Emitter, Hidden, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ToWorld};
+use crate::scene::insert::names;
+use crate::scene::{DocumentOrder, Emitter, Hidden, MemberOf, SceneId, Shape, ShapeGroup};
 
 pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
     for entity in selected(edit)? {
@@ -22,42 +20,11 @@ pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Copies use the same materials and groups; they are selected then.
-pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
-    let mut taken = names(edit.world);
-    let mut order = next_order(edit.world);
-    let mut copies = Vec::new();
-    // The copy is placed where it is visible beside the original.
-    let aside = placing::step(edit.world, Direction::Right);
-    for original in selected(edit)? {
-        let mut state = ObjectState::of(edit.world, original);
-        if state.placements.is_some() {
-            return Err("So many instances cannot be doubled.".into());
-        }
-        let name = state.name.as_ref().map_or("copy", |name| name.as_str());
-        let name = free_name(&taken, name);
-        taken.insert(name.clone());
-        state.id = Some(SceneId(name.clone()));
-        state.name = Some(Name::new(name));
-        state.order = Some(DocumentOrder(order));
-        state.declared_in = None;
-        if let Some(ToWorld(pose)) = &mut state.to_world {
-            pose.translation = rounding::sum_of_places(pose.translation.into(), aside).into();
-        }
-        order = order.saturating_add(1);
-        let copy = edit.spawn(());
-        state.write(edit.world, copy);
-        copies.push(copy);
-    }
-    edit.world.insert_resource(Selection::of(copies));
-    Ok(())
-}
-
 pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), CommandError> {
     let name = name.trim();
     if name.is_empty() {
-        if edit.world.get::<ShapeGroup>(entity).is_some() {
-            return Err("A group needs its name: instances refer to it.".into());
+        if edit.world.get::<ShapeGroup>(entity).is_some() || grouping::is_frame(edit.world, entity) {
+            return Err("A group needs its name: others refer to it.".into());
         }
         edit.remove::<SceneId>(entity);
         return Ok(());
@@ -71,6 +38,14 @@ pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), Command
         return Ok(());
     }
     check_name(name)?;
+    if grouping::is_frame(edit.world, entity) {
+        let name = name.trim_end_matches('/');
+        if name.is_empty() {
+            return Err("A group needs a name.".into());
+        }
+        grouping::rename_folder(edit, &grouping::path(edit.world, entity), name);
+        return Ok(());
+    }
     let is_own = edit
         .world
         .get::<Name>(entity)
@@ -79,40 +54,6 @@ pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), Command
         return Err(format!("There is something called \"{name}\" already.").into());
     }
     call(edit, entity, name);
-    Ok(())
-}
-
-pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
-    let members = selected(edit)?;
-    let taken = names(edit.world);
-    let folders = taken.iter().filter_map(|name| Some(name.split_once('/')?.0.to_owned()));
-    let folder = free_name(&folders.collect::<HashSet<_>>(), "group");
-    put_into(edit, members, Some(&folder))
-}
-
-/// Puts things into a folder. Folders are written as the part of names before the last `/`.
-pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), CommandError> {
-    if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
-        return Err("The folder's name has a character that names cannot have.".into());
-    }
-    let mut taken = names(edit.world);
-    for thing in things {
-        let name = edit
-            .world
-            .get::<Name>(thing)
-            .map_or_else(String::new, |name| name.as_str().to_owned());
-        let leaf = name.rsplit('/').next().unwrap_or_default();
-        let wanted = match folder {
-            Some(folder) => format!("{folder}/{leaf}"),
-            None => leaf.to_owned(),
-        };
-        if wanted != name {
-            let free = free_name(&taken, &wanted);
-            call(edit, thing, &free);
-            taken.remove(&name);
-            taken.insert(free);
-        }
-    }
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::things::{delete, need, outer_materials};
+use super::things::{delete, need_surface, outer_materials};
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials_inside};
@@ -37,7 +37,7 @@ pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
 /// Gives shapes a material of the library. One of its name that is still like it is used again.
 pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), CommandError> {
     for &shape in shapes {
-        need::<Shape>(edit, shape)?;
+        need_surface(edit, shape)?;
     }
     let name = preset.id();
     let mut known = edit.world.query::<(Entity, &Material, &SceneId)>();
@@ -84,7 +84,7 @@ pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result
     for &target in targets {
         let material = if edit.world.get::<Material>(target).is_some() {
             target
-        } else if edit.world.get::<Shape>(target).is_some() {
+        } else if edit.world.get::<Shape>(target).is_some_and(|shape| !shape.is_frame()) {
             match edit.world.get::<UsesMaterial>(target) {
                 Some(UsesMaterial(material)) => *material,
                 None => {

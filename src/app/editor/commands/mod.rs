@@ -5,12 +5,16 @@
 
 mod adding;
 pub mod apply_edit;
+mod arranging;
 pub mod bare_world;
+mod copying;
 mod edits;
 mod files;
 mod finished;
+pub(crate) mod fitting;
 pub(crate) mod flight;
 pub(crate) mod full_film;
+mod grouping;
 mod materials;
 mod mixing;
 mod pictures;
@@ -181,6 +185,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
                 (found, how) => select(world, found.as_slice(), how),
             }
         }
+        Command::SelectGroup => grouping::select_group(world)?,
         Command::FrameSelection => view::frame_selection(world)?,
         Command::FrameAll => view::frame_all(world)?,
         Command::MoveView(pose) => view::move_view(world, pose),

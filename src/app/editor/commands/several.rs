@@ -19,6 +19,14 @@ const DEEPEST: usize = 4;
 /// Applies to all other selected things what the command is going to do to its thing.
 pub fn carry_to_others(edit: &mut Edit, command: &Command) {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
+    // What is in a group moves with it anyway.
+    if let Command::Transform(poses) = command
+        && poses
+            .iter()
+            .any(|(entity, _)| edit.world.get::<Shape>(*entity).is_some_and(Shape::is_frame))
+    {
+        return;
+    }
     let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
     match command {
         Command::SetShape(entity, after) => {

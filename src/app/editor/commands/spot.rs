@@ -119,6 +119,28 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     Spot { foot, size, on }
 }
 
+/// The place in the middle of the picture, on what is there but `except`, or else on the ground; and the height of what is seen there. None without
+/// a picture.
+pub fn seen(world: &World, except: &[Entity]) -> Option<(Vec3, f32)> {
+    let packed = world.get_resource::<PackedScene>()?;
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let pose = pose::view_pose(world)?;
+    let camera = &packed.view.as_ref()?.camera;
+    let ground = Ground::of(packed, up);
+    let is_passed = |entity: Entity| except.contains(&entity);
+    let ahead = picking::surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), is_passed);
+    let place = match ahead {
+        Some(surface) if surface.normal.dot(up) > STEEPEST => surface.position,
+        Some(surface) => {
+            let before = surface.before(OFF * surface.position.distance(pose.translation.into()));
+            let below = picking::surface(packed, &Ray::new(before, -up), is_passed);
+            below.map_or_else(|| ground.under(before), |below| below.position)
+        }
+        None => looked_at(&pose, &ground),
+    };
+    Some((place, picking::view_height(packed, &pose, place)?))
+}
+
 /// The free height above the place, at most `wanted`.
 pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     let up = world.resource::<ViewSettings>().navigation.up;

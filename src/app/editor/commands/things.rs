@@ -9,7 +9,8 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::insert::next_order;
 use crate::scene::{
     ActiveSensor, DeclaredIn, Declares, DocumentOrder, FirstNested, FirstNestedIn, FreeView, Locked, Material,
-    MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn, Sensor, ToWorld, UsesMaterial,
+    MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ToWorld,
+    UsesMaterial,
 };
 
 /// An error unless the entity has a component of this type.
@@ -17,6 +18,14 @@ pub(crate) fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), Comm
     match edit.world.get::<C>(entity) {
         Some(_) => Ok(()),
         None => Err("That cannot be done to this thing.".into()),
+    }
+}
+
+/// An error unless the entity is a shape with a surface.
+pub(crate) fn need_surface(edit: &Edit, entity: Entity) -> Result<(), CommandError> {
+    match edit.world.get::<Shape>(entity) {
+        Some(shape) if !shape.is_frame() => Ok(()),
+        _ => Err("That cannot be done to this thing.".into()),
     }
 }
 

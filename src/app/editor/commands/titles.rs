@@ -27,9 +27,13 @@ impl Title {
         let named = match command {
             Command::Add(_) | Command::Import(_) | Command::Paste(_) => None,
             Command::Duplicate
+            | Command::MakeSeries(_)
+            | Command::Align(..)
+            | Command::Distribute(..)
             | Command::Delete
             | Command::Cut
             | Command::Group
+            | Command::Ungroup
             | Command::Nudge(_)
             | Command::Drop
             | Command::SnapToGrid => Some(selected()),

@@ -171,6 +171,7 @@ pub fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Triangle { .. } => "triangle",
         ShapeKind::Cylinder { .. } => "cylinder",
         ShapeKind::Instance => "instance",
+        ShapeKind::Frame => "group",
         ShapeKind::Mesh(_) => "mesh",
     }
 }

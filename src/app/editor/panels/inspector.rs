@@ -76,10 +76,11 @@ fn sections(
             }
         });
     }
-    if inspected.shape.is_some() || !inspected.materials.is_empty() {
+    let has_surface = inspected.shape.as_ref().is_some_and(|shape| !shape.is_frame());
+    if has_surface || !inspected.materials.is_empty() {
         section(ui, "Material", |ui| material_rows(ui, inspected, model, commands));
     }
-    if inspected.shape.is_some() {
+    if has_surface {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
             let edit = emission::area_light(
@@ -230,6 +231,10 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
         }
         ShapeKind::Instance => {
             fields::note(ui, ("Type", "kind"), "instance");
+            return false;
+        }
+        ShapeKind::Frame => {
+            fields::note(ui, ("Type", "kind"), "group");
             return false;
         }
         ShapeKind::Mesh(MeshFile {

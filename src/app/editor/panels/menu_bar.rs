@@ -35,6 +35,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         ui.menu_button("File", |ui| file_menu(ui, model, &state, commands));
         ui.menu_button("Edit", |ui| edit_menu(ui, model, context, commands));
         ui.menu_button("Add", |ui| group(ui, Group::Add, context, commands));
+        ui.menu_button("Arrange", |ui| arrange_menu(ui, context, commands));
         ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
         ui.menu_button("Render", |ui| group(ui, Group::Render, context, commands));
         ui.menu_button("Window", |ui| window_menu(ui, &state, commands));
@@ -145,6 +146,31 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
             }
         }
     });
+}
+
+/// The entries of the group, some of them in menus of their own.
+fn arrange_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
+    const INNER: [(&str, &str); 5] = [
+        ("snap-", "Snap to"),
+        ("pivot-", "Pivot"),
+        ("align-active-", "Align to the active"),
+        ("align-", "Align to each other"),
+        ("distribute-", "Distribute"),
+    ];
+    let inner = |name: &str| INNER.into_iter().find(|(start, _)| name.starts_with(start));
+    ui.set_min_width(220.0);
+    let of_group = || ACTIONS.iter().filter(|action| action.group == Group::Arrange);
+    for action in of_group().filter(|action| inner(action.name).is_none()) {
+        entry(ui, action.name, context, commands);
+    }
+    ui.separator();
+    for (start, title) in INNER {
+        ui.menu_button(title, |ui| {
+            for action in of_group().filter(|action| inner(action.name).is_some_and(|(its, _)| its == start)) {
+                entry(ui, action.name, context, commands);
+            }
+        });
+    }
 }
 
 fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {

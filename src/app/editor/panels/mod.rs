@@ -30,6 +30,7 @@ pub mod preferences;
 pub mod render;
 pub mod section;
 pub mod sensor;
+pub mod series;
 pub mod status;
 pub mod texture;
 pub mod texture_slot;

@@ -1,6 +1,6 @@
 //! Requests for the next step: commands of this frame, and what the window is to show.
 
-use bevy::prelude::Resource;
+use bevy::prelude::{Entity, Resource};
 
 use super::full_film_question::FullFilmQuestion;
 use super::save_question::SaveQuestion;
@@ -31,4 +31,6 @@ pub struct Requests {
     pub closes: bool,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,
+    /// Imported meshes whose size is told when they have been read.
+    pub imported: Vec<Entity>,
 }

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
+use crate::app::editor::command::Command;
+
 /// The severity of a message, which decides its colour and how long it stays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
@@ -37,12 +39,16 @@ pub struct Toast {
     pub text: String,
     /// Lines of a file, with marks under them.
     pub excerpt: Option<String>,
+    /// A command that a button does, with its label.
+    pub offer: Option<(&'static str, Command)>,
     /// The time at which it came up.
     pub since: Instant,
 }
 
 /// The time for which notes and warnings are shown.
 pub(crate) const SHOWN: Duration = Duration::from_secs(5);
+/// The time for which a message with a button is shown.
+pub(crate) const OFFERED: Duration = Duration::from_secs(20);
 /// The last part of that time, in which they fade.
 pub(crate) const FADING: Duration = Duration::from_millis(400);
 /// The time between two frames of something that fades.
@@ -60,6 +66,14 @@ impl Toasts {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Note, Topic::Other, message, None);
+    }
+
+    /// Tells of something with a button that does more about it.
+    pub(crate) fn offer(&mut self, message: impl Into<String>, label: &'static str, command: Command) {
+        self.info(message);
+        if let Some(toast) = self.0.last_mut() {
+            toast.offer = Some((label, command));
+        }
     }
 
     /// Tells that something the user asked for cannot be done.
@@ -96,6 +110,7 @@ impl Toasts {
             topic,
             text,
             excerpt,
+            offer: None,
             since: Instant::now(),
         });
         if self.0.len() > MOST {
@@ -139,7 +154,8 @@ impl Toasts {
 impl Toast {
     /// The time that is left; None for messages that stay.
     fn left(&self) -> Option<Duration> {
-        (self.tone != Tone::Error).then(|| SHOWN.saturating_sub(self.since.elapsed()))
+        let shown = if self.offer.is_some() { OFFERED } else { SHOWN };
+        (self.tone != Tone::Error).then(|| shown.saturating_sub(self.since.elapsed()))
     }
 
     /// The opacity, in [0, 1].

@@ -120,6 +120,7 @@ pub struct Sources<'w, 's> {
     picture: Res<'w, Picture>,
     film: Res<'w, RenderFilm>,
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
+    named: Query<'w, 's, (Entity, &'static Name), With<ToWorld>>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
@@ -137,12 +138,10 @@ type Movable = (
 
 impl Sources<'_, '_> {
     fn targets(&self, bounds: &[Option<Aabb>]) -> Vec<Target> {
-        let places = self
-            .selection
-            .entities()
-            .iter()
-            .zip(bounds.iter().chain(iter::repeat(&None)));
-        let targets = places.filter_map(|(&entity, &bounds)| {
+        let selected = self.selection.entities();
+        let selected = selected.iter().copied().zip(bounds.iter().chain(iter::repeat(&None)));
+        let members = self.unselected_members().into_iter().map(|member| (member, &None));
+        let targets = members.chain(selected).filter_map(|(entity, &bounds)| {
             let (to_world, shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
             let freedom = match emitter {
                 _ if shape.is_some() => Freedom::Affine,
@@ -161,6 +160,31 @@ impl Sources<'_, '_> {
             })
         });
         targets.collect()
+    }
+
+    /// What moves with selected groups and is not selected itself.
+    fn unselected_members(&self) -> Vec<Entity> {
+        let frames = self.selection.entities().iter().filter(|entity| {
+            let shape = self.movable.get(**entity).ok().and_then(|(_, shape, ..)| shape);
+            shape.is_some_and(Shape::is_frame)
+        });
+        let names: Vec<&str> = frames
+            .filter_map(|frame| self.named.get(*frame).ok())
+            .map(|(_, name)| name.as_str())
+            .collect();
+        let mut found: Vec<Entity> = Vec::new();
+        if !names.is_empty() {
+            let members = self
+                .named
+                .iter()
+                .filter(|(_, name)| names.iter().any(|frame| name.starts_with(frame)));
+            found.extend(
+                members
+                    .map(|(member, _)| member)
+                    .filter(|member| !self.selection.contains(*member)),
+            );
+        }
+        found
     }
 
     /// The icons of the lights that have a place, and of the cameras except the one that is looked through.

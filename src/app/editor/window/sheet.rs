@@ -1,5 +1,6 @@
 //! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys.
 
+use bevy::math::Vec3;
 use bevy_egui::egui::{self, Id, Modal, Ui};
 
 use super::palette::Palette;
@@ -13,6 +14,7 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Model;
 use crate::app::editor::panels::key_bindings::{KeyList, key_bindings};
 use crate::app::editor::panels::preferences::preferences;
+use crate::app::editor::panels::series::series;
 
 /// The width of the preferences, in points.
 const WIDTH: f32 = 480.0;
@@ -26,6 +28,8 @@ pub struct SheetModel<'a> {
     pub problem: Option<&'a str>,
     /// The keys that went down in this frame.
     pub presses: &'a [Press],
+    /// A step that suits the selection, for a series of copies.
+    pub step: Vec3,
 }
 
 pub fn show(
@@ -51,6 +55,17 @@ pub fn show(
         Sheet::Palette => widgets.palette.show(context, model, &shown.actions, recent, commands),
         Sheet::Shortcuts => shortcuts(context, shown.preferences.navigation, shown.actions.bound),
         Sheet::Preferences | Sheet::Keys => pages(context, shown, sheet, &mut widgets.keys, commands),
+        Sheet::Series => {
+            let modal = Modal::new(Id::new("series")).show(context, |ui| {
+                ui.set_width(320.0);
+                ui.heading("Series of copies");
+                ui.add_space(6.0);
+                if series(ui, &mut widgets.series, shown.step, commands) {
+                    ui.close();
+                }
+            });
+            !modal.should_close()
+        }
     };
     if !stays {
         *sheet = None;

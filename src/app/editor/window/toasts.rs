@@ -58,8 +58,14 @@ fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool 
             ui.vertical(|ui| {
                 ui.set_width(ui.available_width() - close);
                 content(ui, toast, edge, commands);
+                if let Some((label, command)) = &toast.offer
+                    && ui.button(*label).clicked()
+                {
+                    commands.push(command.clone());
+                    dismissed = true;
+                }
             });
-            dismissed = ui.small_button("×").on_hover_text("Dismiss").clicked();
+            dismissed |= ui.small_button("×").on_hover_text("Dismiss").clicked();
         });
     });
     dismissed

@@ -32,6 +32,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::gather::ViewportScene;
+use crate::app::editor::viewport::gizmo;
 use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
@@ -210,6 +211,7 @@ pub fn show_window(
         preferences: &shell.preferences,
         problem: shell.preferences_file.problem.as_deref(),
         presses: &pressed,
+        step: gizmo::step_beside(&seen.targets, shown.gizmo.length_step),
     };
     sheet::show(&context, model, sheets, &mut requests.sheet, widgets, commands);
     recovery_question::question(&context, &mut shell.recovery.offer, commands);

@@ -8,6 +8,7 @@ use crate::app::editor::panels::inspector::InspectorState;
 use crate::app::editor::panels::key_bindings::KeyList;
 use crate::app::editor::panels::library::LibraryState;
 use crate::app::editor::panels::outliner::state::OutlinerState;
+use crate::app::editor::panels::series::SeriesForm;
 
 #[derive(Resource)]
 pub(crate) struct Widgets {
@@ -18,6 +19,8 @@ pub(crate) struct Widgets {
     pub palette: Palette,
     /// The list where keys are chosen.
     pub keys: KeyList,
+    /// The form for a series of copies.
+    pub series: SeriesForm,
     /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
@@ -30,6 +33,7 @@ impl Default for Widgets {
             inspector: InspectorState::default(),
             palette: Palette::default(),
             keys: KeyList::default(),
+            series: SeriesForm::default(),
             viewport_place: Rect::ZERO,
         }
     }

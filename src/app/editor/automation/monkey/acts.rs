@@ -261,7 +261,14 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            let sheet = [Sheet::Palette, Sheet::Shortcuts, Sheet::Preferences, Sheet::Keys][random.below(4)];
+            const SHEETS: [Sheet; 5] = [
+                Sheet::Palette,
+                Sheet::Shortcuts,
+                Sheet::Preferences,
+                Sheet::Keys,
+                Sheet::Series,
+            ];
+            let sheet = SHEETS[random.below(SHEETS.len())];
             let mut acts = shell(ShellCommand::ShowSheet(sheet));
             acts.extend([Act::Rest(1 + random.below(5)), Act::CloseSheet]);
             acts

@@ -54,7 +54,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(23) {
+    match random.below(26) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -99,6 +99,30 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         ]),
         20 => one(["unit-none", "unit-m", "unit-cm", "unit-ft"][random.below(4)].to_owned()),
         21 => one(format!("import-file {}", part.display())),
+        22 => Some(vec![
+            format!("select {} {}", shape?, random.one_of(&shapes)?),
+            format!(
+                "align {} {}",
+                ["x", "y", "z"][random.below(3)],
+                ["low", "middle", "high"][random.below(3)]
+            ),
+        ]),
+        23 => Some(vec![
+            format!("select {} {} {}", shape?, random.one_of(&shapes)?, random.one_of(&all)?),
+            format!(
+                "distribute {} {}",
+                ["x", "y", "z"][random.below(3)],
+                ["gaps", "middles"][random.below(2)]
+            ),
+        ]),
+        24 => Some(vec![
+            format!("select {}", shape?),
+            match random.below(3) {
+                0 => format!("series 3 along {}", random.vector()),
+                1 => "series 4 around y 360 0,0,0".to_owned(),
+                _ => format!("series 2 along {} instances", random.vector()),
+            },
+        ]),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
             1 + random.below(5)

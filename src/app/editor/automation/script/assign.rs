@@ -75,7 +75,8 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
             | ShapeKind::Cube
             | ShapeKind::Disk
             | ShapeKind::Triangle { .. }
-            | ShapeKind::Instance => {}
+            | ShapeKind::Instance
+            | ShapeKind::Frame => {}
         }
     })
 }

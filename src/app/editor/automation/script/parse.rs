@@ -52,7 +52,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 46] = [
+pub const VERBS: [(&str, &str); 49] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -68,6 +68,12 @@ pub const VERBS: [(&str, &str); 46] = [
     ("move", "NAME X,Y,Z (by)"),
     ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
     ("scale", "NAME FACTOR (about its origin)"),
+    ("align", "X|Y|Z low|middle|high [active] (what is selected)"),
+    ("distribute", "X|Y|Z gaps|middles (what is selected)"),
+    (
+        "series",
+        "COUNT along X,Y,Z [instances] | COUNT around X|Y|Z DEGREES X,Y,Z (the center) [instances]",
+    ),
     ("snap", "increments|grid|vertices|edges|faces [always] [align]"),
     ("set", "NAME PARAMETER VALUE"),
     ("material-of", "SHAPE (a new one of its own)"),
@@ -182,6 +188,9 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let factor = Affine3A::from_scale(Vec3::splat(parse_float(factor)?));
             transformed(world, name, |pose| about_origin(factor, pose))?
         }
+        ("align", words) => placing::align(words)?,
+        ("distribute", words) => placing::distribute(words)?,
+        ("series", words) => placing::series(words)?,
         ("snap", [to, how @ ..]) => placing::snap(world, to, how)?,
         ("set", [name, parameter, value @ ..]) if !value.is_empty() => {
             let entity = named(world, name)?;
@@ -341,7 +350,7 @@ pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item 
     format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-fn count(text: &str) -> Result<u32, ScriptError> {
+pub(super) fn count(text: &str) -> Result<u32, ScriptError> {
     u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`").into())
 }
 

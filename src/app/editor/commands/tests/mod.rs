@@ -2,7 +2,9 @@
 
 mod files;
 mod full_film;
+mod grouping;
 mod materials;
+mod placing;
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,7 @@
 //! The table of actions, each of which is one key, one menu entry or one word. The keyboard, the menus, the palette, the overview of shortcuts and
 //! scripts share it.
 
+mod arrange;
 pub mod bindings;
 mod table;
 
@@ -13,7 +14,24 @@ use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::selection::Selection;
 pub use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
-pub use table::ACTIONS;
+
+/// All actions, in the order of the menus.
+pub const ACTIONS: &[Action] =
+    &joined::<{ table::ACTIONS.len() + arrange::ACTIONS.len() }>(table::ACTIONS, arrange::ACTIONS);
+
+const fn joined<const ALL: usize>(some: &[Action], others: &[Action]) -> [Action; ALL] {
+    let mut all = [some[0]; ALL];
+    let mut place = 0;
+    while place < ALL {
+        all[place] = if place < some.len() {
+            some[place]
+        } else {
+            others[place - some.len()]
+        };
+        place += 1;
+    }
+    all
+}
 
 /// The state that actions toggle, step or refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +86,8 @@ pub enum Group {
     Edit,
     /// The menu of new things.
     Add,
+    /// The menu of places: steps, alignment, series.
+    Arrange,
     /// The menu of camera and display.
     View,
     /// Samples, denoiser, comparison.
@@ -78,10 +98,11 @@ pub enum Group {
 
 impl Group {
     /// The groups with their headings, in the order of the menus.
-    pub const ALL: [(Self, &'static str); 6] = [
+    pub const ALL: [(Self, &'static str); 7] = [
         (Self::File, "File"),
         (Self::Edit, "Edit"),
         (Self::Add, "Add"),
+        (Self::Arrange, "Arrange"),
         (Self::View, "View"),
         (Self::Render, "Render"),
         (Self::Window, "Window"),

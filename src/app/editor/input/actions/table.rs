@@ -13,12 +13,11 @@ use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
-use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, Direction, FileDialogKind};
+use crate::app::editor::command::{Command, FileDialogKind};
 use crate::scene::LengthUnit;
 
-const fn plain(key: Key) -> Shortcut {
+pub(super) const fn plain(key: Key) -> Shortcut {
     Shortcut::plain(key)
 }
 
@@ -50,7 +49,7 @@ const fn command(key: Key) -> Shortcut {
     }
 }
 
-const fn shift(key: Key) -> Shortcut {
+pub(super) const fn shift(key: Key) -> Shortcut {
     Shortcut {
         shift: true,
         ..plain(key)
@@ -74,7 +73,7 @@ const fn command_shift(key: Key) -> Shortcut {
 /// The stops of a press of a bracket key.
 const EXPOSURE_STEP: f32 = 0.25;
 
-const fn action(
+pub(super) const fn action(
     group: Group,
     name: &'static str,
     label: &'static str,
@@ -102,25 +101,6 @@ macro_rules! gizmo_mode {
     };
 }
 
-macro_rules! snap_to {
-    ($name:literal, $label:literal, $to:ident) => {
-        action(Group::Edit, $name, $label, &[], |context| {
-            Some(snapping(context, |snap| Snapping {
-                to: SnapTo::$to,
-                ..snap
-            }))
-        })
-    };
-}
-
-macro_rules! nudge {
-    ($name:literal, $label:literal, $key:expr, $direction:ident) => {
-        action(Group::Edit, $name, $label, &[plain($key)], |context| {
-            context.with_selection(Command::Nudge(Direction::$direction))
-        })
-    };
-}
-
 macro_rules! unit {
     ($name:literal, $label:literal, $unit:ident) => {
         action(Group::Edit, $name, $label, &[], |_| {
@@ -143,7 +123,7 @@ macro_rules! navigation {
     };
 }
 
-/// All actions, in the order of the menus.
+/// All actions but those of the menu *Arrange*, in the order of the menus.
 pub const ACTIONS: &[Action] = &[
     action(Group::File, "new", "New scene", &[command(Key::N)], |_| {
         Some(Command::NewScene)
@@ -189,6 +169,16 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Edit, "group", "Group", &[command(Key::G)], |context| {
         context.with_selection(Command::Group)
     }),
+    action(Group::Edit, "ungroup", "Ungroup", &[command_shift(Key::G)], |context| {
+        context.with_selection(Command::Ungroup)
+    }),
+    action(
+        Group::Edit,
+        "select-group",
+        "Select the group",
+        &[shift(Key::G)],
+        |context| context.with_selection(Command::SelectGroup),
+    ),
     action(
         Group::Edit,
         "select-all",
@@ -241,47 +231,6 @@ pub const ACTIONS: &[Action] = &[
             let settings = GizmoSettings { axes, ..context.gizmo };
             Some(Command::SetGizmo(settings))
         },
-    ),
-    snap_to!("snap-increments", "Snap to increments", Increments),
-    snap_to!("snap-grid", "Snap to the grid", Grid),
-    snap_to!("snap-vertices", "Snap to vertices", Vertices),
-    snap_to!("snap-edges", "Snap to edges", Edges),
-    snap_to!("snap-faces", "Snap to faces", Faces),
-    action(
-        Group::Edit,
-        "snap-always",
-        "Snap without Ctrl, or with it",
-        &[shift(Key::Tab)],
-        |context| {
-            let always = !context.gizmo.snap.always;
-            Some(snapping(context, |snap| Snapping { always, ..snap }))
-        },
-    ),
-    action(
-        Group::Edit,
-        "snap-align",
-        "Turn to the surface when snapping",
-        &[],
-        |context| {
-            let aligns = !context.gizmo.snap.aligns;
-            Some(snapping(context, |snap| Snapping { aligns, ..snap }))
-        },
-    ),
-    action(Group::Edit, "selection-to-grid", "Put onto the grid", &[], |context| {
-        context.with_selection(Command::SnapToGrid)
-    }),
-    nudge!("nudge-left", "Nudge left", Key::ArrowLeft, Left),
-    nudge!("nudge-right", "Nudge right", Key::ArrowRight, Right),
-    nudge!("nudge-ahead", "Nudge away", Key::ArrowUp, Ahead),
-    nudge!("nudge-back", "Nudge nearer", Key::ArrowDown, Back),
-    nudge!("nudge-up", "Nudge up", Key::PageUp, Up),
-    nudge!("nudge-down", "Nudge down", Key::PageDown, Down),
-    action(
-        Group::Edit,
-        "drop",
-        "Drop to the surface below",
-        &[plain(Key::End)],
-        |context| context.with_selection(Command::Drop),
     ),
     action(Group::Add, "add-sphere", "Sphere", &[], |_| {
         Some(addition(AdditionKind::Sphere))
@@ -530,11 +479,4 @@ pub const ACTIONS: &[Action] = &[
 
 fn addition(kind: AdditionKind) -> Command {
     Command::Add(kind.into())
-}
-
-fn snapping(context: &ActionContext, change: impl Fn(Snapping) -> Snapping) -> Command {
-    Command::SetGizmo(GizmoSettings {
-        snap: change(context.gizmo.snap),
-        ..context.gizmo
-    })
 }

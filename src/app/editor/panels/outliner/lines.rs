@@ -8,6 +8,9 @@ use bevy::prelude::Entity;
 
 use crate::app::editor::model::{Item, Outline};
 
+/// The kind of things that are the transforms of folders.
+const GROUP: &str = "group";
+
 /// The depth below which materials within materials, and folders within folders, are shown at one level.
 pub const DEEPEST: usize = 16;
 
@@ -24,6 +27,8 @@ pub enum Line {
         members: Vec<Entity>,
         /// Whether all of them are left out of the picture; None if they cannot be.
         hidden: Option<bool>,
+        /// What has the transform of the folder, if it has one.
+        frame: Option<Entity>,
     },
     Item {
         /// The index into [`Outline::groups`], and below that within the group.
@@ -73,6 +78,11 @@ pub fn leaf(name: &str) -> &str {
 /// The folders that a name is in, outermost first.
 pub fn folders_of(name: &str) -> impl Iterator<Item = &str> {
     name.match_indices('/').map(|(end, _)| &name[..end])
+}
+
+/// Whether the thing is the transform of a folder.
+fn is_frame(item: &Item) -> bool {
+    item.kind == GROUP && item.name.ends_with('/')
 }
 
 fn lines(outline: &Outline, filter: &str, folding: &Folding) -> Vec<Line> {
@@ -145,6 +155,8 @@ impl<'a> Writer<'a> {
         let mut known: HashMap<&str, usize> = HashMap::new();
         for &index in indices {
             match self.folder_below(path, depth, index) {
+                // The folder's own line stands for its transform.
+                None if is_frame(&self.items[index]) => {}
                 None => entries.push(Entry::Item(index)),
                 Some(name) => {
                     let place = *known.entry(name).or_insert_with(|| {
@@ -166,10 +178,17 @@ impl<'a> Writer<'a> {
                         outer => format!("{outer}/{name}"),
                     };
                     let is_open = self.folding.is_none_or(|folding| !folding.closed.contains(&path));
+                    let own = format!("{path}/");
+                    let is_own = |index: &&usize| self.items[**index].name == own;
+                    let frame = members.iter().find(is_own).map(|&index| self.items[index].entity);
+                    let others = members.iter().filter(|index| !is_own(index));
+                    let others = others.map(|&index| self.items[index].entity);
                     self.lines.push(Line::Folder {
                         path: path.clone(),
                         depth,
-                        members: members.iter().map(|&index| self.items[index].entity).collect(),
+                        // What is selected last is the active thing.
+                        members: others.chain(frame).collect(),
+                        frame,
                         hidden: self.hidden(&members),
                     });
                     if is_open {

@@ -55,12 +55,14 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
                     depth,
                     members,
                     hidden,
+                    frame,
                 } => {
                     Folder {
                         path,
                         hidden: *hidden,
                         depth: *depth,
                         members,
+                        frame: *frame,
                         is_selected: members.iter().all(|entity| selection.contains(*entity)),
                     }
                     .show(ui, height, state, commands);
@@ -192,6 +194,8 @@ struct Folder<'a> {
     hidden: Option<bool>,
     depth: usize,
     members: &'a [Entity],
+    /// What has the transform of the folder.
+    frame: Option<Entity>,
     is_selected: bool,
 }
 
@@ -200,15 +204,26 @@ impl Folder<'_> {
         ui.horizontal(|ui| {
             ui.add_space(row::indent(self.depth));
             state.folding.triangle_of(ui, self.path);
-            let text = format!("{}  ({})", leaf(self.path), self.members.len());
+            if self.frame.is_some() && state.renaming.as_ref().map(|renaming| renaming.entity) == self.frame {
+                self.name_field(ui, state, commands);
+                return;
+            }
+            let things = self.members.len() - usize::from(self.frame.is_some());
+            let text = format!("{}  ({things})", leaf(self.path));
             let marks = match self.hidden {
                 Some(_) => 2.0 * marks::BUTTON + 8.0,
                 None => 4.0,
             };
             let width = (ui.available_width() - marks).max(40.0);
-            let response = row::left_aligned(ui, text.into(), None, self.is_selected, width, height)
-                .on_hover_text("A folder; a click selects everything in it");
-            if response.clicked() {
+            let response = row::left_aligned(ui, text.into(), None, self.is_selected, width, height).on_hover_text(
+                match self.frame {
+                    Some(_) => "A group; a click selects it with everything in it, a double click renames it",
+                    None => "A folder; a click selects everything in it",
+                },
+            );
+            if let (Some(frame), true) = (self.frame, response.double_clicked()) {
+                state.renaming = Some(Renaming::new(frame, leaf(self.path)));
+            } else if response.clicked() {
                 commands.push(Command::Select(self.members.to_vec(), how(ui)));
             }
             if is_drag_of(ui, &response) {
@@ -228,6 +243,24 @@ impl Folder<'_> {
                 }
             }
         });
+    }
+}
+
+impl Folder<'_> {
+    fn name_field(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        let (Some(renaming), Some(frame)) = (&mut state.renaming, self.frame) else {
+            return;
+        };
+        let width = ui.available_width();
+        let Some(typed) = row::renamed(ui, renaming, width) else {
+            return;
+        };
+        state.renaming = None;
+        if let Some(name) = typed {
+            let outer = self.path.rsplit_once('/').map(|(outer, _)| outer);
+            let name = outer.map_or(name.clone(), |outer| format!("{outer}/{name}"));
+            commands.push(Command::Rename(frame, name));
+        }
     }
 }
 

@@ -55,6 +55,27 @@ pub(super) fn left_aligned(
     response
 }
 
+/// Shows the field for a new name. None while it is typed; then the name, or None in it if there is no new one.
+pub(super) fn renamed(ui: &mut Ui, renaming: &mut Renaming, width: f32) -> Option<Option<String>> {
+    let mut output = egui::TextEdit::singleline(&mut renaming.text)
+        .desired_width(width)
+        .show(ui);
+    if std::mem::take(&mut renaming.is_new) {
+        output.response.request_focus();
+        // The typed text replaces the old name.
+        let all = egui::text::CCursorRange::select_all(&output.galley);
+        output.state.cursor.set_char_range(Some(all));
+        output.state.store(ui.ctx(), output.response.id);
+        return None;
+    }
+    let typed = renaming.text.trim();
+    let is_given_up = ui.input(|input| input.key_pressed(Key::Escape)) || typed.is_empty();
+    output
+        .response
+        .lost_focus()
+        .then(|| (!is_given_up).then(|| typed.to_owned()))
+}
+
 /// One thing's line.
 pub(super) struct Row<'a> {
     pub item: &'a Item,
@@ -110,26 +131,14 @@ impl Row<'_> {
             return;
         };
         let width = ui.available_width() - self.marks_width();
-        let mut output = egui::TextEdit::singleline(&mut renaming.text)
-            .desired_width(width)
-            .show(ui);
-        if std::mem::take(&mut renaming.is_new) {
-            output.response.request_focus();
-            // The typed text replaces the old name.
-            let all = egui::text::CCursorRange::select_all(&output.galley);
-            output.state.cursor.set_char_range(Some(all));
-            output.state.store(ui.ctx(), output.response.id);
-        } else if output.response.lost_focus() {
-            let is_given_up = ui.input(|input| input.key_pressed(Key::Escape)) || renaming.text.trim().is_empty();
-            if !is_given_up {
-                let folder = self.item.name.rsplit_once('/').map(|(folder, _)| folder);
-                let name = match folder {
-                    Some(folder) => format!("{folder}/{}", renaming.text.trim()),
-                    None => renaming.text.trim().to_owned(),
-                };
-                commands.push(Command::Rename(self.item.entity, name));
-            }
-            state.renaming = None;
+        let Some(typed) = renamed(ui, renaming, width) else {
+            return;
+        };
+        state.renaming = None;
+        if let Some(name) = typed {
+            let folder = self.item.name.rsplit_once('/').map(|(folder, _)| folder);
+            let name = folder.map_or(name.clone(), |folder| format!("{folder}/{name}"));
+            commands.push(Command::Rename(self.item.entity, name));
         }
     }
 

@@ -44,9 +44,14 @@ pub(super) struct Renaming {
 
 impl Renaming {
     pub fn of(item: &Item) -> Self {
+        // The name of a group's transform ends with a slash.
+        Self::new(item.entity, leaf(item.name.trim_end_matches('/')))
+    }
+
+    pub fn new(entity: Entity, name: &str) -> Self {
         Self {
-            entity: item.entity,
-            text: leaf(&item.name).to_owned(),
+            entity,
+            text: name.to_owned(),
             is_new: true,
         }
     }

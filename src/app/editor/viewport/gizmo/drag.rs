@@ -392,7 +392,7 @@ impl Drag {
         let has_place = target.freedom != Freedom::Turning;
         let pivot = match self.settings.pivot {
             Pivot::Each => target.origin(),
-            Pivot::Middle | Pivot::Active => self.frame.origin,
+            Pivot::Middle | Pivot::Median | Pivot::Active | Pivot::World => self.frame.origin,
         };
         let from_pivot = target.origin() - pivot;
         match change {

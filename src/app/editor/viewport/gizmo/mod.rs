@@ -15,6 +15,7 @@ pub mod typed;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 
+use crate::app::editor::camera::rounding;
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode, Pivot};
 use crate::app::editor::model::freedom::Freedom;
 use crate::math::Aabb;
@@ -66,6 +67,13 @@ pub fn bounds(targets: &[Target]) -> Aabb {
     })
 }
 
+/// The move along x that takes copies of the targets beside them, by whole steps.
+pub(crate) fn step_beside(targets: &[Target], step: f32) -> Vec3 {
+    let width = bounds(targets).extent().x.max(0.0);
+    let steps = (width / step.max(f32::MIN_POSITIVE) + 1e-3).floor() + 1.0;
+    Vec3::X * rounding::rounded(step * steps, rounding::unit_below(1e-3 * step))
+}
+
 /// The frame; None if this mode could change nothing. The active object is the last one. Things that are infinitely far away are turned at `ahead`,
 /// a visible place.
 pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Option<Frame> {
@@ -80,10 +88,13 @@ pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Optio
     }
     let origin = if all.is_empty() {
         ahead
-    } else if settings.pivot == Pivot::Middle || !active.has_place() {
-        all.center()
     } else {
-        active.origin()
+        match settings.pivot {
+            Pivot::Active | Pivot::Each if active.has_place() => active.origin(),
+            Pivot::Median => median(targets),
+            Pivot::World if settings.mode != Mode::Move => Vec3::ZERO,
+            Pivot::Middle | Pivot::World | Pivot::Active | Pivot::Each => all.center(),
+        }
     };
     let axes = if settings.axes == Axes::Local || settings.mode == Mode::Scale {
         own_axes(&active.to_world)
@@ -91,6 +102,13 @@ pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Optio
         [Vec3::X, Vec3::Y, Vec3::Z]
     };
     origin.is_finite().then_some(Frame { origin, axes })
+}
+
+/// The mean of the origins of all that have a place.
+fn median(targets: &[Target]) -> Vec3 {
+    let placed = || targets.iter().filter(|target| target.has_place());
+    let sum: Vec3 = placed().map(Target::origin).sum();
+    sum / placed().count().max(1) as f32
 }
 
 /// The directions of a transform's axes, set at right angles from the first on; the world's for a degenerate one.
@@ -144,6 +162,16 @@ mod tests {
         };
         assert_eq!(at(Pivot::Middle), Some(Vec3::new(2.0, 0.0, 0.0)));
         assert_eq!(at(Pivot::Active), Some(Vec3::new(8.0, 0.0, 0.0)));
+        assert_eq!(at(Pivot::Median), Some(Vec3::new(2.0, 0.0, 0.0)));
+        // Handles that move things are at the things.
+        assert_eq!(at(Pivot::World), at(Pivot::Middle));
+        let turning = GizmoSettings {
+            pivot: Pivot::World,
+            mode: Mode::Rotate,
+            ..GizmoSettings::default()
+        };
+        let frame = frame(&[left, right], &turning, Vec3::ONE);
+        assert_eq!(frame.map(|frame| frame.origin), Some(Vec3::ZERO));
     }
 
     #[test]

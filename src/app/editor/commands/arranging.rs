@@ -1,0 +1,115 @@
+//! Aligns and distributes what is selected, by the bounds of each thing along an axis of the world.
+
+use std::ops::Range;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::things;
+use crate::app::editor::camera::rounding;
+use crate::app::editor::camera::solid::solids_of;
+use crate::app::editor::command::arrange::{Reference, Side, Spacing};
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::PackedScene;
+use crate::scene::{Shape, ToWorld, world_bounds};
+
+/// The share of the precision of the scene to which things are aligned: a gap of a whole unit would be seen.
+const FINER: f64 = 1e-2;
+
+/// Brings one side of all things in line, along an axis from 0 to 2.
+pub fn align(edit: &mut Edit, axis: usize, side: Side, to: Reference) -> Result<(), CommandError> {
+    let things = extents(edit, axis)?;
+    if things.len() < 2 {
+        return Err("Select several things to align them.".into());
+    }
+    let all = things.iter().skip(1).fold(things[0].1.clone(), |all, (_, extent)| {
+        all.start.min(extent.start)..all.end.max(extent.end)
+    });
+    let reference = match to {
+        Reference::Bounds => &all,
+        Reference::Active => things.last().map_or(&all, |(_, extent)| extent),
+    };
+    let goal = at(side, reference);
+    let moves = things.iter().map(|(thing, extent)| (*thing, goal - at(side, extent)));
+    move_along(edit, axis, moves.collect())
+}
+
+/// Spaces things evenly along an axis from 0 to 2. The first and the last stay.
+pub fn distribute(edit: &mut Edit, axis: usize, by: Spacing) -> Result<(), CommandError> {
+    let mut things = extents(edit, axis)?;
+    if things.len() < 3 {
+        return Err("Select three things or more to distribute them.".into());
+    }
+    let middle = |extent: &Range<f32>| at(Side::Middle, extent);
+    things.sort_by(|(_, a), (_, b)| middle(a).total_cmp(&middle(b)));
+    let between = (things.len() - 1) as f32;
+    let (first, last) = (things[0].1.clone(), things[things.len() - 1].1.clone());
+    let sizes: f32 = things.iter().map(|(_, extent)| extent.end - extent.start).sum();
+    let gap = (last.end - first.start - sizes) / between;
+    let step = (middle(&last) - middle(&first)) / between;
+    let mut start = first.start;
+    let mut moves = Vec::new();
+    for (number, (thing, extent)) in things.iter().enumerate() {
+        let by = match by {
+            Spacing::Gaps => start - extent.start,
+            Spacing::Middles => middle(&first) + step * number as f32 - middle(extent),
+        };
+        start += extent.end - extent.start + gap;
+        let stays = number == 0 || number + 1 == things.len();
+        moves.push((*thing, if stays { 0.0 } else { by }));
+    }
+    move_along(edit, axis, moves)
+}
+
+fn at(side: Side, extent: &Range<f32>) -> f32 {
+    match side {
+        Side::Low => extent.start,
+        Side::Middle => 0.5 * (extent.start + extent.end),
+        Side::High => extent.end,
+    }
+}
+
+/// The extent of each selected thing that has a place, along an axis; the active one is the last.
+fn extents(edit: &Edit, axis: usize) -> Result<Vec<(Entity, Range<f32>)>, CommandError> {
+    let direction = Vec3::AXES[axis.min(2)];
+    let selected = things::selected(edit)?.into_iter();
+    Ok(selected
+        .filter_map(|entity| Some((entity, extent(edit.world, entity, direction)?)))
+        .collect())
+}
+
+/// The extent of a thing along a direction; None for what is everywhere or nowhere.
+pub fn extent(world: &World, entity: Entity, direction: Vec3) -> Option<Range<f32>> {
+    let pose = world.get::<ToWorld>(entity)?.0;
+    let solids = solids_of(world.resource::<PackedScene>(), &[entity]);
+    let ends = solids
+        .iter()
+        .map(|solid| -solid.reach(-direction)..solid.reach(direction))
+        .reduce(|all, one| all.start.min(one.start)..all.end.max(one.end));
+    ends.or_else(|| {
+        let bounds = world_bounds(world.get::<Shape>(entity)?, &pose, None)?;
+        let [a, b] = [bounds.min.dot(direction), bounds.max.dot(direction)];
+        Some(a.min(b)..a.max(b))
+    })
+    .or_else(|| {
+        let place = Vec3::from(pose.translation).dot(direction);
+        Some(place..place)
+    })
+}
+
+fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(Entity, f32)>) -> Result<(), CommandError> {
+    let extent = edit.world.resource::<ViewSettings>().navigation.scene_size;
+    let unit = FINER * rounding::unit_of_scene(extent);
+    let poses = moves.into_iter().filter_map(|(entity, by)| {
+        let pose = edit.world.get::<ToWorld>(entity)?.0;
+        // What is in line already keeps its numbers.
+        let by = rounding::rounded(by, unit);
+        let place = rounding::moved(pose.translation.into(), Vec3::AXES[axis.min(2)] * by, unit);
+        let translation = place.into();
+        Some((entity, Affine3A { translation, ..pose }))
+    });
+    let poses = poses.collect();
+    things::transform(edit, poses)
+}

@@ -1,0 +1,289 @@
+//! Copies what is selected: once, beside it, or as a series of copies or instances.
+
+use std::collections::{HashMap, HashSet};
+
+use bevy::math::{Affine3A, Quat};
+use bevy::prelude::*;
+
+use super::{arranging, grouping, placing, things};
+use crate::app::editor::camera::rounding;
+use crate::app::editor::command::Direction;
+use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::session::history::{Edit, History};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::{
+    AreaLight, DocumentOrder, InstanceOf, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind, ToWorld,
+};
+
+/// What a thing was copied from. It is no part of the scene.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct CopyOf(Entity);
+
+/// The share of the precision of the scene to which places in a series are rounded.
+const FINER: f64 = 1e-2;
+
+/// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside its original, as far as
+/// suits its size. If what is selected was copied just before, and perhaps moved since, the copies continue that series.
+pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
+    let selected = things::selected(edit)?;
+    let before = |entity: &Entity| before_in_series(edit.world, *entity);
+    let series: Option<Vec<Affine3A>> = selected.iter().map(before).collect();
+    let series = series.filter(|_| was_just_copied(edit.world.resource::<History>()));
+    let aside = beside(edit.world, &selected);
+    let unit = unit(edit.world);
+    let mut copier = Copier::new(edit);
+    copier.find_folders(edit, &selected);
+    let mut copies = Vec::new();
+    for (number, original) in selected.into_iter().enumerate() {
+        let pose = edit
+            .world
+            .get::<ToWorld>(original)
+            .map_or(Affine3A::IDENTITY, |pose| pose.0);
+        let pose = match series.as_ref().and_then(|series| series.get(number)) {
+            Some(before) => next_in_series(before, &pose, unit),
+            None => moved(&pose, aside),
+        };
+        copies.push(copier.copy(edit, original, pose)?);
+    }
+    edit.world.insert_resource(Selection::of(copies));
+    Ok(())
+}
+
+/// Makes a series of what is selected. All of it is selected then.
+pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
+    if !(2..=LONGEST_SERIES).contains(&series.count) {
+        return Err(format!("A series has from 2 to {LONGEST_SERIES} things.").into());
+    }
+    let mut selected = things::selected(edit)?;
+    selected.retain(|entity| edit.world.get::<ToWorld>(*entity).is_some());
+    if selected.is_empty() {
+        return Err("What is selected has no place.".into());
+    }
+    let copies = selected.len() as u64 * u64::from(series.count - 1);
+    if copies > u64::from(LONGEST_SERIES) {
+        return Err(format!("These would be {copies} copies; {LONGEST_SERIES} is the most.").into());
+    }
+    if series.instances && selected.iter().any(|entity| !is_instance(edit.world, *entity)) {
+        selected = vec![as_instance(edit, &selected)?];
+    }
+    let unit = unit(edit.world);
+    let mut copier = Copier::new(edit);
+    let mut all = selected.clone();
+    for number in 1..series.count {
+        copier.find_folders(edit, &selected);
+        for original in &selected {
+            let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(*original).copied() else {
+                continue;
+            };
+            let pose = along(series, number, &pose, unit);
+            all.push(copier.copy(edit, *original, pose)?);
+        }
+    }
+    edit.world.insert_resource(Selection::of(all));
+    Ok(())
+}
+
+/// The pose of the thing with this number in a series that begins with `pose`.
+fn along(series: &Series, number: u32, pose: &Affine3A, unit: f64) -> Affine3A {
+    match series.way {
+        Way::Along(step) => moved(pose, step.map(|part| rounding::multiple(part, number))),
+        Way::Around { axis, degrees, center } => {
+            // A whole ring does not end where it began.
+            let steps = if degrees.abs() < 360.0 {
+                series.count - 1
+            } else {
+                series.count
+            };
+            let angle = degrees * number as f32 / steps as f32;
+            let turn = Quat::from_axis_angle(Vec3::AXES[axis.min(2)], angle.to_radians());
+            let about =
+                Affine3A::from_translation(center) * Affine3A::from_quat(turn) * Affine3A::from_translation(-center);
+            with_rounded_place(about * *pose, unit)
+        }
+    }
+}
+
+fn unit(world: &World) -> f64 {
+    FINER * rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size)
+}
+
+fn moved(pose: &Affine3A, by: Vec3) -> Affine3A {
+    Affine3A {
+        translation: rounding::sum_of_places(pose.translation.into(), by).into(),
+        ..*pose
+    }
+}
+
+fn with_rounded_place(pose: Affine3A, unit: f64) -> Affine3A {
+    Affine3A {
+        translation: rounding::rounded_place(pose.translation.into(), unit).into(),
+        ..pose
+    }
+}
+
+/// The pose that follows two others as the second follows the first.
+fn next_in_series(before: &Affine3A, now: &Affine3A, unit: f64) -> Affine3A {
+    if before.matrix3 == now.matrix3 {
+        let by = rounding::sum_of_places(now.translation.into(), (-before.translation).into());
+        return moved(now, by);
+    }
+    let step = *now * before.inverse();
+    match step.is_finite() {
+        true => with_rounded_place(step * *now, unit),
+        false => *now,
+    }
+}
+
+/// The pose of what a thing was copied from.
+fn before_in_series(world: &World, entity: Entity) -> Option<Affine3A> {
+    let CopyOf(original) = *world.get::<CopyOf>(entity)?;
+    let pose = world.get::<ToWorld>(original)?;
+    ObjectState::is_in_scene(world, original).then_some(pose.0)
+}
+
+/// Whether the last step made copies, but for moves since.
+fn was_just_copied(history: &History) -> bool {
+    let (done, _) = history.labels();
+    let is_move = |label: &&&str| ["Move", "Rotate", "Scale"].iter().any(|verb| label.starts_with(verb));
+    let last = done.iter().rev().find(|label| !is_move(label));
+    last.is_some_and(|label| label.starts_with("Duplicate"))
+}
+
+/// The move to the right, as the picture shows it, to beside things of this size: the next multiple of the step.
+fn beside(world: &World, things: &[Entity]) -> Vec3 {
+    let step = placing::step(world, Direction::Right);
+    let direction = step.normalize_or_zero();
+    let extents = things
+        .iter()
+        .filter_map(|entity| arranging::extent(world, *entity, direction.abs()));
+    let all = extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end));
+    let size = all.map_or(0.0, |all| all.end - all.start);
+    let steps = (size / step.length().max(f32::MIN_POSITIVE) + 1e-3).floor() + 1.0;
+    let by = step * steps;
+    match by.is_finite() {
+        true => rounding::rounded_place(by, rounding::unit_below(1e-3 * step.length())),
+        false => step,
+    }
+}
+
+fn is_instance(world: &World, entity: Entity) -> bool {
+    world
+        .get::<Shape>(entity)
+        .is_some_and(|shape| shape.kind == ShapeKind::Instance)
+}
+
+/// Puts shapes into a group of their own and an instance of it in their place. The group's origin is that of the active one.
+fn as_instance(edit: &mut Edit, shapes: &[Entity]) -> Result<Entity, CommandError> {
+    let can_be = |entity: &Entity| {
+        edit.world.get::<Shape>(*entity).is_some()
+            && edit.world.get::<AreaLight>(*entity).is_none()
+            && edit.world.get::<MemberOf>(*entity).is_none()
+            && !is_instance(edit.world, *entity)
+    };
+    if !shapes.iter().all(can_be) {
+        return Err("Only shapes that do not shine can become instances.".into());
+    }
+    let active = shapes.last().copied();
+    let origin = active.and_then(|active| edit.world.get::<ToWorld>(active));
+    let origin = origin.map_or(Vec3::ZERO, |pose| Vec3::from(pose.0.translation));
+    let name = active.and_then(|active| edit.world.get::<Name>(active));
+    let name = name.map_or_else(|| "shape".to_owned(), |name| name.as_str().to_owned());
+    let mut taken = names(edit.world);
+    let mut free = |wanted: String| {
+        let free = free_name(&taken, &wanted);
+        taken.insert(free.clone());
+        (SceneId(free.clone()), Name::new(free))
+    };
+    let (group_name, instance_name) = (free(format!("{name}-group")), free(format!("{name}-instance")));
+    let order = next_order(edit.world);
+    let group = edit.spawn((ShapeGroup, group_name, DocumentOrder(order)));
+    for shape in shapes {
+        if let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(*shape).copied() {
+            edit.set(*shape, ToWorld(moved(&pose, -origin)));
+        }
+        edit.set(*shape, MemberOf(group));
+    }
+    let instance = Shape {
+        kind: ShapeKind::Instance,
+        ..Shape::default()
+    };
+    let pose = ToWorld(Affine3A::from_translation(origin));
+    let order = DocumentOrder(order.saturating_add(1));
+    Ok(edit.spawn((instance, InstanceOf(group), instance_name, order, pose)))
+}
+
+/// Makes copies with names and places in the file of their own.
+struct Copier {
+    taken: HashSet<String>,
+    /// The name that the last copy of a name got, from which the next one is found quickly.
+    latest: HashMap<String, String>,
+    /// The folders of groups that are copied, each with that of its copy.
+    folders: Vec<(String, String)>,
+    order: u32,
+}
+
+impl Copier {
+    fn new(edit: &mut Edit) -> Self {
+        Self {
+            taken: names(edit.world),
+            latest: HashMap::new(),
+            folders: Vec::new(),
+            order: next_order(edit.world),
+        }
+    }
+
+    /// Finds folders for copies of the groups among these things.
+    fn find_folders(&mut self, edit: &mut Edit, originals: &[Entity]) {
+        let frames = originals
+            .iter()
+            .filter(|entity| grouping::is_frame(edit.world, **entity));
+        let mut copied: Vec<String> = frames.map(|frame| grouping::path(edit.world, *frame)).collect();
+        if copied.is_empty() {
+            return;
+        }
+        // Groups come before those inside them, which stay within their copies.
+        copied.sort();
+        let mut taken = grouping::folders(edit.world);
+        let folders = copied.into_iter().map(|folder| {
+            let free = free_name(&taken, &folder);
+            taken.insert(free.clone());
+            (folder, free)
+        });
+        self.folders = folders.collect();
+    }
+
+    fn copy(&mut self, edit: &mut Edit, original: Entity, pose: Affine3A) -> Result<Entity, CommandError> {
+        let mut state = ObjectState::of(edit.world, original);
+        if state.placements.is_some() {
+            return Err("So many instances cannot be doubled.".into());
+        }
+        let name = state.name.as_ref().map_or("copy", |name| name.as_str());
+        let in_copy = self.folders.iter().find_map(|(folder, copy)| {
+            let rest = name
+                .strip_prefix(folder.as_str())
+                .filter(|rest| rest.starts_with('/'))?;
+            Some(format!("{copy}{rest}"))
+        });
+        let name = in_copy.as_deref().unwrap_or(name);
+        let latest = self.latest.get(name).map_or(name, String::as_str);
+        let free = free_name(&self.taken, latest);
+        self.taken.insert(free.clone());
+        self.latest.insert(name.to_owned(), free.clone());
+        let name = free;
+        state.id = Some(SceneId(name.clone()));
+        state.name = Some(Name::new(name));
+        state.order = Some(DocumentOrder(self.order));
+        state.declared_in = None;
+        if let Some(to_world) = &mut state.to_world {
+            *to_world = ToWorld(pose);
+        }
+        self.order = self.order.saturating_add(1);
+        let copy = edit.spawn(());
+        state.write(edit.world, copy);
+        edit.world.entity_mut(copy).insert(CopyOf(original));
+        Ok(copy)
+    }
+}

@@ -1,0 +1,90 @@
+//! Scales things so that they are seen well, and offers that for meshes that come from files: their size may have nothing to do with the scene.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::{spot, things};
+use crate::app::editor::camera::{picking, rounding};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::PackedScene;
+use crate::math::Aabb;
+use crate::scene::{ObjectState, Shape, ShapeKind, ToWorld};
+
+/// The longest side of what is fitted, as a share of the height of what is seen where it stands.
+const SHARE: f32 = 1.0 / 3.0;
+/// The digits of the factor.
+const DIGITS: i32 = 2;
+
+/// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is seen in its middle.
+pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandError> {
+    let packed = edit.world.resource::<PackedScene>();
+    let bounds = picking::bounds_of_each(packed, entities).into_iter().flatten();
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    if bounds.is_empty() {
+        return Err("It is not in the picture yet.".into());
+    }
+    let (seen, height) = spot::seen(edit.world, entities).ok_or("There is no picture.")?;
+    let ViewSettings { navigation, .. } = edit.world.resource::<ViewSettings>();
+    let (up, scene_size) = (navigation.up, navigation.scene_size);
+    let longest = bounds.extent().max_element();
+    let factor = rounding::with_digits(SHARE * height / longest.max(f32::MIN_POSITIVE), DIGITS);
+    let foot = bounds.center() - up * (0.5 * bounds.extent().dot(up.abs()));
+    let goal = spot::rounded_place(seen, factor * longest);
+    let unit = rounding::unit_below(1e-3 * factor * longest).min(rounding::unit_of_scene(scene_size));
+    let poses = entities.iter().filter_map(|entity| {
+        let pose = edit.world.get::<ToWorld>(*entity)?.0;
+        let place = goal + factor * (Vec3::from(pose.translation) - foot);
+        Some((
+            *entity,
+            Affine3A {
+                matrix3: pose.matrix3 * factor,
+                translation: rounding::rounded_place(place, unit).into(),
+            },
+        ))
+    });
+    let poses = poses.collect();
+    things::transform(edit, poses)
+}
+
+/// What an import has made is selected: the size of a mesh is told when it has been read.
+pub fn note_import(world: &mut World) {
+    let made = world.resource::<Selection>().entities().to_vec();
+    let is_mesh = |entity: &Entity| {
+        let shape = world.get::<Shape>(*entity);
+        shape.is_some_and(|shape| matches!(shape.kind, ShapeKind::Mesh(_)))
+    };
+    if let [only] = made[..]
+        && is_mesh(&only)
+    {
+        world.resource_mut::<Requests>().imported.push(only);
+    }
+}
+
+/// Tells how large imported meshes are, as soon as they are in the picture.
+pub(crate) fn tell_sizes(world: &mut World) {
+    if world.resource::<Requests>().imported.is_empty() {
+        return;
+    }
+    let imported = std::mem::take(&mut world.resource_mut::<Requests>().imported);
+    for entity in imported {
+        if !ObjectState::is_in_scene(world, entity) {
+            continue;
+        }
+        match picking::bounds_of(world.resource::<PackedScene>(), entity) {
+            None => world.resource_mut::<Requests>().imported.push(entity),
+            Some(bounds) => {
+                let name = world.get::<Name>(entity).map_or_else(String::new, Name::to_string);
+                let [x, y, z] = bounds.extent().to_array().map(|side| rounding::with_digits(side, 3));
+                let text = format!("{name} measures {x} × {y} × {z} units.");
+                let fit = Command::FitToView(vec![entity]);
+                world.resource_mut::<Toasts>().offer(text, "Fit to view", fit);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Groups: folders of things, in folders if need be, with a transform of their own. A folder is the part of names before a slash. Its transform is
+//! that of a thing without a surface that is called as the folder, with a slash behind it; moving that moves everything in the folder.
+
+use std::collections::HashSet;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::arranging;
+use super::things::{call, is_no_name, selected};
+use crate::app::editor::camera::rounding;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::{DocumentOrder, Locked, MemberOf, Placements, SceneId, Shape, ShapeKind, ToWorld};
+
+/// The share of the precision of the scene to which members of a group that is moved are rounded.
+const FINER: f64 = 1e-2;
+
+/// Puts what is selected into a new group, inside the group that all of it is in. The group is the active thing then.
+pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
+    let members = selected(edit)?;
+    let outer = common_folder(edit.world, &members);
+    let wanted = joined(outer.as_deref(), "group");
+    let folder = free_name(&folders(edit.world), &wanted);
+    let middle = middle(edit.world, &members);
+    put_into(edit, members.clone(), Some(&folder))?;
+    let Some(middle) = middle else {
+        return Ok(());
+    };
+    let shape = Shape {
+        kind: ShapeKind::Frame,
+        ..Shape::default()
+    };
+    let name = format!("{folder}/");
+    let order = DocumentOrder(next_order(edit.world));
+    let pose = ToWorld(Affine3A::from_translation(middle));
+    let frame = edit.spawn((shape, order, SceneId(name.clone()), Name::new(name), pose));
+    let all = members.into_iter().chain([frame]);
+    edit.world.insert_resource(Selection::of(all));
+    Ok(())
+}
+
+/// Takes what is in the selected groups out of them, into the group around. The groups are gone then.
+pub fn ungroup(edit: &mut Edit) -> Result<(), CommandError> {
+    let frames: Vec<Entity> = selected(edit)?
+        .into_iter()
+        .filter(|entity| is_frame(edit.world, *entity))
+        .collect();
+    // A group inside another one goes with it.
+    let paths: Vec<String> = frames.iter().map(|frame| path(edit.world, *frame)).collect();
+    let is_inner = |path: &String| paths.iter().any(|outer| path.starts_with(&format!("{outer}/")));
+    let outermost: Vec<(Entity, String)> = frames
+        .into_iter()
+        .zip(paths.iter().cloned())
+        .filter(|(_, path)| !is_inner(path))
+        .collect();
+    if outermost.is_empty() {
+        return Err("No group is selected.".into());
+    }
+    let mut freed = Vec::new();
+    for (frame, folder) in outermost {
+        let outer = folder.rsplit_once('/').map(|(outer, _)| outer.to_owned());
+        let inside = named_within(edit.world, &folder);
+        let direct = inside.into_iter().filter(|entity| *entity != frame);
+        let direct: Vec<Entity> = direct.collect();
+        edit.delete(frame);
+        put_into_from(edit, &direct, &folder, outer.as_deref());
+        freed.extend(direct);
+    }
+    edit.world.insert_resource(Selection::of(freed));
+    Ok(())
+}
+
+/// Puts things into a folder; groups keep what is in them.
+pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), CommandError> {
+    if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
+        return Err("The folder's name has a character that names cannot have.".into());
+    }
+    let frames: Vec<String> = things
+        .iter()
+        .filter(|thing| is_frame(edit.world, **thing))
+        .map(|frame| path(edit.world, *frame))
+        .collect();
+    let carried: HashSet<Entity> = frames
+        .iter()
+        .flat_map(|frame| named_within(edit.world, frame))
+        .collect();
+    for frame in &frames {
+        // A group in another one that is put there as well goes with that.
+        if frames.iter().any(|outer| frame.starts_with(&format!("{outer}/"))) {
+            continue;
+        }
+        let leaf = frame.rsplit('/').next().unwrap_or_default();
+        if folder.is_some_and(|folder| folder == frame || folder.starts_with(&format!("{frame}/"))) {
+            return Err("A group cannot be put into itself.".into());
+        }
+        rename_folder(edit, frame, &joined(folder, leaf));
+    }
+    let mut taken = names(edit.world);
+    for thing in things {
+        let name = name_of(edit.world, thing);
+        if carried.contains(&thing) {
+            continue;
+        }
+        let leaf = name.rsplit('/').next().unwrap_or_default();
+        let wanted = joined(folder, leaf);
+        if wanted != name {
+            let free = free_name(&taken, &wanted);
+            call(edit, thing, &free);
+            taken.remove(&name);
+            taken.insert(free);
+        }
+    }
+    Ok(())
+}
+
+/// Moves things from one folder to another, with what names say of folders below.
+fn put_into_from(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
+    let mut taken = names(edit.world);
+    for thing in things {
+        let name = name_of(edit.world, *thing);
+        let Some(rest) = name.strip_prefix(from).and_then(|rest| rest.strip_prefix('/')) else {
+            continue;
+        };
+        let free = free_name(&taken, &joined(to, rest));
+        call(edit, *thing, &free);
+        taken.remove(&name);
+        taken.insert(free);
+    }
+}
+
+/// Calls a folder otherwise, and with it everything in it. If there is such a folder already, it gets a number.
+pub fn rename_folder(edit: &mut Edit, from: &str, to: &str) {
+    if from == to {
+        return;
+    }
+    let to = free_name(&folders(edit.world), to);
+    for thing in named_within(edit.world, from) {
+        let name = name_of(edit.world, thing);
+        if let Some(rest) = name.strip_prefix(from) {
+            call(edit, thing, &format!("{to}{rest}"));
+        }
+    }
+}
+
+/// The poses with those of members of groups that are moved without them.
+pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<(Entity, Affine3A)> {
+    let frames = poses.iter().filter(|(entity, _)| is_frame(edit.world, *entity));
+    let frames: Vec<(Entity, Affine3A)> = frames.copied().collect();
+    let extent = edit.world.resource::<ViewSettings>().navigation.scene_size;
+    let unit = FINER * rounding::unit_of_scene(extent);
+    for (frame, now) in frames {
+        let Some(ToWorld(before)) = edit.world.get::<ToWorld>(frame).copied() else {
+            continue;
+        };
+        let change = now * before.inverse();
+        let known: HashSet<Entity> = poses.iter().map(|(entity, _)| *entity).collect();
+        let is_move = now.matrix3 == before.matrix3;
+        for member in members(edit.world, frame) {
+            let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(member).copied() else {
+                continue;
+            };
+            if known.contains(&member) || !change.is_finite() {
+                continue;
+            }
+            let moved = match is_move {
+                true => Affine3A {
+                    translation: pose.translation + (now.translation - before.translation),
+                    ..pose
+                },
+                false => change * pose,
+            };
+            let translation = rounding::rounded_place(moved.translation.into(), unit).into();
+            poses.push((member, Affine3A { translation, ..moved }));
+        }
+    }
+    poses
+}
+
+/// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group itself is the active one then.
+pub fn select_group(world: &mut World) -> Result<(), CommandError> {
+    let selection = world.resource::<Selection>().clone();
+    let active = selection.active().ok_or("Nothing is selected.")?;
+    let name = name_of(world, active);
+    let mut folders: Vec<&str> = name.match_indices('/').map(|(end, _)| &name[..end]).collect();
+    while let Some(folder) = folders.pop() {
+        let mut inside = named_within(world, folder);
+        inside.retain(|thing| world.get::<ToWorld>(*thing).is_some());
+        if inside.iter().any(|thing| !selection.contains(*thing)) {
+            let own = format!("{folder}/");
+            inside.sort_by_key(|thing| name_of(world, *thing) == own);
+            world.resource_mut::<Selection>().extend(inside, Extend::Replace);
+            return Ok(());
+        }
+    }
+    Err("It is in no further group.".into())
+}
+
+/// Whether it is the transform of a folder.
+pub fn is_frame(world: &World, entity: Entity) -> bool {
+    world.get::<Shape>(entity).is_some_and(Shape::is_frame)
+}
+
+/// The folder that a frame is the transform of.
+pub fn path(world: &World, frame: Entity) -> String {
+    name_of(world, frame).trim_end_matches('/').to_owned()
+}
+
+/// What moves with a group: all that is in its folder and has a place that may change.
+pub fn members(world: &mut World, frame: Entity) -> Vec<Entity> {
+    let mut inside = named_within(world, &path(world, frame));
+    let moves = |entity: &Entity| {
+        *entity != frame
+            && world.get::<ToWorld>(*entity).is_some()
+            && world.get::<Locked>(*entity).is_none()
+            && world.get::<Placements>(*entity).is_none()
+            && world.get::<MemberOf>(*entity).is_none()
+    };
+    inside.retain(moves);
+    inside
+}
+
+/// The things in a folder and in folders inside it, in the order of the file.
+fn named_within(world: &mut World, folder: &str) -> Vec<Entity> {
+    let start = format!("{folder}/");
+    let mut things = world.query::<(&DocumentOrder, Entity, &Name)>();
+    let found = things.iter(world).filter(|(.., name)| name.starts_with(&start));
+    let mut found: Vec<(DocumentOrder, Entity)> = found.map(|(order, entity, _)| (*order, entity)).collect();
+    found.sort();
+    found.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// The paths of all folders that names have.
+pub fn folders(world: &mut World) -> HashSet<String> {
+    let names = names(world);
+    let paths = |name: &String| {
+        name.match_indices('/')
+            .map(|(end, _)| name[..end].to_owned())
+            .collect::<Vec<_>>()
+    };
+    names.iter().flat_map(paths).collect()
+}
+
+/// The innermost folder that all of these are in.
+fn common_folder(world: &World, things: &[Entity]) -> Option<String> {
+    let folder = |thing: &Entity| -> Vec<String> {
+        let name = name_of(world, *thing);
+        let whole = name.trim_end_matches('/');
+        let folder = whole.rsplit_once('/').map_or("", |(folder, _)| folder);
+        folder
+            .split('/')
+            .filter(|part| !part.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let common = things.iter().map(folder).reduce(|common, other| {
+        let same = common.iter().zip(&other).take_while(|(one, two)| one == two);
+        same.map(|(part, _)| part.clone()).collect()
+    });
+    common.filter(|parts| !parts.is_empty()).map(|parts| parts.join("/"))
+}
+
+/// The middle of the bounds of things; None if none has a place.
+fn middle(world: &World, things: &[Entity]) -> Option<Vec3> {
+    let mut middle = Vec3::ZERO;
+    for axis in 0..3 {
+        let extents = things
+            .iter()
+            .filter_map(|thing| arranging::extent(world, *thing, Vec3::AXES[axis]));
+        let all = extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end))?;
+        middle[axis] = 0.5 * (all.start + all.end);
+    }
+    let unit = rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size);
+    Some(rounding::rounded_place(middle, unit))
+}
+
+fn joined(folder: Option<&str>, leaf: &str) -> String {
+    match folder {
+        Some(folder) => format!("{folder}/{leaf}"),
+        None => leaf.to_owned(),
+    }
+}
+
+fn name_of(world: &World, thing: Entity) -> String {
+    world
+        .get::<Name>(thing)
+        .map_or_else(String::new, |name| name.as_str().to_owned())
+}

@@ -1,0 +1,167 @@
+//! Tests of alignment, distribution and series of copies.
+
+use bevy::math::{Affine3A, Quat};
+
+use super::*;
+use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
+use crate::scene::{InstanceOf, MemberOf, ShapeGroup};
+
+/// Cubes of these half sizes at these places along x, all selected.
+fn cubes(world: &mut World, sizes_and_places: &[(f32, f32)]) -> Vec<Entity> {
+    let made = sizes_and_places.iter().map(|(half, place)| {
+        let addition = Addition {
+            at: Some(Vec3::X * *place),
+            size: Some(*half),
+            ..AdditionKind::Cube.into()
+        };
+        say(world, Command::Add(addition));
+        world.resource::<Selection>().active().expect("it was added")
+    });
+    let made: Vec<Entity> = made.collect();
+    say(world, Command::Select(made.clone(), Extend::Replace));
+    made
+}
+
+fn places(world: &World, things: &[Entity]) -> Vec<f32> {
+    let place = |thing: &Entity| world.get::<ToWorld>(*thing).expect("a pose").0.translation.x;
+    things.iter().map(place).collect()
+}
+
+fn selected(world: &World) -> Vec<Entity> {
+    world.resource::<Selection>().entities().to_vec()
+}
+
+#[test]
+fn sides_are_brought_in_line() {
+    for (side, to, expected) in [
+        (Side::Low, Reference::Bounds, [-0.9, -0.8, -0.5]),
+        (Side::High, Reference::Bounds, [5.4, 5.3, 5.0]),
+        (Side::Middle, Reference::Active, [5.0, 5.0, 5.0]),
+    ] {
+        let mut world = bare_world();
+        let things = cubes(&mut world, &[(0.1, 0.0), (0.2, -0.8), (0.5, 5.0)]);
+        say(&mut world, Command::Align(0, side, to));
+        assert_eq!(places(&world, &things), expected, "{side:?} {to:?}");
+        say(&mut world, Command::Undo);
+        assert_eq!(places(&world, &things), [0.0, -0.8, 5.0]);
+    }
+}
+
+#[test]
+fn gaps_or_distances_become_equal() {
+    for (by, expected) in [(Spacing::Gaps, [0.0, 2.25, 6.0]), (Spacing::Middles, [0.0, 3.0, 6.0])] {
+        let mut world = bare_world();
+        let things = cubes(&mut world, &[(0.5, 0.0), (0.5, 1.2), (2.0, 6.0)]);
+        say(&mut world, Command::Distribute(0, by));
+        assert_eq!(places(&world, &things), expected, "{by:?}");
+    }
+}
+
+#[test]
+fn a_copy_stands_beside_its_original_and_the_next_ones_go_on_like_it() {
+    let mut world = bare_world();
+    let first = cubes(&mut world, &[(0.5, 0.0)])[0];
+    say(&mut world, Command::Duplicate);
+    let second = selected(&world)[0];
+    let step = places(&world, &[second])[0].abs();
+    assert!(step > 1.0 && step < 1.5, "{step}");
+    // It is moved elsewhere and turned, and the next one follows it in the same way.
+    let turn = Quat::from_rotation_y(0.5);
+    let pose = Affine3A::from_scale_rotation_translation(Vec3::splat(0.5), turn, Vec3::new(2.0, 0.5, 0.0));
+    say(&mut world, Command::Transform(vec![(second, pose)]));
+    say(&mut world, Command::Duplicate);
+    let third = selected(&world)[0];
+    let poses = [first, second, third].map(|thing| world.get::<ToWorld>(thing).expect("a pose").0);
+    let steps = [poses[1] * poses[0].inverse(), poses[2] * poses[1].inverse()];
+    assert!(steps[0].abs_diff_eq(steps[1], 1e-3), "{steps:?}");
+    // After something else a copy is beside its original again.
+    say(&mut world, Command::Rename(third, "last".into()));
+    say(&mut world, Command::Duplicate);
+    let fourth = world.get::<ToWorld>(selected(&world)[0]).expect("a pose").0;
+    assert!(fourth.translation.distance(poses[2].translation) < 2.0);
+}
+
+#[test]
+fn rows_and_rings_are_made() {
+    let mut world = bare_world();
+    cubes(&mut world, &[(0.5, 0.1)]);
+    let series = |way, instances| {
+        Command::MakeSeries(Series {
+            count: 4,
+            way,
+            instances,
+        })
+    };
+    say(&mut world, series(Way::Along(Vec3::X * 0.1), false));
+    let row = places(&world, &selected(&world));
+    assert_eq!(
+        row.iter().map(f32::to_string).collect::<Vec<_>>(),
+        ["0.1", "0.2", "0.3", "0.4"]
+    );
+    let mut world = bare_world();
+    cubes(&mut world, &[(0.5, 2.0)]);
+    let ring = Way::Around {
+        axis: 1,
+        degrees: 360.0,
+        center: Vec3::ZERO,
+    };
+    say(&mut world, series(ring, false));
+    assert_eq!(places(&world, &selected(&world)), [2.0, 0.0, -2.0, 0.0]);
+    assert!(
+        apply(
+            &mut world,
+            Command::MakeSeries(Series {
+                count: 1,
+                way: ring,
+                instances: false
+            })
+        )
+        .is_err()
+    );
+}
+
+#[test]
+fn instances_share_a_group_and_all_of_it_is_undone() {
+    let mut world = bare_world();
+    let things = cubes(&mut world, &[(0.5, 0.0), (0.5, 3.0)]);
+    let series = Series {
+        count: 3,
+        way: Way::Along(Vec3::Z),
+        instances: true,
+    };
+    say(&mut world, Command::MakeSeries(series));
+    let instances = selected(&world);
+    assert_eq!(instances.len(), 3);
+    let group = world.get::<InstanceOf>(instances[2]).expect("an instance").0;
+    assert!(world.get::<ShapeGroup>(group).is_some());
+    for thing in &things {
+        assert_eq!(world.get::<MemberOf>(*thing).map(|member| member.0), Some(group));
+        let light = Command::SetAreaLight(*thing, Some(AreaLight::default()));
+        assert!(apply(&mut world, light).is_err());
+    }
+    // The members are where they were, as seen through the first instance.
+    let first = world.get::<ToWorld>(instances[0]).expect("a pose").0;
+    let member = world.get::<ToWorld>(things[0]).expect("a pose").0;
+    assert!(
+        (first * member)
+            .translation
+            .abs_diff_eq(Vec3::new(0.0, 0.5, 0.0).into(), 1e-5)
+    );
+    let text = crate::document::to_xml(&crate::scene::write::to_document(
+        &crate::scene::write::gather::describe(&mut world),
+        Path::new("/series.xml"),
+    ));
+    let text = text.expect("it can be written");
+    assert!(
+        text.contains("shapegroup") && text.matches("type=\"instance\"").count() == 3,
+        "{text}"
+    );
+    say(&mut world, Command::Undo);
+    assert!(world.get::<MemberOf>(things[0]).is_none());
+    assert_eq!(places(&world, &things), [0.0, 3.0]);
+    // A light cannot be an instance, and nothing is left of the attempt.
+    say(&mut world, Command::SetAreaLight(things[0], Some(AreaLight::default())));
+    let before = world.resource::<History>().len();
+    assert!(apply(&mut world, Command::MakeSeries(series)).is_err());
+    assert_eq!(world.resource::<History>().len(), before);
+}
