@@ -67,6 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             strategy: Strategy::Mis,
         }),
         shown: Shown::Radiance,
+        sight: Default::default(),
         light_groups: Default::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,

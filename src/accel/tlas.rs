@@ -97,6 +97,23 @@ impl Tlas {
         tlas
     }
 
+    /// Some of the shapes and placements alone, by [`Hit::instance`] in rising order. In the new hierarchy they count from 0 on. Numbers that there
+    /// are not are left out.
+    pub fn part(&self, items: &[u32], method: SplitMethod) -> Self {
+        let items = items.iter().map(|item| *item as usize);
+        let instances: Vec<Instance> = (items.clone())
+            .filter_map(|item| self.instances.get(item).cloned())
+            .collect();
+        let placements: Vec<Placement> = items
+            .filter_map(|item| self.placements.get(item.checked_sub(self.instances.len())?).copied())
+            .collect();
+        let groups = match placements.is_empty() {
+            true => Vec::new(),
+            false => self.groups.clone(),
+        };
+        Self::with_placements(instances, groups, placements, method)
+    }
+
     /// The shapes that stand in the world by themselves, by [`Hit::instance`].
     pub fn instances(&self) -> &[Instance] {
         &self.instances

@@ -7,6 +7,8 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
+use crate::render::sight::CutPlane;
+
 /// The settings of how, how much and how fast to render. Write a field only when its value differs, because every change is handled once per frame.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct RenderControl {
@@ -39,6 +41,8 @@ pub struct RenderControl {
     pub full_until_change: bool,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
+    /// What camera rays pass through; by default nothing.
+    pub sight: SightControl,
     /// Whether the picture compares ways of finding light: the left third has bsdf sampling alone, the middle light sampling alone, the right both.
     pub strategy_split: bool,
     /// Whether the film keeps the light of each group of lights in a layer, for mixing.
@@ -67,6 +71,7 @@ impl Default for RenderControl {
             view_size: None,
             full_until_change: false,
             view_mode: ViewMode::Path,
+            sight: SightControl::default(),
             strategy_split: false,
             light_layers: false,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
@@ -84,6 +89,21 @@ pub enum ViewMode {
     Path,
     /// The number of nodes of the acceleration structure that the camera ray visits.
     BvhSteps,
+    /// The first surface in its own colour, lit from the camera.
+    Headlight,
+    /// The first surface in grey, lit from the camera.
+    Clay,
+}
+
+/// What camera rays pass through, as [`Sight`](crate::render::sight::Sight), with shapes by their entities.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SightControl {
+    /// Whether surfaces are passed that are met from behind.
+    pub passes_backs: bool,
+    /// A plane before which everything is passed.
+    pub cut: Option<CutPlane>,
+    /// The shapes that are seen alone. If it is empty, all are seen.
+    pub only: Vec<Entity>,
 }
 
 /// The time at which the user's input of this frame arrived, from which the latency log counts. The engine takes it every frame; without it the

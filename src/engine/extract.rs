@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use super::authored::{Authored, name_of};
 use super::blas_cache::{BlasCache, BuildError, BuildPolicy, MeshKey};
 use super::clipping::clipping_warning;
-use super::control::{RenderControl, WakeUp};
+use super::control::{RenderControl, SightControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::detect::Dirty;
 use super::light_groups::{LightGroup, group_lights};
@@ -28,12 +28,14 @@ use super::pack::view::pack_view;
 use super::packed_scene::PackedScene;
 use super::renderer::Renderer;
 use super::resolution::{self, is_same_at_other_size};
+use super::sight::SeenAlone;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
+use crate::render::sight::Sight;
 use crate::render::view::View;
 use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, Sensor, ShapeKind};
 use crate::shading::DielectricModel;
@@ -71,6 +73,7 @@ pub(super) struct Extracted {
     errors: Errors,
     /// The name of the sensor that the view is from.
     sensor_name: String,
+    seen_alone: SeenAlone,
 }
 
 /// Errors by the step that found them, so that a step that is not repeated keeps its errors.
@@ -117,6 +120,7 @@ impl Default for Extracted {
             environments: Environments::default(),
             errors: Errors::default(),
             sensor_name: String::new(),
+            seen_alone: SeenAlone::default(),
         }
     }
 }
@@ -181,6 +185,7 @@ pub(super) fn extract_scene(
         extracted.update_view(&authored, &control);
     }
     extracted.update_layers(control.light_layers);
+    extracted.update_sight(&control.sight);
     let same_scene = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
         && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
@@ -190,6 +195,7 @@ pub(super) fn extract_scene(
         control.full_until_change = false;
         extracted.update_view(&authored, &control);
         extracted.update_layers(control.light_layers);
+        extracted.update_sight(&control.sight);
     }
     extracted.update_clipping();
     if !same_scene || old_view != extracted.view {
@@ -415,6 +421,17 @@ impl Extracted {
         match (&self.view, old) {
             (Some(view), Some(old)) => is_same_at_other_size(old, view),
             (view, old) => view.is_none() && old.is_none(),
+        }
+    }
+
+    fn update_sight(&mut self, control: &SightControl) {
+        let only = (self.seen_alone).update(&control.only, &self.scene.geometry, &self.entity_of_instance);
+        if let Some(view) = &mut self.view {
+            view.sight = Sight {
+                passes_backs: control.passes_backs,
+                cut: control.cut,
+                only,
+            };
         }
     }
 

@@ -24,6 +24,7 @@ mod report;
 mod resolution;
 mod run;
 mod schedule;
+mod sight;
 pub mod status;
 mod stop_condition;
 
@@ -31,7 +32,7 @@ use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 
 pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion};
-pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
+pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;

@@ -105,6 +105,15 @@ impl Camera {
         }
     }
 
+    /// The same camera with everything in focus: all rays go through the middle of the lens.
+    pub fn sharp(self) -> Self {
+        let projection = match self.projection {
+            Projection::Perspective { .. } => Projection::Perspective { lens: None },
+            Projection::Orthographic => Projection::Orthographic,
+        };
+        Self { projection, ..self }
+    }
+
     /// The ray through `film`, (0, 0) at the top left and (1, 1) at the bottom right of the picture; `u_lens` in [0, 1)^2.
     ///
     /// Its direction has unit length. Its origin is the pinhole, or lies on the lens or in the plane of an orthographic camera; it runs from

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec3};
 
+use super::headlight;
 use super::lanes::{self, Job};
 use super::light_layers::LayerSums;
 use super::observer::PathObserver;
@@ -311,11 +312,13 @@ pub(super) fn render_sample(
     observer: &mut impl PathObserver,
 ) -> (PathSample, f32) {
     let camera = view.camera_sample(pixel, index);
+    let ray = view.sight.narrow(&scene.geometry, camera.ray);
     let sample = match view.path_settings(pixel) {
-        Some(settings) => trace_path(scene, &settings, camera.ray, camera.sampler, observer),
+        Some(settings) => trace_path(scene, &settings, ray, camera.sampler, observer),
+        None if view.shown != Shown::BvhSteps => headlight::sample(scene, &ray, view.shown == Shown::Clay),
         None => {
             let mut stats = TraversalStats::default();
-            let hit = scene.geometry.intersect_counting(&camera.ray, &mut stats);
+            let hit = scene.geometry.intersect_counting(&ray, &mut stats);
             PathSample {
                 radiance: Rgb::splat(stats.total() as f32),
                 first_hit: hit,

@@ -6,6 +6,7 @@ use super::camera::Camera;
 use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
 use super::light_layers::LightGroups;
+use super::sight::Sight;
 use crate::math::Ray;
 use crate::sampling::{Sampler, SequenceKind};
 
@@ -24,6 +25,8 @@ pub struct View {
     pub integrator: Integrator,
     /// The meaning of a pixel's value.
     pub shown: Shown,
+    /// What camera rays pass through; by default nothing.
+    pub sight: Sight,
     /// The layers that the film keeps beside the picture; none by default.
     pub light_groups: LightGroups,
     /// The kind of random numbers.
@@ -49,6 +52,10 @@ pub enum Shown {
     StrategyThirds,
     /// The work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
+    /// The first surface in its own colour, lit from the camera alone.
+    Headlight,
+    /// The first surface in one grey for all, lit from the camera alone.
+    Clay,
 }
 
 /// The most segments of a path, and with it the most surfaces that a shadow ray passes, where the scene sets no limit.
@@ -128,11 +135,11 @@ impl View {
                 },
                 ..settings
             }),
-            Shown::BvhSteps => None,
+            Shown::BvhSteps | Shown::Headlight | Shown::Clay => None,
         }
     }
 
-    /// The camera ray of sample number `sample_index` of a pixel. The same arguments always give the same ray.
+    /// The camera ray of sample number `sample_index` of a pixel, before [`Self::sight`] narrows it. The same arguments always give the same ray.
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
         let place = self.filter.sample(sampler.at_2d(FILTER));

@@ -57,6 +57,8 @@ mod sampling;
 mod sensors;
 mod serialized_meshes;
 mod shared_meshes;
+mod sight;
+mod silhouette;
 mod small_scenes;
 mod square_density;
 mod textured_surface_light;

@@ -172,6 +172,7 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
             strategy,
         }),
         shown: Shown::Radiance,
+        sight: Default::default(),
         light_groups: LightGroups::default(),
         sequence: SequenceKind::Independent,
         seed: 1,

@@ -8,6 +8,7 @@ use super::Checker;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
+use crate::render::sight::Sight;
 use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
@@ -89,9 +90,13 @@ pub(in crate::engine) fn pack_view(
         integrator: Integrator::Path(path_settings),
         shown: match control.view_mode {
             ViewMode::BvhSteps => Shown::BvhSteps,
+            ViewMode::Headlight => Shown::Headlight,
+            ViewMode::Clay => Shown::Clay,
             ViewMode::Path if control.strategy_split => Shown::StrategyThirds,
             ViewMode::Path => Shown::Radiance,
         },
+        // It depends on the geometry as well.
+        sight: Sight::default(),
         light_groups: LightGroups::default(),
         sequence: match sampler.sequence {
             Sequence::Sobol => SequenceKind::Sobol,

@@ -56,9 +56,10 @@ impl<'a> PathBatch<'a> {
 
     /// Begins new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns
     /// their number.
-    pub fn begin(&mut self, view: &View, jobs: &[Job], number: usize) -> usize {
+    pub fn begin(&mut self, context: &Context, jobs: &[Job], number: usize) -> usize {
         let count = jobs.len().min(LANES);
-        let camera = CameraRays::new(view, &jobs[..count]);
+        let mut camera = CameraRays::new(context.view, &jobs[..count]);
+        (context.view.sight).narrow_lanes(&context.scene.geometry, &mut camera.rays, (1 << count) - 1);
         let first = PathState::new(camera.rays.get(0), Sampler::gather_lane(&camera.samplers, 0));
         self.paths = PathLanes {
             ray: camera.rays,

@@ -90,7 +90,7 @@ impl<'a> Paths<'a> {
                 if jobs.is_empty() {
                     return;
                 }
-                self.begun += self.first.begin(context.view, jobs, self.begun);
+                self.begun += self.first.begin(context, jobs, self.begun);
                 self.first.trace(Coherence::Coherent, context, samples);
                 self.first.step(Coherence::Coherent, context, samples);
                 self.first.trace(Coherence::Incoherent, context, samples);

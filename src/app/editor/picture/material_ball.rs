@@ -213,6 +213,7 @@ pub fn view(edge: u32) -> View {
             strategy: Strategy::Mis,
         }),
         shown: Shown::Radiance,
+        sight: Default::default(),
         light_groups: LightGroups::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,

@@ -1,0 +1,47 @@
+//! The shapes that the camera sees alone, as tables of the kernel.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use bevy::prelude::Entity;
+
+use crate::accel::{SplitMethod, Tlas};
+use crate::render::sight::Isolated;
+
+/// The shapes as they were last taken out of the scene.
+#[derive(Default)]
+pub(super) struct SeenAlone {
+    of: Option<(Arc<Tlas>, Vec<Entity>)>,
+    shapes: Option<Isolated>,
+}
+
+impl SeenAlone {
+    /// The shapes of the entities `wanted`; None if there are none, and everything is seen. `entity_of_instance` tells whose the instances and placements of
+    /// `geometry` are.
+    pub fn update(
+        &mut self,
+        wanted: &[Entity],
+        geometry: &Arc<Tlas>,
+        entity_of_instance: &[Entity],
+    ) -> Option<Isolated> {
+        if wanted.is_empty() {
+            *self = Self::default();
+            return None;
+        }
+        let is_same = |(of, entities): &(Arc<Tlas>, Vec<Entity>)| Arc::ptr_eq(of, geometry) && entities == wanted;
+        if !self.of.as_ref().is_some_and(is_same) {
+            let entities: HashSet<Entity> = wanted.iter().copied().collect();
+            let items = (0..).zip(entity_of_instance);
+            let items: Vec<u32> = items
+                .filter_map(|(item, entity)| entities.contains(entity).then_some(item))
+                .collect();
+            // Of shapes that are hidden or not loaded yet there is nothing to see: everything is shown until they are there.
+            self.shapes = (!items.is_empty()).then(|| {
+                let part = geometry.part(&items, SplitMethod::default());
+                Isolated(Arc::new(part))
+            });
+            self.of = Some((geometry.clone(), wanted.to_vec()));
+        }
+        self.shapes.clone()
+    }
+}

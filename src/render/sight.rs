@@ -1,0 +1,193 @@
+//! What the camera sees of a scene: parts that its rays pass through, so that one can look into closed rooms.
+//!
+//! Only the first ray of a path passes them. Light is transported as ever: a wall that the camera does not see still keeps light out, reflects
+//! it and shows in mirrors.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::accel::{Detail, Hit, RayLanes, Tlas};
+use crate::math::Ray;
+use crate::math::lanes::each_lane;
+
+/// The parts of a scene that camera rays meet; by default all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sight {
+    /// Whether surfaces are passed that are met from behind: those whose geometric normal points away from the camera.
+    pub passes_backs: bool,
+    /// A plane before which everything is passed.
+    pub cut: Option<CutPlane>,
+    /// The shapes that are met; all others are passed. None: all shapes are met.
+    pub only: Option<Isolated>,
+}
+
+/// Camera rays pass everything on that side of the plane to which its normal points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutPlane {
+    /// Unit length, world space.
+    pub normal: Vec3,
+    /// The distance of the plane from the origin along its normal.
+    pub offset: f32,
+}
+
+/// Shapes apart from the rest of their scene, where they are in it.
+#[derive(Clone, Debug)]
+pub struct Isolated(pub Arc<Tlas>);
+
+impl PartialEq for Isolated {
+    /// Whether they are the same in memory.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// The most surfaces that a ray passes.
+const MOST_PASSED: usize = 256;
+/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates: well above rounding, and
+/// well below what is visible. Half of the length of a ray that meets one of the shapes alone.
+const BEHIND: f32 = 1e-5;
+
+impl Sight {
+    /// Whether camera rays meet everything.
+    #[inline(always)]
+    pub fn is_whole(&self) -> bool {
+        !self.passes_backs && self.cut.is_none() && self.only.is_none()
+    }
+
+    /// The part of a camera ray that begins behind everything that it passes. `scene` is all geometry.
+    #[inline(always)]
+    pub fn narrow(&self, scene: &Tlas, ray: Ray) -> Ray {
+        if self.is_whole() {
+            ray
+        } else {
+            self.narrow_one(scene, ray)
+        }
+    }
+
+    #[inline(never)]
+    fn narrow_one(&self, scene: &Tlas, mut ray: Ray) -> Ray {
+        if let Some(cut) = &self.cut {
+            ray = cut.clip(ray);
+        }
+        let geometry = self.only.as_ref().map_or(scene, |only| &only.0);
+        if !self.passes_backs && self.only.is_none() {
+            return ray;
+        }
+        for _ in 0..MOST_PASSED {
+            let Some(hit) = geometry.intersect(&ray) else { break };
+            if self.passes_backs && is_back(geometry, &ray, &hit) {
+                ray.t_min = hit.t + slack(&ray, hit.t);
+            } else {
+                return self.around(ray, &hit);
+            }
+        }
+        self.nothing_met(ray)
+    }
+
+    /// [`Self::narrow`] for the rays of the lanes in `active`.
+    #[inline(always)]
+    pub(super) fn narrow_lanes(&self, scene: &Tlas, rays: &mut RayLanes, active: u32) {
+        if !self.is_whole() {
+            self.narrow_each(scene, rays, active);
+        }
+    }
+
+    #[inline(never)]
+    fn narrow_each(&self, scene: &Tlas, rays: &mut RayLanes, active: u32) {
+        if let Some(cut) = &self.cut {
+            for lane in each_lane(active) {
+                rays.set(lane, &cut.clip(rays.get(lane)));
+            }
+        }
+        let geometry = self.only.as_ref().map_or(scene, |only| &only.0);
+        if !self.passes_backs && self.only.is_none() {
+            return;
+        }
+        let mut asked = active;
+        for _ in 0..MOST_PASSED {
+            if asked == 0 {
+                return;
+            }
+            let hits = geometry.intersect_packet(rays, asked);
+            for lane in each_lane(asked) {
+                let mut ray = rays.get(lane);
+                match &hits[lane] {
+                    Some(hit) if self.passes_backs && is_back(geometry, &ray, hit) => {
+                        ray.t_min = hit.t + slack(&ray, hit.t);
+                    }
+                    met => {
+                        asked &= !(1 << lane);
+                        ray = match met {
+                            Some(hit) => self.around(ray, hit),
+                            None => self.nothing_met(ray),
+                        };
+                    }
+                }
+                rays.set(lane, &ray);
+            }
+        }
+        for lane in each_lane(asked) {
+            rays.set(lane, &self.nothing_met(rays.get(lane)));
+        }
+    }
+
+    /// The ray that meets the scene at `hit`, where that is all that it may meet.
+    fn around(&self, ray: Ray, hit: &Hit) -> Ray {
+        if self.only.is_none() {
+            return ray;
+        }
+        let slack = slack(&ray, hit.t);
+        Ray {
+            t_min: ray.t_min.max(hit.t - slack),
+            t_max: ray.t_max.min(hit.t + slack),
+            ..ray
+        }
+    }
+
+    /// The ray if nothing that it may meet is left.
+    fn nothing_met(&self, ray: Ray) -> Ray {
+        match self.only {
+            Some(_) => nowhere(ray),
+            None => ray,
+        }
+    }
+}
+
+impl CutPlane {
+    /// The part of a ray that is behind the plane.
+    pub fn clip(&self, ray: Ray) -> Ray {
+        let height = self.normal.dot(ray.origin) - self.offset;
+        let slope = self.normal.dot(ray.dir);
+        let crossing = -height / slope;
+        match (height > 0.0, slope) {
+            (true, slope) if slope < 0.0 => Ray {
+                t_min: ray.t_min.max(crossing),
+                ..ray
+            },
+            (true, _) => nowhere(ray),
+            (false, slope) if slope > 0.0 => Ray {
+                t_max: ray.t_max.min(crossing),
+                ..ray
+            },
+            (false, _) => ray,
+        }
+    }
+}
+
+fn nowhere(ray: Ray) -> Ray {
+    Ray {
+        t_min: 0.0,
+        t_max: 0.0,
+        ..ray
+    }
+}
+
+fn slack(ray: &Ray, t: f32) -> f32 {
+    BEHIND * (t + ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE))
+}
+
+fn is_back(geometry: &Tlas, ray: &Ray, hit: &Hit) -> bool {
+    let surface = geometry.surface_in(ray, hit, Detail::Plain);
+    surface.geometric_normal.dot(ray.dir) > 0.0
+}
