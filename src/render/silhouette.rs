@@ -108,6 +108,15 @@ impl PixelGrid {
         }
     }
 
+    /// A grid of the same picture over both parts and what is between them.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            ..*self
+        }
+    }
+
     /// The number of columns and rows.
     pub fn cells(&self) -> UVec2 {
         let pixels = self.max - self.min;

@@ -95,6 +95,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<Widgets>()
             .init_resource::<ViewportState>()
             .init_resource::<ViewportScene>()
+            .init_resource::<picture::outline_pass::OutlinePass>()
             .insert_resource(Layout::remembered(&preferences))
             .insert_resource(preferences)
             .insert_resource(preferences_file)
@@ -203,6 +204,7 @@ impl Plugin for EditorPlugin {
                         picture::noise_trend::follow_noise,
                         model::gather::gather_status,
                         window::title::follow_title,
+                        viewport::outlining::collect_outline,
                         viewport::gather::gather_viewport,
                     )
                         .chain()
@@ -222,6 +224,7 @@ impl Plugin for EditorPlugin {
                         command::light_mix::note_film_lights,
                         picture::denoiser::collect_denoised,
                         picture::texture::update_picture,
+                        viewport::outlining::request_outline,
                         window::preview::update_previews,
                         picture::pacing::hold_back_frame,
                     )

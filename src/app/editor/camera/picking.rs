@@ -1,21 +1,59 @@
 //! Queries of the scene as it is being rendered: what is under the mouse, and how large things are.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
-use crate::accel::{Detail, Hit};
+use crate::accel::{Detail, Hit, RayLanes};
 use crate::engine::PackedScene;
+use crate::math::lanes::LANES;
 use crate::math::{Aabb, Ray, offset_origin};
 use crate::render::camera::Camera;
 
 /// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
 pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref()?);
-    let ray = view.camera.ray(film, Vec2::splat(0.5));
-    let hit = scene.geometry.intersect(&ray)?;
+    let ray = view.camera.sharp().ray(film, Vec2::ZERO);
+    let hit = scene.geometry.intersect(&view.sight.narrow(&scene.geometry, ray))?;
     packed.entity_of_instance.get(hit.instance as usize).copied()
+}
+
+/// The most rays along either side of a box.
+const MOST_ACROSS: f32 = 256.0;
+
+/// The shapes seen in a box of the picture, in the order of the scene. `corners` are film coordinates; `pixels` is its size on the screen, each of
+/// which is looked at unless there are very many.
+pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Vec<Entity> {
+    let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
+        return Vec::new();
+    };
+    let min = corners[0].min(corners[1]).clamp(Vec2::ZERO, Vec2::ONE);
+    let max = corners[0].max(corners[1]).clamp(Vec2::ZERO, Vec2::ONE);
+    if min.cmpge(max).any() {
+        return Vec::new();
+    }
+    let [columns, rows] = pixels.map(|count| count.ceil().clamp(1.0, MOST_ACROSS) as u32);
+    let camera = view.camera.sharp();
+    let count = Vec2::new(columns as f32, rows as f32);
+    let ray = |place: u32| {
+        let cell = Vec2::new((place % columns) as f32, (place / columns) as f32) + 0.5;
+        let ray = camera.ray(min + cell / count * (max - min), Vec2::ZERO);
+        view.sight.narrow(&scene.geometry, ray)
+    };
+    let mut instances = BTreeSet::new();
+    for first in (0..columns * rows).step_by(LANES) {
+        let rays: Vec<Ray> = (first..(columns * rows).min(first + LANES as u32)).map(ray).collect();
+        let hits = scene
+            .geometry
+            .intersect_packet(&RayLanes::of(&rays), (1 << rays.len()) - 1);
+        instances.extend(hits.iter().flatten().map(|hit| hit.instance));
+    }
+    let entities = instances
+        .iter()
+        .filter_map(|instance| packed.entity_of_instance.get(*instance as usize));
+    let mut known = HashSet::new();
+    entities.copied().filter(|entity| known.insert(*entity)).collect()
 }
 
 /// A place on a surface.
@@ -78,10 +116,17 @@ pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
     None
 }
 
+/// The first surface that the camera sees along a ray that comes from it: it passes what the camera does not see, and what `is_passed` names.
+pub fn seen_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
+    let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref());
+    let ray = view.map_or(*ray, |view| view.sight.narrow(&scene.geometry, *ray));
+    surface(packed, &ray, is_passed)
+}
+
 /// The first place on a surface in the middle of the picture.
 pub fn ahead(packed: &PackedScene) -> Option<SeenSurface> {
     let camera = &packed.view.as_ref()?.camera;
-    surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
+    seen_surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
 }
 
 /// The distance from the camera, not from where it begins to see.

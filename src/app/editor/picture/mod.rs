@@ -11,6 +11,7 @@ pub(crate) mod material_ball;
 pub(crate) mod motion;
 pub mod noise_trend;
 pub mod outline;
+pub mod outline_pass;
 pub mod overlay;
 pub(crate) mod pacing;
 pub mod painter;

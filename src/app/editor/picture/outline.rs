@@ -1,18 +1,17 @@
-//! Finds the thing that every pixel shows, and from that the outline of the selection: it is exact at once, however noisy the picture still is.
+//! The outline of what is selected or under the pointer, as an image that is laid over the picture. Saved images do not have it.
 //!
-//! Outlines are rows of rectangles over the picture, not part of it: saved images do not have them.
+//! `outline_pass` finds the edges; here they become lines of constant width with smooth borders. Where something hides a thing its line is dim.
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use bevy::math::Vec2;
+use bevy::math::{UVec2, Vec2};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{Color32, Mesh, Rect, pos2};
+use bevy_egui::egui::{
+    Color32, ColorImage, Id, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2 as Points, pos2,
+};
 
 use crate::app::editor::command::selection::Selection;
-use crate::engine::{PackedScene, RenderFilm};
-use crate::render::film::Film;
-use crate::render::tile::{Tile, tiles};
+use crate::render::silhouette::{EdgePoint, PixelGrid};
 
 /// The emphasis of a thing's outline. Where two meet, the later one is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,351 +52,215 @@ impl Level {
     }
 }
 
-/// A piece of an outline: pixels of one row, from the first to before the last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// The row, from the top.
-    pub y: u32,
-    /// The first column.
-    pub from: u32,
-    /// The column after the last.
-    pub to: u32,
-    /// Decides the colour.
-    pub level: Level,
+/// The opacity of a line whose thing is hidden, as a share of that in plain sight.
+const HIDDEN: f32 = 0.4;
+
+/// Lines on a part of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutlineImage {
+    /// Pixels of the whole picture that it lies on.
+    picture: UVec2,
+    /// The pixel of the picture where it begins.
+    min: UVec2,
+    size: UVec2,
+    /// Row by row.
+    pixels: Vec<Color32>,
 }
 
-/// The instance that each pixel shows first, row-major. Pixels that the film has nothing for yet stay as they were.
-#[derive(Clone, Debug, Default)]
-pub struct SeenInstances {
-    width: u32,
-    height: u32,
-    instances: Vec<u32>,
-}
-
-const NOTHING: u32 = u32::MAX;
-/// A picture full of fur has no outline worth waiting for.
-const MOST_RUNS: usize = 60_000;
-
-impl SeenInstances {
-    /// Reads these tiles of the film; true if something else is seen.
-    pub fn update(&mut self, film: &Film, tiles: &[Tile]) -> bool {
-        let mut changed = false;
-        for tile in tiles {
-            for y in tile.y..tile.y + tile.height {
-                let start = (y * self.width + tile.x) as usize;
-                let row = &mut self.instances[start..start + tile.width as usize];
-                for (x, seen) in (tile.x..).zip(row) {
-                    let now = match film.first_hit(x, y) {
-                        Some(hit) => hit.instance,
-                        None if film.samples(x, y) > 0 => NOTHING,
-                        None => *seen,
-                    };
-                    changed |= now != *seen;
-                    *seen = now;
-                }
-            }
-        }
-        changed
-    }
-
-    /// Becomes as large as the film; true if it was not.
-    fn fit(&mut self, film: &Film) -> bool {
-        let differs = (self.width, self.height) != (film.width(), film.height());
-        if differs {
-            *self = self.resized(film.width(), film.height());
-        }
-        differs
-    }
-
-    /// The same at another resolution.
-    fn resized(&self, width: u32, height: u32) -> Self {
-        let nearest = |place: u32, to: u32, from: u32| (u64::from(place) * u64::from(from) / u64::from(to)) as usize;
-        let row = |y: u32| nearest(y, height, self.height) * self.width as usize;
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let seen = |(x, y)| self.instances.get(row(y) + nearest(x, width, self.width)).copied();
-        Self {
-            width,
-            height,
-            instances: pixels.map(|pixel| seen(pixel).unwrap_or(NOTHING)).collect(),
-        }
-    }
-
-    /// The instances that are visible in a rectangle of the picture, by its film coordinates, each once.
-    pub(crate) fn instances_in(&self, min: Vec2, max: Vec2) -> HashSet<u32> {
-        let size = Vec2::new(self.width as f32, self.height as f32);
-        let (min, max) = ((min * size).max(Vec2::ZERO).floor(), (max * size).min(size).ceil());
-        let (columns, rows) = (min.x as usize..max.x as usize, min.y as usize..max.y as usize);
-        let row = |y: usize| {
-            self.instances
-                .get(y * self.width as usize + columns.start..y * self.width as usize + columns.end)
+impl OutlineImage {
+    /// Draws lines `width` pixels wide along the edges of each level, which were found in `grid`. The later ones are drawn over the earlier ones, and what
+    /// is visible over what is hidden.
+    pub fn draw(edges: &[(Level, Vec<EdgePoint>)], grid: &PixelGrid, width: f32) -> Self {
+        let reach = 0.5 * width + 0.5;
+        let margin = UVec2::splat(reach.ceil() as u32);
+        let min = grid.min.saturating_sub(margin);
+        let size = (grid.max + margin).min(grid.picture) - min;
+        let mut image = Self {
+            picture: grid.picture,
+            min,
+            size,
+            pixels: vec![Color32::TRANSPARENT; size.element_product() as usize],
         };
-        let mut found: HashSet<u32> = rows.filter_map(row).flatten().copied().collect();
-        found.remove(&NOTHING);
-        found
-    }
-
-    /// The pixels whose neighbours belong to other things of `marks`, on both sides, so that an outline is two pixels wide. `mark_of_instance` is
-    /// an index into `marks`, of which the first stands for all that has no outline.
-    pub fn outline(&self, mark_of_instance: &[u32], marks: &[Level]) -> Vec<Run> {
-        let width = self.width as usize;
-        let mark = |instance: &u32| mark_of_instance.get(*instance as usize).copied().unwrap_or(0);
-        let found: Vec<u32> = self.instances.iter().map(mark).collect();
-        let rows: Vec<&[u32]> = found.chunks_exact(width.max(1)).collect();
-        let is_plain: Vec<bool> = rows.iter().map(|row| row.iter().all(|mark| *mark == 0)).collect();
-        let mut runs: Vec<Run> = Vec::new();
-        for (y, row) in rows.iter().enumerate() {
-            let (above, below) = (y.saturating_sub(1), (y + 1).min(rows.len() - 1));
-            if runs.len() >= MOST_RUNS {
-                break;
-            }
-            if is_plain[above] && is_plain[y] && is_plain[below] {
-                continue;
-            }
-            for x in 0..width {
-                let own = row[x];
-                let around = [
-                    rows[above][x],
-                    rows[below][x],
-                    row[x.saturating_sub(1)],
-                    row[(x + 1).min(width - 1)],
-                ];
-                if around.iter().all(|other| *other == own) {
-                    continue;
+        let mut coverage = Vec::new();
+        for visible in [false, true] {
+            for (level, edges) in edges {
+                coverage.clear();
+                for edge in edges.iter().filter(|edge| edge.visible == visible) {
+                    if coverage.is_empty() {
+                        coverage.resize(image.pixels.len(), 0);
+                    }
+                    image.cover(&mut coverage, edge.at, reach);
                 }
-                let level = |mark: u32| marks.get(mark as usize).copied().unwrap_or_default();
-                let strongest = around.into_iter().map(level).fold(level(own), Level::max);
-                let (y, from) = (y as u32, x as u32);
-                match runs.last_mut() {
-                    Some(run) if (run.y, run.to, run.level) == (y, from, strongest) => run.to += 1,
-                    _ => runs.push(Run {
-                        y,
-                        from,
-                        to: from + 1,
-                        level: strongest,
-                    }),
+                let share = if visible { 1.0 } else { HIDDEN };
+                let color = level.color().to_array().map(|channel| f32::from(channel) * share);
+                for (pixel, &covered) in image.pixels.iter_mut().zip(&coverage) {
+                    if covered > 0 {
+                        *pixel = over(*pixel, color, f32::from(covered) / 255.0);
+                    }
                 }
             }
         }
-        runs
+        image
     }
+
+    /// Notes for the pixels around a point how much of them a disc covers whose edge is smooth over a pixel up to `reach`.
+    fn cover(&self, coverage: &mut [u8], at: Vec2, reach: f32) {
+        let at = at - self.min.as_vec2();
+        let last = self.size.as_vec2() - 1.0;
+        let from = (at - reach - 0.5).ceil().clamp(Vec2::ZERO, last).as_uvec2();
+        let to = (at + reach - 0.5).floor().clamp(Vec2::ZERO, last).as_uvec2();
+        for y in from.y..=to.y {
+            for x in from.x..=to.x {
+                let distance = (UVec2::new(x, y).as_vec2() + 0.5).distance(at);
+                let covered = (255.0 * (reach - distance).clamp(0.0, 1.0)) as u8;
+                let pixel = &mut coverage[(y * self.size.x + x) as usize];
+                *pixel = covered.max(*pixel);
+            }
+        }
+    }
+
+    /// The rectangle that it takes of a picture in the window.
+    fn place(&self, picture: Rect) -> Rect {
+        let corner = |pixel: UVec2| {
+            let film = pixel.as_vec2() / self.picture.as_vec2();
+            picture.min + Points::new(film.x, film.y) * picture.size()
+        };
+        Rect::from_min_max(corner(self.min), corner(self.min + self.size))
+    }
+
+    /// The colour of a pixel of the picture; transparent outside of the image.
+    pub fn pixel(&self, at: UVec2) -> Color32 {
+        let within = at.cmpge(self.min).all() && at.cmplt(self.min + self.size).all();
+        if !within {
+            return Color32::TRANSPARENT;
+        }
+        let at = at - self.min;
+        self.pixels[(at.y * self.size.x + at.x) as usize]
+    }
+}
+
+/// `color` (premultiplied, 0 to 255) over what is there.
+fn over(below: Color32, color: [f32; 4], covered: f32) -> Color32 {
+    let kept = 1.0 - color[3] / 255.0 * covered;
+    let below = below.to_array();
+    let [r, g, b, a] =
+        std::array::from_fn(|channel| (color[channel] * covered + f32::from(below[channel]) * kept + 0.5) as u8);
+    Color32::from_rgba_premultiplied(r, g, b, a)
 }
 
 /// The outline as it was last found.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SelectionOutline {
-    /// The instance that each pixel shows.
-    pub seen: SeenInstances,
-    runs: Vec<Run>,
-    /// The entities of the scene that the film shows.
-    entity_of_instance: Arc<[Entity]>,
-    film_job: Option<u64>,
-    /// The selection, the hovered thing and the revision of the picture that it was made from.
-    made_from: Option<(Selection, Option<Entity>, u64)>,
-    /// The job of which all pixels are there.
-    complete_job: Option<u64>,
+    image: Option<Arc<OutlineImage>>,
+    /// Tells images apart.
+    number: u64,
 }
 
+/// The image that is on the GPU, by its number.
+type Uploaded = Option<(u64, TextureHandle)>;
+
 impl SelectionOutline {
-    /// Updates the outline. `revision` counts the changes of the picture, `changed` says where the film had something new in the last of them.
-    pub fn update(
-        &mut self,
-        film: &RenderFilm,
-        packed: &PackedScene,
-        selection: &Selection,
-        hovered: Option<Entity>,
-        (revision, changed): (u64, &[Tile]),
-    ) {
-        // The scene may be ahead of the picture.
-        let is_known = self.film_job == Some(film.job);
-        if !is_known {
-            self.film_job = Some(film.job);
-            self.entity_of_instance = packed.entity_of_instance.clone();
-        }
-        let is_complete = self.complete_job == Some(film.job);
-        let before = self.made_from.as_ref().map(|(.., revision)| *revision);
-        let mut is_same = is_known
-            && (self.made_from.as_ref())
-                .is_some_and(|(was, was_hovered, _)| was == selection && *was_hovered == hovered);
-        if is_same && (is_complete || before == Some(revision)) {
-            return;
-        }
-        if !is_complete {
-            let has_all = film.film.sample_count() > 0;
-            let is_new_size = self.seen.fit(&film.film);
-            // Tiles may have come since that revision: in the end all are looked at.
-            let is_next = is_known && !is_new_size && !has_all && before.is_some_and(|before| before + 1 == revision);
-            let sees_else = if is_next {
-                self.seen.update(&film.film, changed)
-            } else {
-                self.seen
-                    .update(&film.film, &tiles(film.film.width(), film.film.height()))
-            };
-            is_same &= !sees_else && !is_new_size;
-            self.complete_job = has_all.then_some(film.job);
-        }
-        self.made_from = Some((selection.clone(), hovered, revision));
-        if is_same {
-            return;
-        }
-        self.runs.clear();
-        if !selection.is_empty() || hovered.is_some() {
-            let others = hovered.filter(|entity| !selection.contains(*entity));
-            let marked: Vec<Entity> = selection.entities().iter().copied().chain(others).collect();
-            let mark_of: HashMap<Entity, u32> = marked.iter().copied().zip(1..).collect();
-            let mark = |entity: &Entity| mark_of.get(entity).copied().unwrap_or(0);
-            let marks: Vec<u32> = self.entity_of_instance.iter().map(mark).collect();
-            let level = |entity: &Entity| Level::of(*entity, selection, hovered);
-            let levels: Vec<Level> = std::iter::once(Level::None).chain(marked.iter().map(level)).collect();
-            self.runs = self.seen.outline(&marks, &levels);
-        }
+    /// The lines; None where there are none.
+    pub fn image(&self) -> Option<&OutlineImage> {
+        self.image.as_deref()
     }
 
-    /// The entities that show in a rectangle of the picture, in the order of the scene.
-    pub(crate) fn entities_in(&self, min: Vec2, max: Vec2) -> Vec<Entity> {
-        let mut instances: Vec<u32> = self.seen.instances_in(min, max).into_iter().collect();
-        instances.sort_unstable();
-        let entities = instances
-            .iter()
-            .filter_map(|instance| self.entity_of_instance.get(*instance as usize));
-        let mut known = HashSet::new();
-        entities.copied().filter(|entity| known.insert(*entity)).collect()
+    /// Takes the place of what was shown.
+    pub(crate) fn replace(&mut self, image: Option<OutlineImage>) {
+        self.image = image.map(Arc::new);
+        self.number += 1;
     }
 
-    /// The mesh that is painted over the picture.
-    pub fn mesh(&self, picture: Rect) -> Mesh {
-        let mut mesh = Mesh::default();
-        let (width, height) = (self.seen.width.max(1) as f32, self.seen.height.max(1) as f32);
-        let at = |x: u32, y: u32| {
-            let film = pos2(x as f32 / width, y as f32 / height);
-            picture.min + film.to_vec2() * picture.size()
-        };
-        for run in &self.runs {
-            let rect = Rect::from_min_max(at(run.from, run.y), at(run.to, run.y + 1));
-            mesh.add_colored_rect(rect, run.level.color());
+    /// Paints it over the picture, whose rectangle in the window is `picture`.
+    pub fn paint(&self, painter: &Painter, picture: Rect) {
+        let Some(image) = &self.image else { return };
+        let id = Id::new("outline texture");
+        let context = painter.ctx();
+        let mut uploaded: Uploaded = context.data(|data| data.get_temp(id)).flatten();
+        if uploaded.as_ref().is_none_or(|(number, _)| *number != self.number) {
+            let size = [image.size.x as usize, image.size.y as usize];
+            let pixels = ColorImage::new(size, image.pixels.clone());
+            match &mut uploaded {
+                Some((number, texture)) => {
+                    texture.set(pixels, TextureOptions::LINEAR);
+                    *number = self.number;
+                }
+                None => {
+                    let texture = context.load_texture("outline", pixels, TextureOptions::LINEAR);
+                    uploaded = Some((self.number, texture));
+                }
+            }
+            context.data_mut(|data| data.insert_temp(id, uploaded.clone()));
         }
-        mesh
+        if let Some((_, texture)) = uploaded {
+            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+            painter.image(texture.id(), image.place(picture), whole, Color32::WHITE);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Affine3A;
+
     use super::*;
-    use crate::material::MaterialId;
-    use crate::render::scene::FirstHit;
-    use crate::render::tile::{PixelSum, TileSamples};
+    use crate::render::camera::Camera;
 
-    /// A picture of eight by six pixels: instance 1 is a block of three by two from (2, 2), instance 0 touches it on the right, and the rest shows
-    /// nothing.
-    fn seen() -> SeenInstances {
-        let mut instances = vec![NOTHING; 48];
-        for (x, y, instance) in [
-            (2, 2, 1),
-            (3, 2, 1),
-            (4, 2, 1),
-            (2, 3, 1),
-            (3, 3, 1),
-            (4, 3, 1),
-            (5, 2, 0),
-            (5, 3, 0),
-        ] {
-            instances[y * 8 + x] = instance;
-        }
-        SeenInstances {
-            width: 8,
-            height: 6,
-            instances,
+    fn grid() -> PixelGrid {
+        PixelGrid {
+            camera: Camera::new(Affine3A::IDENTITY, 60.0, 2.0, 0.1, 10.0, None),
+            picture: UVec2::new(40, 20),
+            min: UVec2::new(10, 5),
+            max: UVec2::new(30, 15),
+            step: 1,
         }
     }
 
-    fn pixels(runs: &[Run], level: Level) -> usize {
-        runs.iter()
-            .filter(|run| run.level == level)
-            .map(|run| (run.to - run.from) as usize)
-            .sum()
+    /// A line down the middle of the grid.
+    fn line(x: f32, level: Level, visible: bool) -> (Level, Vec<EdgePoint>) {
+        let place = |n: u32| Vec2::new(x, 6.0 + 0.25 * n as f32);
+        let points = (0..32).map(|n| EdgePoint {
+            at: place(n),
+            mark: 1,
+            visible,
+        });
+        (level, points.collect())
     }
 
     #[test]
-    fn an_outline_goes_around_both_ways() {
-        let runs = seen().outline(&[0, 1], &[Level::None, Level::Selected]);
-        // The outline is all six pixels of the block, and ten around it.
-        assert_eq!(pixels(&runs, Level::Selected), 16);
-        assert!(runs.iter().all(|run| (1..=4).contains(&run.y)));
-        assert!(seen().outline(&[0, 0], &[Level::None]).is_empty());
+    fn lines_are_as_wide_as_asked_wherever_they_lie() {
+        for x in [20.0, 20.25, 20.5, 20.9] {
+            for width in [2.0, 3.0, 4.0] {
+                let image = OutlineImage::draw(&[line(x, Level::Active, true)], &grid(), width);
+                let across: f32 = (0..40)
+                    .map(|x| f32::from(image.pixel(UVec2::new(x, 10)).a()) / 255.0)
+                    .sum();
+                assert!((across - width).abs() < 0.1, "{across} for {width} at {x}");
+            }
+        }
     }
 
     #[test]
-    fn selected_things_are_told_apart_and_the_active_wins() {
-        let levels = [Level::None, Level::Hovered, Level::Active];
-        let runs = seen().outline(&[2, 1], &levels);
-        // The two of the active one, and two beside on either side and one above and below.
-        assert_eq!(pixels(&runs, Level::Active), 8);
-        // These are the four of the other's six pixels that do not touch it, and eight around: it touches on its right.
-        assert_eq!(pixels(&runs, Level::Hovered), 4 + 8);
+    fn hidden_lines_are_dim_and_the_active_one_wins() {
+        let middle = UVec2::new(20, 10);
+        let drawn = |lines: &[(Level, Vec<EdgePoint>)]| OutlineImage::draw(lines, &grid(), 2.0).pixel(middle);
+        let [hidden, seen] = [false, true].map(|visible| line(20.5, Level::Active, visible));
+        let dim = drawn(&[hidden]);
+        let bright = drawn(&[seen.clone()]);
+        assert_eq!(bright, Level::Active.color());
+        assert!(dim.a() > 60 && dim.a() < 140, "{dim:?}");
+        assert_eq!(drawn(&[line(20.5, Level::Selected, true), seen]), bright);
+        assert_eq!(drawn(&[]), Color32::TRANSPARENT);
     }
 
     #[test]
-    fn the_instances_of_one_thing_have_one_outline() {
-        let runs = seen().outline(&[1, 1], &[Level::None, Level::Selected]);
-        // A block of four by two: all eight, and twelve around them.
-        assert_eq!(pixels(&runs, Level::Selected), 20);
-        assert!(
-            runs.iter()
-                .filter(|run| run.y == 2)
-                .all(|run| (run.from, run.to) == (1, 7))
+    fn it_lies_where_the_grid_was() {
+        let image = OutlineImage::draw(&[], &grid(), 2.0);
+        let picture = Rect::from_min_size(pos2(100.0, 50.0), Points::new(80.0, 40.0));
+        // A margin of two pixels, each of two points.
+        assert_eq!(
+            image.place(picture),
+            Rect::from_min_max(pos2(116.0, 56.0), pos2(164.0, 84.0))
         );
-    }
-
-    #[test]
-    fn tiles_that_changed_are_enough() {
-        let mut film = Film::new(40, 8);
-        let all = tiles(40, 8);
-        let mut seen = SeenInstances::default();
-        assert!(seen.fit(&film) && !seen.fit(&film));
-        let hit = FirstHit {
-            instance: 3,
-            material: MaterialId(0),
-            uv: Vec2::ZERO,
-        };
-        for (tile, hits) in [(all[0], vec![Some(hit); 256]), (all[1], vec![None; 64])] {
-            film.add(&TileSamples {
-                tile,
-                samples: 0..1,
-                pixels: vec![PixelSum::default(); hits.len()],
-                layers: Vec::new(),
-                first_hits: hits,
-                splats: Vec::new(),
-                rays: 0,
-                invalid: 0,
-            });
-        }
-        let everything = |seen: &SeenInstances| seen.instances_in(Vec2::ZERO, Vec2::ONE);
-        // Nothing was known there, and nothing is there.
-        assert!(!seen.update(&film, &all[1..]) && everything(&seen).is_empty());
-        assert!(seen.update(&film, &all[..1]) && everything(&seen) == HashSet::from([3]));
-        assert!(!seen.update(&film, &all), "all of it is known");
-        assert!(seen.instances_in(Vec2::new(0.8, 0.0), Vec2::ONE).is_empty());
-    }
-
-    #[test]
-    fn another_resolution_shows_the_same() {
-        let large = seen().resized(16, 12);
-        let all = large.instances_in(Vec2::ZERO, Vec2::ONE);
-        assert_eq!(all, seen().instances_in(Vec2::ZERO, Vec2::ONE));
-        let back = large.resized(8, 6);
-        assert_eq!(back.instances, seen().instances);
-        assert!(SeenInstances::default().resized(2, 1).instances == [NOTHING; 2]);
-    }
-
-    #[test]
-    fn a_box_holds_what_shows_in_it() {
-        let found = |min: (f32, f32), max: (f32, f32)| {
-            let mut found: Vec<u32> = seen().instances_in(min.into(), max.into()).into_iter().collect();
-            found.sort_unstable();
-            found
-        };
-        assert_eq!(found((0.0, 0.0), (1.0, 1.0)), [0, 1]);
-        assert_eq!(found((0.0, 0.0), (0.26, 0.4)), [1]);
-        assert_eq!(found((0.65, 0.4), (2.0, 0.6)), [0]);
-        assert!(found((0.0, 0.7), (0.9, 1.0)).is_empty() && found((0.5, 0.5), (0.2, 0.2)).is_empty());
     }
 }

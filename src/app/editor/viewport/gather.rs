@@ -12,7 +12,6 @@ use bevy_egui::egui;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};
-use super::state::ViewportState;
 use crate::accel::Tlas;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::pose::camera_pose;
@@ -23,10 +22,11 @@ use crate::app::editor::model::EditorModel;
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::picture::legend::{Legend, legend};
 use crate::app::editor::picture::outline::SelectionOutline;
+use crate::app::editor::picture::outline_pass::OutlinePass;
 use crate::app::editor::picture::overlay::{self, BoxList};
 use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{PackedScene, RenderFilm};
+use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
@@ -118,7 +118,6 @@ pub struct Sources<'w, 's> {
     free_view: Res<'w, FreeView>,
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
-    film: Res<'w, RenderFilm>,
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     named: Query<'w, 's, (Entity, &'static Name), With<ToWorld>>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
@@ -216,7 +215,7 @@ pub(crate) fn gather_viewport(
     mut seen: ResMut<ViewportScene>,
     mut sources: Sources,
     settings: Res<ViewSettings>,
-    state: Res<ViewportState>,
+    outlines: Res<OutlinePass>,
     mut model: ResMut<EditorModel>,
 ) {
     let seen = &mut *seen;
@@ -226,13 +225,7 @@ pub(crate) fn gather_viewport(
     let (packed, selection) = (&sources.packed, &sources.selection);
     seen.boxes.update(packed, &settings.overlay);
     seen.bounds.update(packed, selection);
-    seen.outline.update(
-        &sources.film,
-        packed,
-        selection,
-        state.pointer.hovered,
-        (sources.picture.revision, &sources.picture.changed),
-    );
+    seen.outline = outlines.outline().clone();
     seen.targets = sources.targets(&seen.bounds.bounds);
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);

@@ -14,6 +14,7 @@ pub(crate) mod legend;
 pub mod marks;
 pub mod material_drop;
 pub mod model;
+pub(crate) mod outlining;
 pub mod path_lines;
 pub mod pointer;
 pub(crate) mod rulers;
@@ -43,7 +44,7 @@ use gizmo::interaction::Rest;
 use marks::{tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
-use state::ViewportState;
+use state::{ScreenPixels, ViewportState};
 use toolbar::toolbar;
 
 /// The id of the picture, which has the keyboard when no other widget wants it.
@@ -88,6 +89,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         }
     }
     let screen = model.camera.map(|camera| Screen { camera, picture });
+    state.picture = model.picture.map(|_| on_screen(ui, picture));
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
@@ -120,6 +122,15 @@ fn fitted(panel: Rect, size: UVec2, pixels_per_point: f32) -> Rect {
     let size = egui::vec2(size.x as f32, size.y as f32);
     let corner = panel.center().to_vec2() * pixels_per_point - 0.5 * size;
     Rect::from_min_size((corner.floor() / pixels_per_point).to_pos2(), size / pixels_per_point)
+}
+
+fn on_screen(ui: &Ui, picture: Rect) -> ScreenPixels {
+    let per_point = ui.ctx().pixels_per_point();
+    let size = (picture.size() * per_point).round();
+    ScreenPixels {
+        size: UVec2::new(size.x as u32, size.y as u32),
+        per_point,
+    }
 }
 
 /// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of the keys are shortcuts.
@@ -225,7 +236,7 @@ fn paint_over(
     if let Some(screen) = screen.filter(|_| model.picture.is_some()) {
         grid::paint(&painter, screen, model.navigation.up, &model.keys.grid, model.depths);
     }
-    painter.add(Shape::mesh(model.outline.mesh(picture)));
+    model.outline.paint(&painter, picture);
     if let Some(screen) = screen {
         if model.keys.overlay.shown {
             for world_box in &model.boxes.boxes {

@@ -144,7 +144,7 @@ impl PointerState {
                     (false, true) => Extend::Add,
                     (false, false) => Extend::Replace,
                 };
-                let entities = inside(boxed, screen, model);
+                let entities = inside(boxed, screen, model, ui.ctx().pixels_per_point());
                 if !entities.is_empty() || how == Extend::Replace {
                     commands.push(Command::Select(entities, how));
                 }
@@ -301,7 +301,7 @@ pub(super) fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> 
         return selected.center();
     }
     let ahead = screen.ray(screen.picture.center());
-    match picking::surface(model.packed, &ahead, |_| false) {
+    match picking::seen_surface(model.packed, &ahead, |_| false) {
         Some(seen) => seen.position,
         None => Vec3::from(pose.translation) + screen.forward() * (NOWHERE * model.navigation.scene_size),
     }
@@ -314,10 +314,13 @@ fn under(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Entity
 }
 
 /// The things whose surfaces are visible in a box of the window, and the lights and cameras whose places are in it.
-fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel) -> Vec<Entity> {
-    let mut found = model
-        .outline
-        .entities_in(screen.film(boxed.min), screen.film(boxed.max));
+fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel, pixels_per_point: f32) -> Vec<Entity> {
+    let pixels = boxed.intersect(screen.picture).size() * pixels_per_point;
+    let mut found = picking::seen_in(
+        model.packed,
+        [screen.film(boxed.min), screen.film(boxed.max)],
+        [pixels.x, pixels.y],
+    );
     let is_inside = |icon: &&icons::Icon| icons::place(screen, icon).is_some_and(|at| boxed.contains(at));
     found.extend(model.icons.iter().filter(is_inside).map(|icon| icon.entity));
     found.retain(|entity| !model.locked.contains(entity));

@@ -20,8 +20,19 @@ pub struct ViewportState {
     /// The pixels in which the picture was last shown.
     pub room: Option<UVec2>,
     pub(super) axes: AxesState,
+    /// The size of the picture on the screen; None while there is no picture.
+    pub picture: Option<ScreenPixels>,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
+}
+
+/// The size of the picture on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenPixels {
+    /// Width and height in pixels of the screen.
+    pub size: UVec2,
+    /// Pixels of the screen for each point of the window.
+    pub per_point: f32,
 }
 
 /// The speed, which is shown for a while after a change.

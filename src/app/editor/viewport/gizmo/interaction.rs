@@ -329,7 +329,7 @@ impl Held {
         let may_rest = self.drag.mode() == Mode::Move && self.drag.constraint == Constraint::Free;
         let change = if may_rest && modifiers.shift && self.drag.typed.is_empty() {
             let is_dragged = |entity| self.drag.targets.iter().any(|target| target.entity == entity);
-            let surface = picking::surface(model.packed, &screen.ray(pointer), is_dragged);
+            let surface = picking::seen_surface(model.packed, &screen.ray(pointer), is_dragged);
             surface
                 .map(|seen| self.drag.onto_surface(seen.position, model.up))
                 .or(self.change)

@@ -1,0 +1,78 @@
+//! Asks for the outline of what is selected or under the pointer, as of this frame.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::state::ViewportState;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::picture::outline::Level;
+use crate::app::editor::picture::outline_pass::{OutlinePass, OutlineRequest};
+use crate::engine::{PackedScene, RenderControl, WakeUp};
+
+/// The width of outlines in points of the window.
+const WIDTH: f32 = 2.0;
+
+/// The things with an outline, and what was hovered when they were listed.
+#[derive(Default)]
+pub(crate) struct Marked {
+    hovered: Option<Entity>,
+    things: Arc<[(Entity, Level)]>,
+}
+
+/// Takes what was found since the last frame. It must run before the viewport is gathered.
+pub(crate) fn collect_outline(mut pass: ResMut<OutlinePass>) {
+    pass.bypass_change_detection().collect();
+}
+
+/// Asks for the outline of the scene as it was packed in this frame.
+pub(crate) fn request_outline(
+    mut pass: ResMut<OutlinePass>,
+    mut marked: Local<Marked>,
+    packed: Res<PackedScene>,
+    selection: Res<Selection>,
+    state: Res<ViewportState>,
+    control: Res<RenderControl>,
+    wake_up: Res<WakeUp>,
+) {
+    let hovered = state.pointer.hovered;
+    if selection.is_changed() || marked.hovered != hovered {
+        *marked = Marked {
+            hovered,
+            things: things(&selection, hovered),
+        };
+    }
+    let request = match (&packed.scene, &packed.view, state.picture) {
+        (Some(scene), Some(view), Some(picture)) => Some(OutlineRequest {
+            geometry: scene.geometry.clone(),
+            entity_of_instance: packed.entity_of_instance.clone(),
+            camera: view.camera,
+            sight: view.sight.clone(),
+            picture: picture.size,
+            width: WIDTH * picture.per_point,
+            marked: marked.things.clone(),
+        }),
+        _ => None,
+    };
+    pass.bypass_change_detection()
+        .request(request, control.threads.get(), &wake_up);
+}
+
+/// The hovered thing, then the selected ones, the active one last.
+fn things(selection: &Selection, hovered: Option<Entity>) -> Arc<[(Entity, Level)]> {
+    let hovered = hovered.filter(|entity| !selection.contains(*entity));
+    let active = selection.active();
+    let selected = selection.entities().iter().map(|&entity| {
+        let level = if Some(entity) == active {
+            Level::Active
+        } else {
+            Level::Selected
+        };
+        (entity, level)
+    });
+    hovered
+        .map(|entity| (entity, Level::Hovered))
+        .into_iter()
+        .chain(selected)
+        .collect()
+}
