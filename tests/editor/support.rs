@@ -42,6 +42,8 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         safe_frame: false,
         grid: Default::default(),
         dimensions: false,
+        seeing: Default::default(),
+        isolated: false,
         flying: false,
     }
 }

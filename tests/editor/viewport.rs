@@ -100,6 +100,7 @@ pub fn window() -> Harness<'static, Window> {
                 camera: Some(window.camera),
                 boxes: &boxes,
                 outline: &outline,
+                wireframe: &Default::default(),
                 icons: &[lamp],
                 gizmo: GizmoModel {
                     settings: window.gizmo,

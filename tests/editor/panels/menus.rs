@@ -50,6 +50,8 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 safe_frame: false,
                 grid: Default::default(),
                 dimensions: false,
+                seeing: Default::default(),
+                isolated: false,
                 flying: false,
             },
             camera: None,

@@ -63,6 +63,7 @@ pub fn picture() -> Harness<'static, Picture> {
                 camera: Some(Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None)),
                 boxes: &boxes,
                 outline: &outline,
+                wireframe: &Default::default(),
                 icons: &[],
                 gizmo: GizmoModel {
                     settings: GizmoSettings::default(),

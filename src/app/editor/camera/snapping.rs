@@ -37,7 +37,7 @@ pub fn find(
     is_passed: impl Fn(Entity) -> bool,
 ) -> Option<SnapPoint> {
     if to == SnapTo::Faces {
-        let SeenSurface { position, normal, .. } = picking::surface(packed, &screen.ray(pointer), is_passed)?;
+        let SeenSurface { position, normal, .. } = picking::seen_surface(packed, &screen.ray(pointer), is_passed)?;
         return Some(SnapPoint {
             place: position,
             of: to,

@@ -65,11 +65,15 @@ pub enum DisplayMode {
     LightGroup(u8),
     /// The number of nodes of the acceleration structure that each camera ray visits, in false colour.
     BvhSteps,
+    /// Surfaces in their own colours, lit from the camera alone: there at once, whatever the lights are.
+    Headlight,
+    /// The same in one grey for all.
+    Clay,
 }
 
 impl DisplayMode {
     /// The modes with their names, in the order of the menu.
-    pub const ALL: [(Self, &'static str); 10] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::Shaded, "Shaded"),
         (Self::Albedo, "Albedo"),
         (Self::Normal, "Normal"),
@@ -80,6 +84,8 @@ impl DisplayMode {
         (Self::Samples, "Samples"),
         (Self::Noise, "Noise"),
         (Self::BvhSteps, "BVH steps"),
+        (Self::Headlight, "Headlight"),
+        (Self::Clay, "Clay"),
     ];
 
     /// The one after this, round and round.
@@ -95,6 +101,11 @@ impl DisplayMode {
             Some((_, name)) => name,
             None => "One light",
         }
+    }
+
+    /// The mode itself, if its film shows something else than light and what comes with it.
+    pub(crate) fn with_own_film(self) -> Option<Self> {
+        matches!(self, Self::BvhSteps | Self::Headlight | Self::Clay).then_some(self)
     }
 
     /// Whether it shows light, with exposure and tone map.

@@ -24,6 +24,7 @@ pub mod presets;
 pub mod recovery_offer;
 pub mod resolution;
 pub mod ruler;
+pub mod seeing;
 pub mod selection;
 pub mod shell;
 pub mod shortcut;
@@ -56,6 +57,7 @@ use material_tree::MaterialTree;
 use presets::Preset;
 use resolution::{Enlarging, FullFilm, Resolution};
 use ruler::Ruler;
+use seeing::Seeing;
 use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
@@ -304,6 +306,12 @@ pub enum Command {
     Measure,
     /// Sets the boxes of the acceleration structures that are drawn over the picture.
     SetOverlay(BvhOverlay),
+    /// Sets what the view leaves out.
+    SetSeeing(Seeing),
+    /// Puts a cut plane through the middle of the selection, or of the scene, facing the camera.
+    CutOpen,
+    /// Shows these shapes alone; without any, everything again.
+    Isolate(Vec<Entity>),
     /// Sets what the next click in the picture does.
     SetTool(Tool),
     /// Dims what lies outside of the film, or no longer.
@@ -420,6 +428,9 @@ impl Command {
             | Self::RenderFull(_)
             | Self::StopFull
             | Self::SetStrategySplit(_)
+            | Self::SetSeeing(_)
+            | Self::CutOpen
+            | Self::Isolate(_)
             | Self::SetLightLayers(_)
             | Self::Undo
             | Self::Redo

@@ -101,6 +101,8 @@ pub struct Preferences {
     pub returns_to_views: bool,
     /// The view jumps to where it goes.
     pub reduced_motion: bool,
+    /// A view along an axis hides the walls between the camera and rooms.
+    pub axis_views_hide_walls: bool,
     /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
     pub memory_gib: u32,
     /// Scenes, absolute, the newest first.
@@ -135,6 +137,7 @@ impl Default for Preferences {
             developer_figures: false,
             returns_to_views: true,
             reduced_motion: false,
+            axis_views_hide_walls: true,
             memory_gib: 0,
             recent_files: Vec::new(),
             window: None,

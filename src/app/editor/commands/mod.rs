@@ -21,6 +21,7 @@ mod pictures;
 mod placing;
 mod projection;
 pub mod scene_watch;
+pub(crate) mod seeing;
 mod several;
 pub mod shell;
 mod spot;
@@ -231,6 +232,9 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::StopFull => control(world, |control| control.full_until_change = false),
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
+        Command::SetSeeing(seen) => seeing::set(world, seen),
+        Command::CutOpen => seeing::cut_open(world)?,
+        Command::Isolate(entities) => seeing::isolate(world, entities)?,
         Command::SetTool(tool) => {
             let before = std::mem::replace(&mut world.resource_mut::<ViewSettings>().tool, tool);
             if before == Tool::Paths && tool == Tool::Select {
@@ -287,6 +291,7 @@ fn keep_what_is_there(world: &mut World) {
         kept.retain(|entity| is_there(world, *entity));
         world.insert_resource(kept);
     }
+    seeing::keep_what_is_there(world, is_there);
     let active = world.resource::<ActiveSensor>().0;
     if active.is_none_or(|sensor| world.get::<Sensor>(sensor).is_none()) {
         let mut sensors = world.query_filtered::<(&DocumentOrder, Entity), With<Sensor>>();

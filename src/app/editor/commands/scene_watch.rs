@@ -8,6 +8,7 @@ use crate::app::editor::camera::navigation::up_axis;
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::history::History;
@@ -19,7 +20,7 @@ use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::gone;
 use crate::document::Severity;
-use crate::engine::{PackedScene, RenderControl};
+use crate::engine::{PackedScene, RenderControl, SightControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// Holds changes of the scene's file back while the user is asked about them.
@@ -76,6 +77,14 @@ pub fn follow_scene(
             requests.save_question = None;
             settings.bookmarks = Default::default();
             settings.rulers.clear();
+            settings.seeing = Seeing {
+                wireframe: settings.seeing.wireframe,
+                ..Seeing::default()
+            };
+            settings.isolated.clear();
+            if control.sight != SightControl::default() {
+                control.sight = SightControl::default();
+            }
             (*mix, *film_lights) = Default::default();
             paths.wanted = None;
             if control.region.is_some() {

@@ -3,8 +3,8 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::flight;
 use super::world::{control, set_resource};
+use super::{flight, seeing};
 use crate::app::editor::camera::pose::{self, view_pose};
 use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
@@ -65,6 +65,7 @@ pub fn look_along(world: &mut World, axis: AxisView) {
     } else {
         selected.center()
     };
+    seeing::note_axis_view(world);
     fly_to(world, navigation.axis_view(pose, center, axis), Some(center));
 }
 
@@ -84,6 +85,7 @@ pub fn recall(world: &mut World, number: usize) -> Result<(), CommandError> {
     let stored = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
     let view = stored.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?;
     if world.resource::<ActiveSensor>().0.is_some() {
+        seeing::note_other_view(world);
         let from = view_pose(world);
         let end = FreeView {
             pose: Some(view.pose),
@@ -96,6 +98,7 @@ pub fn recall(world: &mut World, number: usize) -> Result<(), CommandError> {
 
 pub fn look_through(world: &mut World, sensor: Entity) {
     if world.get::<Sensor>(sensor).is_some() {
+        seeing::note_other_view(world);
         let from = view_pose(world);
         look_through_first(world, Some(sensor));
         flight::go(world, from, FreeView::default(), None);
@@ -113,7 +116,7 @@ pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
 }
 
 /// World bounds of the selected things that have a place; empty without any.
-fn selected_bounds(world: &World) -> Aabb {
+pub fn selected_bounds(world: &World) -> Aabb {
     let packed = world.resource::<PackedScene>();
     let selection = world.resource::<Selection>().entities();
     let bounds = selection.iter().filter_map(|entity| {
@@ -170,6 +173,7 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
         return Err("There is no picture.".into());
     };
     let ray = view.camera.ray(film, Vec2::splat(0.5));
+    let ray = view.sight.narrow(&scene.geometry, ray);
     let hit = scene.geometry.intersect(&ray).ok_or("There is nothing to focus on.")?;
     let (_, distance) = view.camera.project(ray.at(hit.t));
     let distance = rounding::with_digits(distance, FOCUS_DIGITS);
@@ -207,6 +211,8 @@ pub fn set_display(world: &mut World, display: DisplaySettings) {
     world.resource_mut::<ViewSettings>().display = display;
     let view_mode = match display.mode {
         DisplayMode::BvhSteps => ViewMode::BvhSteps,
+        DisplayMode::Headlight => ViewMode::Headlight,
+        DisplayMode::Clay => ViewMode::Clay,
         _ => ViewMode::Path,
     };
     control(world, |control| control.view_mode = view_mode);

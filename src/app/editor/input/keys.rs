@@ -137,6 +137,8 @@ mod tests {
             safe_frame: false,
             grid: Default::default(),
             dimensions: false,
+            seeing: Default::default(),
+            isolated: false,
             flying: false,
         };
         shortcuts(&presses, &context)

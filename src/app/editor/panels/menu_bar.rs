@@ -256,6 +256,10 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             entry(ui, name, &state.context, commands);
         }
     });
+    for name in ["see-into-rooms", "cut-open", "isolate", "wireframe"] {
+        entry(ui, name, &state.context, commands);
+    }
+    ui.separator();
     for name in [
         "camera-to-view",
         "frame-selection",

@@ -108,6 +108,14 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 .on_hover_text("Latency, time between frames, and nodes of the hierarchy");
             ui.end_row();
 
+            ui.label("Views along axes");
+            ui.checkbox(&mut edited.axis_views_hide_walls, "Hide walls before rooms")
+                .on_hover_text(
+                    "Surfaces whose front points away from the camera are left out, so that the view from above shows the room and not its roof. \
+                     Alt+W shows them again",
+                );
+            ui.end_row();
+
             let label = ui.label("Autosave");
             let time = DragValue::new(&mut edited.autosave_seconds)
                 .range(0..=LONGEST_AUTOSAVE)

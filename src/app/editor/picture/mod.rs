@@ -18,3 +18,4 @@ pub mod painter;
 pub mod paths;
 pub(crate) mod resolution;
 pub(crate) mod texture;
+pub mod wireframe;

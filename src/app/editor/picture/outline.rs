@@ -246,7 +246,7 @@ mod tests {
         let drawn = |lines: &[(Level, Vec<EdgePoint>)]| OutlineImage::draw(lines, &grid(), 2.0).pixel(middle);
         let [hidden, seen] = [false, true].map(|visible| line(20.5, Level::Active, visible));
         let dim = drawn(&[hidden]);
-        let bright = drawn(&[seen.clone()]);
+        let bright = drawn(std::slice::from_ref(&seen));
         assert_eq!(bright, Level::Active.color());
         assert!(dim.a() > 60 && dim.a() < 140, "{dim:?}");
         assert_eq!(drawn(&[line(20.5, Level::Selected, true), seen]), bright);

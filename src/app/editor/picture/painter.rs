@@ -153,6 +153,7 @@ impl<'a> Painter<'a> {
         match self.mode {
             DisplayMode::Shaded | DisplayMode::LightGroup(_) => self.tone.encode(pixel.radiance),
             DisplayMode::Albedo => self.plain.encode(pixel.albedo),
+            DisplayMode::Headlight | DisplayMode::Clay => self.plain.encode(pixel.radiance),
             // The usual picture of normals: taken as encoded values, not as light.
             DisplayMode::Normal => (0.5 * pixel.normal + 0.5).to_array().map(quantized),
             DisplayMode::Depth => [quantized(nearness(pixel.depth, self.scales.depth)); 3],

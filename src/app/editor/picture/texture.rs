@@ -17,7 +17,7 @@ use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{RenderFilm, fit};
-use crate::render::tile::{Tile, tiles};
+use crate::render::tile::tiles;
 
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
 const LARGEST_TEXTURE: u32 = 8192;
@@ -36,8 +36,6 @@ pub struct Picture {
     job: u64,
     /// Counts changes of pixels.
     pub revision: u64,
-    /// The tiles where the film had something new in the last update.
-    pub changed: Vec<Tile>,
 }
 
 /// The settings that the texture's pixels were made with.
@@ -87,7 +85,6 @@ pub fn create_picture(
         scales: Scales::default(),
         job: 0,
         revision: 0,
-        changed: Vec::new(),
     });
 }
 
@@ -174,14 +171,12 @@ pub fn update_picture(
     picture.scales = scales;
     picture.job = film.job;
     picture.revision += 1;
-    picture.changed = dirty;
 }
 
-/// The mode that a film can be shown in that has been shown as `shown`: steps are counted into a film of their own, and until that is
-/// begun the old one must not be taken for it.
+/// The mode that a film can be shown in that has been shown as `shown`: some modes have a film of their own, and until that is begun the old one
+/// must not be taken for it.
 fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
-    let counts_steps = |mode| mode == DisplayMode::BvhSteps;
-    if counts_steps(shown) == counts_steps(wanted) {
+    if shown.with_own_film() == wanted.with_own_film() {
         wanted
     } else {
         shown

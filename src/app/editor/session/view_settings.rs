@@ -1,6 +1,6 @@
 //! The settings of the view and of the tools. None of them is part of the scene.
 
-use bevy::prelude::Resource;
+use bevy::prelude::{Entity, Resource};
 
 use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
@@ -9,6 +9,7 @@ use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
+use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::stored_view::StoredViews;
 use crate::app::editor::command::tool::Tool;
 
@@ -39,6 +40,10 @@ pub struct ViewSettings {
     pub rulers: Vec<Ruler>,
     /// The grid on the ground and the axes of the world.
     pub grid: GridSettings,
+    /// What the view leaves out.
+    pub seeing: Seeing,
+    /// The shapes that are shown alone. If it is empty, all are shown.
+    pub isolated: Vec<Entity>,
     /// Whether the panels are shown; otherwise the viewport fills the window.
     pub panels_shown: bool,
 }
@@ -58,6 +63,8 @@ impl Default for ViewSettings {
             dimensions: false,
             rulers: Vec::new(),
             grid: GridSettings::default(),
+            seeing: Seeing::default(),
+            isolated: Vec::new(),
             panels_shown: true,
         }
     }

@@ -25,6 +25,7 @@ use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::outline_pass::OutlinePass;
 use crate::app::editor::picture::overlay::{self, BoxList};
 use crate::app::editor::picture::texture::Picture;
+use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
@@ -45,6 +46,7 @@ pub(crate) struct ViewportScene {
     /// World from camera; None without a camera.
     pub pose: Option<Affine3A>,
     pub outline: SelectionOutline,
+    pub wireframe: Wireframe,
     pub locked: EntityHashSet,
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
@@ -226,6 +228,8 @@ pub(crate) fn gather_viewport(
     seen.boxes.update(packed, &settings.overlay);
     seen.bounds.update(packed, selection);
     seen.outline = outlines.outline().clone();
+    let wireframe = settings.seeing.wireframe;
+    seen.wireframe.update(packed, selection, wireframe);
     seen.targets = sources.targets(&seen.bounds.bounds);
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);

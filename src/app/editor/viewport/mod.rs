@@ -4,6 +4,7 @@
 pub mod axes_widget;
 pub(crate) mod captions;
 pub mod cursor;
+mod cut_handle;
 pub(crate) mod extent;
 pub(crate) mod first_steps;
 pub mod gather;
@@ -30,6 +31,7 @@ use bevy::math::{UVec2, Vec2, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 
 use crate::app::editor::camera::navigation::FlyInput;
+use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::DisplayMode;
@@ -38,6 +40,7 @@ use crate::app::editor::input::keys;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
 use crate::engine::fit;
+use crate::math::Aabb;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::Rest;
@@ -53,6 +56,7 @@ pub const PICTURE: &str = "viewport picture";
 const CAPTION_FOOT: f32 = -36.0;
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
+const WIRE: Color32 = Color32::from_rgba_premultiplied(190, 150, 60, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
 /// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
@@ -91,9 +95,16 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     let screen = model.camera.map(|camera| Screen { camera, picture });
     state.picture = model.picture.map(|_| on_screen(ui, picture));
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
+    if let Some(screen) = &screen
+        && model.enabled
+    {
+        let bounds = picking::scene_bounds(model.packed).unwrap_or(Aabb::EMPTY);
+        cut_handle::cut_handle(ui, screen, &bounds, &model.keys.seeing, commands);
+    }
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
         toolbar(ui, panel, model, commands);
+        cut_handle::cut_bar(ui, picture, &model.keys.seeing, model.navigation.scene_size, commands);
     }
     if model.is_empty && model.enabled && model.picture.is_some() {
         first_steps(ui, picture, &model.keys, commands);
@@ -247,6 +258,8 @@ fn paint_over(
                 painter.extend(lines);
             }
         }
+        let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
+        painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
         path_lines::paint(
@@ -305,6 +318,15 @@ fn paint_over(
     }
     if model.keys.paused {
         notes.push("Paused".to_owned());
+    }
+    notes.extend(model.keys.seeing.notes().map(str::to_owned));
+    if model.keys.isolated {
+        notes.push("Shown alone".to_owned());
+    }
+    if let [total, drawn] = model.wireframe.triangles
+        && drawn < total
+    {
+        notes.push(format!("{drawn} of {total} triangles as lines"));
     }
     let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
     if !notes.is_empty() {

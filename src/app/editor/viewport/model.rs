@@ -19,6 +19,7 @@ use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::picture::wireframe::Wireframe;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::render::camera::Camera;
@@ -42,6 +43,8 @@ pub struct ViewportModel<'a> {
     pub paths: &'a PathInspector,
     /// The outlines of what is selected or under the pointer.
     pub outline: &'a SelectionOutline,
+    /// The selection as lines, if they are shown.
+    pub wireframe: &'a Wireframe,
     /// The icons of lights and cameras.
     pub icons: &'a [Icon],
     /// The data that the handles act on.

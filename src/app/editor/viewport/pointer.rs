@@ -271,7 +271,7 @@ fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel,
 
 /// The place on the nearest surface under a point of the window.
 fn seen_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
-    picking::surface(model.packed, &screen.ray(pointer), |_| false).map(|seen| seen.position)
+    picking::seen_surface(model.packed, &screen.ray(pointer), |_| false).map(|seen| seen.position)
 }
 
 /// The view after going by notches of the wheel towards `target`, which is seen at `at`.

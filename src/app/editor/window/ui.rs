@@ -129,6 +129,8 @@ pub fn show_window(
         safe_frame: settings.safe_frame,
         grid: settings.grid,
         dimensions: settings.dimensions,
+        seeing: settings.seeing,
+        isolated: !settings.isolated.is_empty(),
         flying: false,
     };
     let menus = MenuState {
@@ -147,6 +149,7 @@ pub fn show_window(
         camera: scene.packed.view.as_ref().map(|view| view.camera),
         boxes: seen.boxes(),
         outline: &seen.outline,
+        wireframe: &seen.wireframe,
         icons: &seen.icons,
         gizmo: GizmoModel {
             settings: settings.gizmo,

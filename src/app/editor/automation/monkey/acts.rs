@@ -157,7 +157,7 @@ fn camera(world: &mut World, random: &mut Random) -> Vec<Act> {
 }
 
 fn display(random: &mut Random) -> Vec<Act> {
-    match random.below(8) {
+    match random.below(10) {
         0 | 1 => {
             let (_, mode) = DisplayMode::ALL[random.below(DisplayMode::ALL.len())];
             say(format!("show {}", mode.replace(' ', "-").to_lowercase()))
@@ -175,6 +175,12 @@ fn display(random: &mut Random) -> Vec<Act> {
             1 => say(format!("compare wipe {}", random.fraction())),
             _ => say("compare difference"),
         },
+        7 => say(["see-into-rooms", "cut-open", "isolate", "wireframe"][random.below(4)]),
+        8 => say(format!(
+            "cut-plane {} {}",
+            ["x", "-y", "z"][random.below(3)],
+            random.number()
+        )),
         _ => say(["expose-automatically", "boxes", "safe-frame", "measure"][random.below(4)]),
     }
 }

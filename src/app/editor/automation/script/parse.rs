@@ -19,6 +19,7 @@ use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside};
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::Ruler;
+use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
@@ -52,7 +53,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 49] = [
+pub const VERBS: [(&str, &str); 52] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -102,6 +103,9 @@ pub const VERBS: [(&str, &str); 49] = [
     ("split-strategies", "on|off"),
     ("show-grid", "on|off"),
     ("measure-between", "FROM TO (each X,Y,Z)"),
+    ("hide-walls", "on|off"),
+    ("cut-plane", "none | x|y|z|-x|-y|-z AT (leaves out what is beyond)"),
+    ("show-alone", "none | NAME..."),
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
@@ -156,6 +160,8 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         safe_frame: settings.safe_frame,
         grid: settings.grid,
         dimensions: settings.dimensions,
+        seeing: settings.seeing,
+        isolated: !settings.isolated.is_empty(),
         flying: false,
     }
 }
@@ -298,6 +304,19 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             shown: rendering::switch(switch)?,
             ..world.resource::<ViewSettings>().grid
         }),
+        ("hide-walls", [switch]) => seeing(world, |seen| {
+            seen.walls = match rendering::switch(switch)? {
+                true => Walls::Hidden,
+                false => Walls::Shown,
+            };
+            Ok(())
+        })?,
+        ("cut-plane", words) => seeing(world, |seen| {
+            seen.cut = rendering::cut(words)?;
+            Ok(())
+        })?,
+        ("show-alone", ["none"]) => Command::Isolate(Vec::new()),
+        ("show-alone", names) if !names.is_empty() => Command::Isolate(all_named(world, names)?),
         ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
         ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
         ("mix", [light, gain @ ..]) => {
@@ -438,6 +457,12 @@ fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> Command 
     let mut display = world.resource::<ViewSettings>().display;
     change(&mut display);
     Command::SetDisplay(display)
+}
+
+fn seeing(world: &World, change: impl FnOnce(&mut Seeing) -> Result<(), ScriptError>) -> Result<Command, ScriptError> {
+    let mut seeing = world.resource::<ViewSettings>().seeing;
+    change(&mut seeing)?;
+    Ok(Command::SetSeeing(seeing))
 }
 
 /// A material itself, or that of a shape.

@@ -8,6 +8,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
+use crate::app::editor::command::seeing::{AXES, CutOpen};
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
 
@@ -69,6 +70,22 @@ pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, Scri
     };
     mix.set(light, channel);
     Ok(Command::SetLightMix(mix))
+}
+
+/// Parses a cut plane; None is none.
+pub fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
+    let (axis, at) = match words {
+        ["none"] => return Ok(None),
+        [axis, at] => (*axis, parse_float(at)?),
+        _ => return Err("expected `none`, or an axis and a number".into()),
+    };
+    let (above, name) = match axis.strip_prefix('-') {
+        Some(name) => (false, name),
+        None => (true, axis),
+    };
+    let number = AXES.iter().position(|known| known.eq_ignore_ascii_case(name));
+    let axis = number.ok_or_else(|| format!("expected an axis such as `y` or `-y`, found `{axis}`"))?;
+    Ok(Some(CutOpen { axis, at, above }))
 }
 
 pub fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {

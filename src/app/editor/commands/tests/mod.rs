@@ -5,6 +5,7 @@ mod full_film;
 mod grouping;
 mod materials;
 mod placing;
+mod seeing;
 
 use std::path::{Path, PathBuf};
 

@@ -11,6 +11,7 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Selection;
 pub use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
@@ -58,6 +59,10 @@ pub struct ActionContext<'a> {
     pub grid: GridSettings,
     /// Whether the dimensions of the selection are shown in the picture.
     pub dimensions: bool,
+    /// What the view leaves out, of which parts are switched.
+    pub seeing: Seeing,
+    /// Whether some shapes are shown alone.
+    pub isolated: bool,
     /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
 }
@@ -155,6 +160,8 @@ impl ActionContext<'_> {
             Command::SetGizmo(settings) => self.gizmo = *settings,
             Command::SetPaused(paused) => self.paused = *paused,
             Command::SetTool(tool) => self.tool = *tool,
+            Command::SetSeeing(seeing) => self.seeing = *seeing,
+            Command::Isolate(entities) => self.isolated = !entities.is_empty(),
             Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
             Command::SetGrid(grid) => self.grid = *grid,
             Command::ShowDimensions(shown) => self.dimensions = *shown,

@@ -11,6 +11,7 @@ use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::resolution::FullFilm;
+use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::tool::Tool;
@@ -351,6 +352,50 @@ pub const ACTIONS: &[Action] = &[
     action(Group::View, "expose-automatically", "Expose automatically", &[], |_| {
         Some(Command::ExposeAutomatically)
     }),
+    action(
+        Group::View,
+        "see-into-rooms",
+        "See into rooms, or not",
+        &[alt(Key::W)],
+        |context| Some(Command::SetSeeing(context.seeing.with_walls_switched())),
+    ),
+    action(
+        Group::View,
+        "cut-open",
+        "Cut open, or close again",
+        &[alt(Key::C)],
+        |context| {
+            Some(match context.seeing.cut {
+                None => Command::CutOpen,
+                Some(_) => Command::SetSeeing(Seeing {
+                    cut: None,
+                    ..context.seeing
+                }),
+            })
+        },
+    ),
+    action(
+        Group::View,
+        "isolate",
+        "Show the selection alone, or all",
+        &[plain(Key::Slash)],
+        |context| match context.isolated {
+            true => Some(Command::Isolate(Vec::new())),
+            false => context.with_selection(Command::Isolate(context.selection.entities().to_vec())),
+        },
+    ),
+    action(
+        Group::View,
+        "wireframe",
+        "Wireframe of the selection",
+        &[alt(Key::E)],
+        |context| {
+            Some(Command::SetSeeing(Seeing {
+                wireframe: !context.seeing.wireframe,
+                ..context.seeing
+            }))
+        },
+    ),
     action(Group::View, "safe-frame", "Safe frame", &[], |context| {
         Some(Command::ShowSafeFrame(!context.safe_frame))
     }),

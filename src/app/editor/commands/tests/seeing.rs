@@ -1,0 +1,87 @@
+//! What the view leaves out: it follows commands, and is told to the renderer.
+
+use super::*;
+use crate::app::editor::command::axis_view::AxisView;
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::seeing::{CutOpen, Seeing, Walls};
+use crate::engine::SightControl;
+
+fn sight(world: &World) -> SightControl {
+    world.resource::<RenderControl>().sight.clone()
+}
+
+fn walls(world: &World) -> Walls {
+    world.resource::<ViewSettings>().seeing.walls
+}
+
+/// A world with a camera in use.
+fn with_camera() -> (World, Entity) {
+    let mut world = bare_world();
+    let camera = world
+        .spawn((Sensor::default(), ToWorld(Affine3A::IDENTITY), DocumentOrder(0)))
+        .id();
+    say(&mut world, Command::LookThrough(camera));
+    (world, camera)
+}
+
+#[test]
+fn views_along_an_axis_hide_walls_until_another_view() {
+    let (mut world, camera) = with_camera();
+    assert_eq!(sight(&world), SightControl::default());
+    say(&mut world, Command::LookAlong(AxisView::Top));
+    assert!(sight(&world).passes_backs && walls(&world) == Walls::HiddenForAxis);
+    say(&mut world, Command::LookThrough(camera));
+    assert!(!sight(&world).passes_backs);
+
+    // Who has hidden them keeps them hidden.
+    let hidden = Seeing::default().with_walls_switched();
+    say(&mut world, Command::SetSeeing(hidden));
+    say(&mut world, Command::LookAlong(AxisView::Front));
+    say(&mut world, Command::LookThrough(camera));
+    assert_eq!((sight(&world).passes_backs, walls(&world)), (true, Walls::Hidden));
+    say(&mut world, Command::SetSeeing(hidden.with_walls_switched()));
+
+    world.insert_resource(Preferences {
+        axis_views_hide_walls: false,
+        ..Preferences::default()
+    });
+    say(&mut world, Command::LookAlong(AxisView::Top));
+    assert_eq!((sight(&world).passes_backs, walls(&world)), (false, Walls::Shown));
+}
+
+#[test]
+fn a_cut_plane_leaves_out_its_side() {
+    let mut world = bare_world();
+    let cut = |axis, at, above| {
+        Command::SetSeeing(Seeing {
+            cut: Some(CutOpen { axis, at, above }),
+            ..Seeing::default()
+        })
+    };
+    let sees = |world: &World, at: Vec3| {
+        let plane = sight(world).cut.expect("a plane");
+        plane.normal.dot(at) < plane.offset
+    };
+    say(&mut world, cut(1, 2.0, true));
+    assert!(sees(&world, Vec3::ZERO) && !sees(&world, 3.0 * Vec3::Y));
+    say(&mut world, cut(1, 2.0, false));
+    assert!(!sees(&world, Vec3::ZERO) && sees(&world, 3.0 * Vec3::Y));
+    // There is no such axis.
+    say(&mut world, cut(7, 2.0, false));
+    assert_eq!(sight(&world), SightControl::default());
+    assert!(apply(&mut world, Command::CutOpen).is_err(), "the scene is empty");
+}
+
+#[test]
+fn shapes_are_shown_alone_as_long_as_they_are_there() {
+    let (mut world, camera) = with_camera();
+    let [a, b] = [add(&mut world, AdditionKind::Cube), add(&mut world, AdditionKind::Disk)];
+    assert!(apply(&mut world, Command::Isolate(vec![camera])).is_err());
+    say(&mut world, Command::Isolate(vec![a, camera]));
+    assert_eq!(sight(&world).only, [a]);
+    say(&mut world, Command::Select(vec![b], Extend::Replace));
+    assert_eq!(sight(&world).only, [a], "it is not the selection");
+    say(&mut world, Command::Select(vec![a], Extend::Replace));
+    say(&mut world, Command::Delete);
+    assert_eq!(sight(&world), SightControl::default());
+}
