@@ -41,6 +41,8 @@ pub(crate) struct Slot<'a> {
 }
 
 const MENU_WIDTH: f32 = 18.0;
+/// The edge of a square of its mark, in points.
+const SQUARE: f32 = 3.5;
 const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
 
 impl Slot<'_> {
@@ -125,8 +127,10 @@ impl Slot<'_> {
 
     fn menu(&self, ui: &mut Ui, kind: TextureKind) -> Option<TextureKind> {
         let mut chosen = None;
-        ui.spacing_mut().button_padding.x = 2.0;
-        let menu = ui.menu_button("\u{2630}", |ui| {
+        let size = egui::vec2(MENU_WIDTH, ui.spacing().interact_size.y);
+        let button = ui.add(egui::Button::new("").min_size(size));
+        squares(ui, button.rect, kind != TextureKind::Plain);
+        egui::Popup::menu(&button).show(|ui| {
             for option in TextureKind::ALL {
                 let name = option.name(self.plain);
                 if ui.selectable_label(option == kind, name).clicked() {
@@ -136,7 +140,7 @@ impl Slot<'_> {
             }
         });
         let name = format!("{} source", self.caption.text);
-        menu.response
+        button
             .on_hover_text("A constant, or a texture")
             .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
         chosen
@@ -210,6 +214,20 @@ fn shown_name(texture: &Texture) -> String {
         }
         Texture::Checkerboard { .. } => "checkerboard".to_owned(),
         Texture::MeshAttribute { name, .. } => name.clone(),
+    }
+}
+
+/// The mark of the menu: the squares of a texture, bright where there is one.
+fn squares(ui: &Ui, button: egui::Rect, is_textured: bool) {
+    let color = match is_textured {
+        true => ui.visuals().text_color(),
+        false => ui.visuals().weak_text_color(),
+    };
+    let corner = button.center() - egui::Vec2::splat(1.5 * SQUARE);
+    for (column, row) in [(0, 0), (2, 0), (1, 1), (0, 2), (2, 2)] {
+        let place = corner + SQUARE * egui::vec2(column as f32, row as f32);
+        let square = egui::Rect::from_min_size(place, egui::Vec2::splat(SQUARE));
+        ui.painter().rect_filled(square, 0.0, color);
     }
 }
 
