@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use sunroom::app::editor::automation::monkey::{Monkey, run_windowless};
+use sunroom::app::editor::command::samples::SAMPLES;
 use sunroom::app::windowed::{self, WindowOptions};
 
 use super::args::EditArgs;
 use super::{outputs, report};
 
-/// The scene that opens if none is named.
-const FIRST_SCENE: &str = "scenes/cornell-box.xml";
+/// The sample scene that opens if none is named.
+const FIRST_SCENE: &str = "cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
     args.memory.apply();
@@ -22,6 +23,7 @@ pub fn run(args: EditArgs) -> ExitCode {
     if let Some(Err(error)) = args.screenshot.as_deref().map(outputs::check_text) {
         return report::error(error);
     }
+    let begins = args.scene.is_none();
     let scene = args.scene.or_else(first_scene);
     let monkey = args.monkey.options(scene.as_ref());
     if args.monkey.no_window
@@ -35,6 +37,7 @@ pub fn run(args: EditArgs) -> ExitCode {
     let options = WindowOptions {
         // The monkey opens copies.
         scene: scene.filter(|_| monkey.is_none()),
+        begins,
         defines: args.defines.defines,
         camera: args.camera,
         size: args.window.map(Into::into),
@@ -51,12 +54,6 @@ pub fn run(args: EditArgs) -> ExitCode {
     windowed::run(options).unwrap_or_else(report::error)
 }
 
-/// The Cornell box below the working directory, or else below a folder above the program, as in a build folder or a release.
 fn first_scene() -> Option<PathBuf> {
-    let program = std::env::current_exe().ok();
-    let beside = program.iter().flat_map(|program| program.ancestors().skip(1).take(4));
-    std::iter::once(std::path::Path::new(""))
-        .chain(beside)
-        .map(|folder| folder.join(FIRST_SCENE))
-        .find(|path| path.is_file())
+    SAMPLES.iter().find(|sample| sample.file == FIRST_SCENE)?.path()
 }

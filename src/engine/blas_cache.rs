@@ -11,11 +11,12 @@ use rayon::{ThreadPool, ThreadPoolBuildError};
 
 use super::control::WakeUp;
 use super::run::text_of_panic;
+use super::solid_meshes::SolidMeshes;
 use crate::accel::{Blas, BvhStats, SplitMethod};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
-use crate::scene::TriangleMesh;
+use crate::scene::{Solid, TriangleMesh};
 
 /// The size up to which meshes are built at once when they are asked for: that takes about a millisecond, less than a frame.
 const SMALL: usize = 4096;
@@ -30,6 +31,8 @@ pub(super) enum MeshKey {
     },
     Cube,
     Triangle,
+    /// A building part, by its number among those in use.
+    Solid(u64),
 }
 
 /// A mesh that can be rendered.
@@ -77,6 +80,7 @@ pub(super) struct BlasCache {
     entries: HashMap<MeshKey, Entry>,
     cube: Arc<MeshData>,
     triangle: Arc<MeshData>,
+    solids: SolidMeshes,
     next_ticket: u64,
     sender: Sender<Finished>,
     finished: Receiver<Finished>,
@@ -91,6 +95,7 @@ impl Default for BlasCache {
             entries: HashMap::new(),
             cube: Arc::new(unit_cube()),
             triangle: Arc::new(unit_triangle()),
+            solids: SolidMeshes::default(),
             next_ticket: 0,
             sender,
             finished,
@@ -116,6 +121,12 @@ impl BlasCache {
 
     pub fn triangle(&self) -> Arc<MeshData> {
         self.triangle.clone()
+    }
+
+    /// The mesh of a building part and its key. Parts of equal numbers share them.
+    pub fn solid(&mut self, part: &Solid) -> (MeshKey, Arc<MeshData>) {
+        let (number, mesh) = self.solids.get(part);
+        (MeshKey::Solid(number), mesh)
     }
 
     /// Takes the builds that are done; true if there were any.
@@ -153,6 +164,9 @@ impl BlasCache {
     /// Drops what was not asked for.
     pub fn end_use(&mut self) {
         self.entries.retain(|_, entry| entry.used);
+        let entries = &self.entries;
+        self.solids
+            .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
     }
 
     /// Keeps the hierarchy of a mesh whose data is not available just now.

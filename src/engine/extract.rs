@@ -246,6 +246,10 @@ impl Extracted {
                     let triangle = cache.triangle();
                     cache.get(MeshKey::Triangle, &triangle, policy)
                 }
+                (ShapeKind::Solid(solid), _) => {
+                    let (key, mesh) = cache.solid(solid);
+                    cache.get(key, &mesh, policy)
+                }
                 (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
                     Some(mesh) => {
                         let key = MeshKey::Asset {

@@ -25,6 +25,7 @@ mod resolution;
 mod run;
 mod schedule;
 mod sight;
+mod solid_meshes;
 pub mod status;
 mod stop_condition;
 

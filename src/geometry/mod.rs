@@ -22,6 +22,7 @@ mod polygon;
 pub mod primitives;
 pub mod rectangle;
 pub mod serialized;
+pub mod solid;
 pub mod sphere;
 pub mod triangle;
 pub mod vertex_normals;

@@ -27,6 +27,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
                 *radius * Vec3::from_array((Vec3::ONE - along * along).to_array().map(|part| part.max(0.0).sqrt()));
             Aabb::from_points([p0.min(*p1) - reach, p0.max(*p1) + reach])
         }
+        ShapeKind::Solid(solid) => Aabb::from_points(solid.corners()),
         ShapeKind::Instance | ShapeKind::Frame => return None,
         ShapeKind::Mesh(file) => mesh?.data(file.shape_index)?.bounds(),
     };

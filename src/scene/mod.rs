@@ -37,6 +37,7 @@ mod scene_file;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
+pub mod solid;
 pub mod spawn;
 pub mod status;
 pub mod sun_sky;
@@ -79,6 +80,7 @@ pub use scene_file::SceneFile;
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
+pub use solid::{Opening, Solid, SolidValue};
 pub use status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
 };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
-use super::{DocumentOrder, ToWorld};
+use super::{DocumentOrder, Solid, ToWorld};
 
 /// A surface. Its material is [`super::UsesMaterial`], its emission [`super::AreaLight`].
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
@@ -43,6 +43,7 @@ impl Shape {
             | ShapeKind::Cube
             | ShapeKind::Disk
             | ShapeKind::Triangle { .. }
+            | ShapeKind::Solid(_)
             | ShapeKind::Instance
             | ShapeKind::Frame => false,
         }
@@ -80,6 +81,8 @@ pub enum ShapeKind {
         /// The radius, above 0.
         radius: f32,
     },
+    /// A wall, stairs or a prism.
+    Solid(Solid),
     /// The triangles of a file.
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
@@ -90,13 +93,16 @@ pub enum ShapeKind {
 
 impl ShapeKind {
     /// The names of all plugins, groups apart.
-    pub const PLUGINS: [&'static str; 10] = [
+    pub const PLUGINS: [&'static str; 13] = [
         "sphere",
         "rectangle",
         "cube",
         "disk",
         "triangle",
         "cylinder",
+        "wall",
+        "stairs",
+        "prism",
         "instance",
         "obj",
         "ply",

@@ -60,6 +60,7 @@ mod shared_meshes;
 mod sight;
 mod silhouette;
 mod small_scenes;
+mod solids;
 mod square_density;
 mod textured_surface_light;
 mod textures;

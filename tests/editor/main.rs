@@ -11,11 +11,13 @@ mod replay;
 mod split_mix;
 mod support;
 
+mod blocking;
 mod corpus;
 mod editing;
 mod gizmo;
 mod orientation;
 mod panels;
 mod shell;
+mod start_page;
 mod trust;
 mod viewport;

@@ -112,6 +112,7 @@ pub fn window() -> Harness<'static, Window> {
                     bound: &NO_BINDINGS,
                 },
                 denoiser: DenoiserState::Idle,
+                block: None,
                 locked: &locked,
                 things: &things,
                 packed: &packed,

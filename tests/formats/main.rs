@@ -13,3 +13,4 @@ mod hot_reload;
 mod saving;
 mod scene;
 mod sensors;
+mod solids;

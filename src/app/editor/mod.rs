@@ -33,6 +33,7 @@ use crate::memory;
 use crate::scene::{OpenScene, SceneAccess, SceneSystems};
 use automation::monkey::Monkey;
 use command::resolution::Resolution;
+use command::shell::Sheet;
 use session::layout::Layout;
 use session::options::{SceneDefines, WantedCamera, WindowOptions};
 use session::preferences::PreferencesFile;
@@ -91,7 +92,11 @@ impl Plugin for EditorPlugin {
         app.add_plugins(EguiPlugin::default())
             .insert_resource(settings)
             .insert_resource(toasts)
-            .init_resource::<Requests>()
+            .insert_resource(Requests {
+                sheet: (options.begins && options.is_attended() && preferences.start_page).then_some(Sheet::Start),
+                ..default()
+            })
+            .init_resource::<session::tutorial::Tutorial>()
             .init_resource::<Widgets>()
             .init_resource::<ViewportState>()
             .init_resource::<ViewportScene>()

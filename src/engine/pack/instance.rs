@@ -83,7 +83,7 @@ pub(in crate::engine) fn pack_instance(
         }
         // Becomes no shape of its own.
         ShapeKind::Instance | ShapeKind::Frame => return None,
-        ShapeKind::Cube => (mesh_primitive()?, to_world, false),
+        ShapeKind::Cube | ShapeKind::Solid(_) => (mesh_primitive()?, to_world, false),
         ShapeKind::Triangle { corners: [a, b, c] } => {
             let (u, v) = (*b - *a, *c - *a);
             let Some(normal) = u.cross(v).try_normalize() else {

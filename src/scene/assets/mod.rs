@@ -4,6 +4,7 @@ pub mod file_source;
 pub mod gltf_scene;
 pub mod parts_cache;
 pub mod scene_asset;
+pub mod solid_mesh;
 pub mod texture_map;
 pub mod triangle_mesh;
 

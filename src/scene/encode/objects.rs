@@ -11,8 +11,10 @@ use super::into_object::{
 use super::lights::area_light;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Value};
+use crate::scene::solid::openings_text;
 use crate::scene::{
     AreaLight, Film, IntegratorSettings, Lens, Material, MeshFormat, ReconstructionFilter, Sensor, Shape, ShapeKind,
+    Solid, SolidValue,
 };
 
 /// `folder`: of the file that is written; names of pictures are relative to it.
@@ -47,6 +49,7 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
             let object = with(object("cylinder"), "p0", Value::Point(*p0));
             with_float(with(object, "p1", Value::Point(*p1)), "radius", *radius)
         }
+        ShapeKind::Solid(solid) => with_solid(object(solid.plugin()), solid.clone()),
         // The group it shows is not these functions' business, and it has no other parameters.
         ShapeKind::Instance => return with_to_world(object("instance"), to_world),
         ShapeKind::Frame => {
@@ -72,6 +75,21 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         Some(light) => with_child(object, area_light(light, folder)),
         None => object,
     }
+}
+
+fn with_solid(object: Object, mut solid: Solid) -> Object {
+    let mut values = Vec::new();
+    solid.visit_mut(&mut |info, value| {
+        let value = match value {
+            SolidValue::Length(length) => Value::Float(*length),
+            SolidValue::Count(count) => Value::Integer((*count).into()),
+            SolidValue::Openings(openings) => Value::String(openings_text(openings)),
+        };
+        values.push((info.name, value));
+    });
+    values
+        .into_iter()
+        .fold(object, |object, (name, value)| with(object, name, value))
 }
 
 /// The `<sensor>` with its film and sampler count.

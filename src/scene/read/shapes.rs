@@ -8,10 +8,11 @@ use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
-use crate::document::{Category, Object, Severity};
+use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
-use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::solid::parse_openings;
+use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_SHAPES: [&str; 9] = [
@@ -56,6 +57,7 @@ impl<'a> SceneReader<'a> {
                 p1: reader.point("p1").unwrap_or(Vec3::Z),
                 radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
             },
+            "wall" | "stairs" | "prism" => ShapeKind::Solid(read_solid(&mut reader)),
             "instance" => ShapeKind::Instance,
             FRAME if object.category == Category::Volume => {
                 reader.ignore(&["value"]);
@@ -193,4 +195,22 @@ impl<'a> SceneReader<'a> {
             }
         }
     }
+}
+
+/// A building part, by the name of the plugin.
+fn read_solid(reader: &mut Reader) -> Solid {
+    let mut solid = Solid::of_plugin(&reader.object().plugin).unwrap_or_default();
+    solid.visit_mut(&mut |info, value| match value {
+        SolidValue::Length(length) => *length = reader.float_in(info.name, info.range.clone()).unwrap_or(*length),
+        SolidValue::Count(count) => {
+            let range = *info.range.start() as i64..=*info.range.end() as i64;
+            *count = reader.integer_in(info.name, range).map_or(*count, |given| given as u32);
+        }
+        SolidValue::Openings(openings) => match reader.string(info.name).map(parse_openings) {
+            Some(Ok(given)) => *openings = given,
+            Some(Err(reason)) => reader.error_at(info.name, format!("`{}`: {reason}", info.name)),
+            None => {}
+        },
+    });
+    solid
 }

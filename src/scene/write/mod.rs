@@ -80,7 +80,7 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
 }
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
-/// are such: single triangles become meshes in a file beside it.
+/// are such: single triangles and building parts become meshes in files beside it.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
@@ -89,7 +89,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());
     spectra::as_colors(Arc::make_mut(&mut document.root));
-    if let Some((path, text)) = portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
+    for (path, text) in portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
         write_file(&path, text)?;
     }
     write_file(path, document::to_xml(&document)?)

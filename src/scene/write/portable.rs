@@ -6,7 +6,10 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::document::{Category, Child, Object, TransformOp, Value};
+use crate::scene::assets::solid_mesh::solid_ply;
 use crate::scene::read::is_frame;
+use crate::scene::solid::parse_openings;
+use crate::scene::{Solid, SolidValue};
 
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -20,17 +23,38 @@ pub enum Extensions {
     Approximate,
 }
 
-/// Translates the scene that will be written to `target`; the further file it needs then, if it needs one.
-pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Option<(PathBuf, &'static str)> {
+/// Translates the scene that will be written to `target`; the further files it needs then.
+pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Vec<(PathBuf, String)> {
     let stem = target.file_stem().unwrap_or_default().to_string_lossy();
-    let file_name = format!("{stem}.triangle.obj");
-    let has_triangles = translate_inside(root, &file_name, extensions);
-    has_triangles.then(|| (target.with_file_name(&file_name), TRIANGLE))
+    let mut files = BesideFiles {
+        stem: &stem,
+        list: Vec::new(),
+    };
+    translate_inside(root, &mut files, extensions);
+    let files = files.list.into_iter();
+    files.map(|(name, text)| (target.with_file_name(name), text)).collect()
 }
 
-/// Whether there are triangles.
-fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions) -> bool {
-    let mut has_triangles = false;
+/// The meshes that are written beside the scene, each content once.
+struct BesideFiles<'s> {
+    /// The name of the scene, with which all their names begin.
+    stem: &'s str,
+    list: Vec<(String, String)>,
+}
+
+impl BesideFiles<'_> {
+    /// The name of the file with this text. `kind` is a part of it if it is a new one.
+    fn name_of(&mut self, text: String, kind: impl FnOnce(usize) -> String) -> String {
+        if let Some((name, _)) = self.list.iter().find(|(_, known)| *known == text) {
+            return name.clone();
+        }
+        let name = format!("{}.{}", self.stem, kind(self.list.len() + 1));
+        self.list.push((name.clone(), text));
+        name
+    }
+}
+
+fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Extensions) {
     if extensions == Extensions::Approximate {
         // What is in a group stands where it is by itself.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
@@ -39,7 +63,7 @@ fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions
     for child in &mut object.children {
         let Child::Object(inner) = child else { continue };
         let inner = Arc::make_mut(inner);
-        has_triangles |= translate_inside(inner, file_name, extensions);
+        translate_inside(inner, files, extensions);
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
             (Category::Bsdf, "roughconductor") if extensions == Extensions::Approximate => {
@@ -51,13 +75,41 @@ fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions
                 .properties
                 .retain(|property| !matches!(property.name.as_str(), "blades" | "blade_rotation")),
             (Category::Shape, "triangle") => {
-                triangle(inner, file_name);
-                has_triangles = true;
+                let name = files.name_of(TRIANGLE.to_owned(), |_| "triangle.obj".to_owned());
+                triangle(inner, &name);
+            }
+            (Category::Shape, plugin) => {
+                if let Some(part) = Solid::of_plugin(plugin) {
+                    solid(inner, part, files);
+                }
             }
             _ => {}
         }
     }
-    has_triangles
+}
+
+/// The mesh that the numbers of a building part stand for.
+fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) {
+    let mut names = Vec::new();
+    part.visit_mut(&mut |info, given| {
+        names.push(info.name);
+        match (given, value(object, info.name)) {
+            (SolidValue::Length(length), Some(Value::Float(number))) => *length = *number,
+            (SolidValue::Length(length), Some(Value::Integer(number))) => *length = *number as f32,
+            (SolidValue::Count(count), Some(Value::Integer(number))) => *count = *number as u32,
+            (SolidValue::Openings(openings), Some(Value::String(text))) => {
+                *openings = parse_openings(text).unwrap_or_default();
+            }
+            _ => {}
+        }
+    });
+    let plugin = part.plugin();
+    let name = files.name_of(solid_ply(&part), |number| format!("{plugin}-{number}.ply"));
+    object.plugin = "ply".into();
+    object
+        .properties
+        .retain(|property| !names.contains(&property.name.as_str()));
+    *object = object.clone().with("filename", Value::String(name));
 }
 
 /// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the mirrored

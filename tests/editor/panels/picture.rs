@@ -76,6 +76,7 @@ pub fn picture() -> Harness<'static, Picture> {
                 },
                 denoiser: DenoiserState::Idle,
                 preset: Default::default(),
+                block: None,
                 locked: &locked,
                 packed: &packed,
                 things: &things,

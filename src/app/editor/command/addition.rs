@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3;
 
-use crate::scene::Emitter;
+use crate::scene::{Emitter, Solid};
 
 /// A new thing in the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub enum AdditionKind {
     Disk,
     /// An open cylinder, upright.
     Cylinder,
+    /// A building part: one of [`Solid::PLUGINS`].
+    Solid(&'static str),
     /// A rectangle that shines downwards.
     AreaLight,
     /// One of [`Emitter::PLUGINS`].
@@ -51,7 +53,16 @@ impl From<AdditionKind> for Addition {
 }
 
 impl AdditionKind {
-    pub(crate) const SHAPES: [Self; 5] = [Self::Sphere, Self::Rectangle, Self::Cube, Self::Disk, Self::Cylinder];
+    pub(crate) const SHAPES: [Self; 8] = [
+        Self::Sphere,
+        Self::Rectangle,
+        Self::Cube,
+        Self::Disk,
+        Self::Cylinder,
+        Self::Solid("wall"),
+        Self::Solid("stairs"),
+        Self::Solid("prism"),
+    ];
 
     /// The word for it in names and scripts.
     pub fn name(self) -> &'static str {
@@ -62,8 +73,16 @@ impl AdditionKind {
             Self::Disk => "disk",
             Self::Cylinder => "cylinder",
             Self::AreaLight => "area",
-            Self::Emitter(plugin) => plugin,
+            Self::Emitter(plugin) | Self::Solid(plugin) => plugin,
             Self::Camera => "camera",
+        }
+    }
+
+    /// Half the height of a thing whose size does not matter to who adds it.
+    pub(crate) fn usual_size(self) -> f32 {
+        match self {
+            Self::Solid(plugin) => Solid::of_plugin(plugin).map_or(1.0, |part| 0.5 * part.corners()[1].z),
+            _ => 1.0,
         }
     }
 

@@ -3,6 +3,7 @@
 pub mod addition;
 pub mod arrange;
 pub mod axis_view;
+pub mod blocking;
 pub mod bvh_overlay;
 pub mod compare_view;
 pub mod conversion;
@@ -24,6 +25,7 @@ pub mod presets;
 pub mod recovery_offer;
 pub mod resolution;
 pub mod ruler;
+pub mod samples;
 pub mod seeing;
 pub mod selection;
 pub mod shell;
@@ -45,6 +47,8 @@ use crate::scene::{
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
 use axis_view::AxisView;
+use blocking::block::Block;
+use blocking::{BlockKind, Reshaping};
 use bvh_overlay::BvhOverlay;
 use compare_view::CompareView;
 use display::DisplaySettings;
@@ -133,6 +137,10 @@ pub enum Command {
     // The scene.
     /// Adds one thing, which becomes the selection.
     Add(Addition),
+    /// Adds a box, floor or wall that was drawn, which becomes the selection.
+    Build(Box<Block>),
+    /// Sets the geometry of a shape together with its pose, world from local.
+    Reshape(Entity, Shape, Affine3A, Reshaping),
     /// Removes the selection.
     Delete,
     /// Copies the selection beside it, or on along a series of copies; the copies become the selection.
@@ -381,10 +389,13 @@ impl Command {
             | Self::SetSensor(..)
             | Self::SetFilm(..)
             | Self::SetIntegrator(_)
-            | Self::SetSampler(_) => Effect::Drag,
+            | Self::SetSampler(_)
+            | Self::Reshape(.., Reshaping::Push) => Effect::Drag,
             Self::Import(_)
             | Self::MoveCameraToView
             | Self::Add(_)
+            | Self::Build(_)
+            | Self::Reshape(.., Reshaping::Cut)
             | Self::Delete
             | Self::Duplicate
             | Self::MakeSeries(_)
@@ -488,6 +499,13 @@ impl Command {
             Self::Import(_) => "Import",
             Self::MoveCameraToView => "Move camera to view",
             Self::Add(_) => "Add",
+            Self::Build(block) => match block.kind {
+                BlockKind::Box => "Draw box",
+                BlockKind::Floor => "Draw floor",
+                BlockKind::Wall => "Draw wall",
+            },
+            Self::Reshape(.., Reshaping::Push) => "Push face",
+            Self::Reshape(.., Reshaping::Cut) => "Cut opening",
             Self::Delete => "Delete",
             Self::Duplicate => "Duplicate",
             Self::MakeSeries(_) => "Make a series of",
@@ -535,6 +553,7 @@ impl Command {
             Self::OnSelection(command) => command.targets(),
             Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
             Self::SetShape(entity, _)
+            | Self::Reshape(entity, ..)
             | Self::SetMaterial(entity, _)
             | Self::SetAreaLight(entity, _)
             | Self::SetEmitter(entity, _)

@@ -105,6 +105,8 @@ pub struct Preferences {
     pub axis_views_hide_walls: bool,
     /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
     pub memory_gib: u32,
+    /// The start page is shown when the program starts without a file.
+    pub start_page: bool,
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// The size and place of the window when it was closed.
@@ -139,6 +141,7 @@ impl Default for Preferences {
             reduced_motion: false,
             axis_views_hide_walls: true,
             memory_gib: 0,
+            start_page: true,
             recent_files: Vec::new(),
             window: None,
             layout: Value::Null,

@@ -25,6 +25,8 @@ pub enum ShellCommand {
     SetPreferences(Box<Preferences>),
     /// Chooses how the mouse moves the view.
     SetNavigation(NavigationPreset),
+    /// Shows a step of the tutorial, from 0; None leaves it.
+    ShowTutorial(Option<usize>),
     /// Opens the edits that were written aside before a crash.
     Recover(Offer),
     /// Deletes the edits that were written aside before a crash.
@@ -46,4 +48,6 @@ pub enum Sheet {
     Keys,
     /// The form for a series of copies.
     Series,
+    /// The start page: sample scenes, recent files, the tutorial.
+    Start,
 }

@@ -1,6 +1,8 @@
-//! A tool that replaces selection for one click or drag in the picture.
+//! A tool that replaces selection for clicks and drags in the picture.
 
-/// A tool. It ends with Escape and after its use, except for those of paths and distances, which are used many times.
+use super::blocking::{BlockKind, OpeningKind};
+
+/// A tool. It ends with Escape and after its use, except for those that are used many times: those of paths and distances, and all that block out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.
@@ -14,6 +16,12 @@ pub enum Tool {
     Paths,
     /// Measures the distance between two points that are clicked.
     Ruler,
+    /// Draws things on the ground and on surfaces.
+    Draw(BlockKind),
+    /// Pushes and pulls the faces of boxes and building parts.
+    Push,
+    /// Cuts doors and windows into walls.
+    Cut(OpeningKind),
 }
 
 impl Tool {
@@ -30,6 +38,21 @@ impl Tool {
             Self::Region => Some("Drag a box around what is to be rendered (Esc: never mind)"),
             Self::Ruler => Some("Click two points to measure between them (Esc: done)"),
             Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
+            Self::Draw(BlockKind::Box) => {
+                Some("Drag the foot of a box on the ground or on a surface, then click its height (Esc: done)")
+            }
+            Self::Draw(BlockKind::Floor) => Some("Drag a floor on the ground or on a surface (Esc: done)"),
+            Self::Draw(BlockKind::Wall) => {
+                Some("Drag a wall on the ground or on a surface, then click its height (Esc: done)")
+            }
+            Self::Push => Some("Drag a face of a box, a wall or stairs (Esc: done)"),
+            Self::Cut(OpeningKind::Door) => Some("Click a wall or a box to cut a door (Esc: done)"),
+            Self::Cut(OpeningKind::Window) => Some("Click a wall or a box to cut a window (Esc: done)"),
         }
+    }
+
+    /// Whether the tool draws, pushes or cuts: the pointer and the number keys are its own then, and the handles of the gizmo are not shown.
+    pub fn blocks_out(self) -> bool {
+        matches!(self, Self::Draw(_) | Self::Push | Self::Cut(_))
     }
 }

@@ -23,7 +23,7 @@ use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{free_name, insert, names, next_order};
 use crate::scene::{
     ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneAccess,
-    SceneDescription, SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, Trust, read,
+    SceneDescription, SceneId, Sensor, Shape, ShapeKind, Solid, SquarePath, ToWorld, Trust, read,
 };
 
 /// The height of a light above what it shines on, and of a flat thing above what it lies on, in half sizes.
@@ -110,6 +110,14 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let pose = ToWorld(at(foot) * facing(up));
             edit.spawn((called, shape(kind), pose))
         }
+        AdditionKind::Solid(plugin) => {
+            let part = Solid::of_plugin(plugin).ok_or_else(|| format!("There is no shape called \"{plugin}\"."))?;
+            let part = part.clone().scaled(solid_scale(&part, size, addition.size.is_some()));
+            let [low, high] = part.corners();
+            let middle = Vec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.0);
+            let pose = ToWorld(at(foot) * facing(up) * at(-middle));
+            edit.spawn((called, shape(ShapeKind::Solid(part)), pose))
+        }
         AdditionKind::AreaLight => {
             let pose = ToWorld(at(above) * facing(-up) * scale);
             let light = AreaLight {
@@ -160,11 +168,24 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
     Ok(emitter)
 }
 
+/// The factor on the numbers of a building part, whose defaults are metres. `size` is half its height if it is given. Else it keeps its numbers unless
+/// the view shows that the scene is of another scale.
+fn solid_scale(part: &Solid, size: f32, is_given: bool) -> f32 {
+    let [low, high] = part.corners();
+    let factor = 2.0 * size / (high.z - low.z);
+    let is_usual = !is_given && (0.1..=10.0).contains(&factor);
+    if is_usual { 1.0 } else { factor }
+}
+
 /// The height of a thing's position above its foot, in half sizes.
 fn lift(kind: AdditionKind) -> f32 {
     match kind {
         AdditionKind::Sphere | AdditionKind::Cube => 1.0,
-        AdditionKind::Rectangle | AdditionKind::Disk | AdditionKind::Cylinder | AdditionKind::Camera => 0.0,
+        AdditionKind::Rectangle
+        | AdditionKind::Disk
+        | AdditionKind::Cylinder
+        | AdditionKind::Solid(_)
+        | AdditionKind::Camera => 0.0,
         AdditionKind::AreaLight | AdditionKind::Emitter(_) => ABOVE,
     }
 }

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::edits::{delete_selection, hide, rename, reorder, visible_things};
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
-use super::{adding, arranging, copying, fitting, grouping, materials, mixing, placing, several, view};
+use super::{adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -28,6 +28,8 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         }
         Command::Paste(text) => adding::paste(edit, &text)?,
         Command::Add(addition) => adding::add(edit, addition)?,
+        Command::Build(block) => blocking::build(edit, *block)?,
+        Command::Reshape(entity, shape, pose, _) => blocking::reshape(edit, entity, shape, pose)?,
         Command::Delete => delete_selection(edit)?,
         Command::Cut => {
             super::files::copy(edit.world)?;

@@ -7,6 +7,7 @@ mod adding;
 pub mod apply_edit;
 mod arranging;
 pub mod bare_world;
+mod blocking;
 mod copying;
 mod edits;
 mod files;
@@ -52,6 +53,7 @@ use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::history::{self, Edit, History};
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{InputStamp, PackedScene, RenderControl, RenderFilm, WakeUp};
 use crate::scene::write::OnChange;
@@ -114,12 +116,20 @@ fn note_input(world: &mut World, restarts: bool) {
 /// Does what the command says. After an error nothing is changed.
 pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
     flight::make_way(world, &command);
+    let lesson = world
+        .get_resource::<Tutorial>()
+        .filter(|tutorial| tutorial.step.is_some())
+        .map(|_| command.clone());
     let effect = command.effect();
     match effect {
         Effect::Edit | Effect::Drag => edit(world, command, effect == Effect::Drag)?,
         Effect::View | Effect::None => act(world, command)?,
     }
     keep_what_is_there(world);
+    if let Some(command) = lesson {
+        let is_saved = world.resource::<History>().is_saved();
+        world.resource_mut::<Tutorial>().note(&command, is_saved);
+    }
     Ok(())
 }
 

@@ -5,9 +5,10 @@ use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, Window
 
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::session::{recovery, trust};
 use crate::memory;
@@ -31,6 +32,12 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         }
         ShellCommand::SetNavigation(preset) => {
             world.get_resource_or_init::<Preferences>().navigation = preset;
+        }
+        ShellCommand::ShowTutorial(step) => {
+            world.get_resource_or_init::<Tutorial>().go_to(step);
+            // The page that it was begun from would cover it.
+            let sheet = &mut world.resource_mut::<Requests>().sheet;
+            *sheet = sheet.filter(|sheet| *sheet != Sheet::Start);
         }
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,

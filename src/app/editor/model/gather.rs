@@ -170,6 +170,7 @@ pub fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Disk => "disk",
         ShapeKind::Triangle { .. } => "triangle",
         ShapeKind::Cylinder { .. } => "cylinder",
+        ShapeKind::Solid(ref solid) => solid.plugin(),
         ShapeKind::Instance => "instance",
         ShapeKind::Frame => "group",
         ShapeKind::Mesh(_) => "mesh",

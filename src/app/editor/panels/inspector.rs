@@ -7,7 +7,7 @@ use bevy_egui::egui::{self, Ui};
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::section::section;
-use super::{camera_angles, dimensions, emission, fields, lengths, sensor, transform};
+use super::{camera_angles, dimensions, emission, fields, lengths, sensor, solid, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMesh, MaterialPlace, Model};
@@ -229,6 +229,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
             changed |= lengths::vector(ui, ("To", "p1"), p1, speed);
             changed |= lengths::length(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
         }
+        ShapeKind::Solid(part) => changed |= solid::rows(ui, part),
         ShapeKind::Instance => {
             fields::note(ui, ("Type", "kind"), "instance");
             return false;

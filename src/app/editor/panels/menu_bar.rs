@@ -176,8 +176,9 @@ fn arrange_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command
 fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {
     let context = &state.context;
     ui.set_min_width(220.0);
-    entry(ui, "new", context, commands);
-    entry(ui, "open", context, commands);
+    for name in ["start-page", "new", "open"] {
+        entry(ui, name, context, commands);
+    }
     ui.menu_button("Recent", |ui| scenes(ui, state.recent, commands));
     ui.menu_button("Scenes", |ui| scenes(ui, &model.scene_files, commands));
     entry(ui, "reload", context, commands);

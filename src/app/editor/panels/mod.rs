@@ -31,6 +31,7 @@ pub mod render;
 pub mod section;
 pub mod sensor;
 pub mod series;
+mod solid;
 pub mod status;
 pub mod texture;
 pub mod texture_slot;

@@ -14,5 +14,6 @@ pub mod stored_views;
 pub mod systems;
 pub mod toasts;
 pub mod trust;
+pub mod tutorial;
 pub mod view_settings;
 pub(crate) mod window_place;

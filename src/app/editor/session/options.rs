@@ -10,6 +10,8 @@ use bevy::prelude::*;
 pub struct WindowOptions {
     /// The scene; None opens an empty window.
     pub scene: Option<PathBuf>,
+    /// Nobody has named the scene, so that the start page is of use.
+    pub begins: bool,
     /// The values for the scene file's `$name` parameters.
     pub defines: Vec<(String, String)>,
     /// The name or index of the camera the first scene is seen with; None is its first.
@@ -40,6 +42,7 @@ impl Default for WindowOptions {
     fn default() -> Self {
         Self {
             scene: None,
+            begins: false,
             defines: Vec::new(),
             camera: None,
             size: None,

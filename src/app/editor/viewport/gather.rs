@@ -9,9 +9,11 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::blocking::BlockTarget;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};
+use super::state::ViewportState;
 use crate::accel::Tlas;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::pose::camera_pose;
@@ -51,6 +53,8 @@ pub(crate) struct ViewportScene {
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
     pub icons: Vec<Icon>,
+    /// The shape under the pointer, while a tool blocks out.
+    pub block: Option<BlockTarget>,
     /// The legend of false colours, if there are any.
     pub legend: Option<Legend>,
     pub captions: Vec<Caption>,
@@ -125,6 +129,7 @@ pub struct Sources<'w, 's> {
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
+    shapes: Query<'w, 's, (&'static Shape, &'static ToWorld), (Without<Placements>, Without<MemberOf>)>,
     locked: Query<'w, 's, Entity, With<Locked>>,
     newly_locked: Query<'w, 's, (), Added<Locked>>,
     unlocked: RemovedComponents<'w, 's, Locked>,
@@ -188,6 +193,15 @@ impl Sources<'_, '_> {
         found
     }
 
+    fn block(&self, entity: Entity) -> Option<BlockTarget> {
+        let (shape, to_world) = self.shapes.get(entity).ok()?;
+        Some(BlockTarget {
+            entity,
+            shape: shape.clone(),
+            pose: to_world.0,
+        })
+    }
+
     /// The icons of the lights that have a place, and of the cameras except the one that is looked through.
     fn icons(&self) -> Vec<Icon> {
         let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
@@ -218,6 +232,7 @@ pub(crate) fn gather_viewport(
     mut sources: Sources,
     settings: Res<ViewSettings>,
     outlines: Res<OutlinePass>,
+    state: Res<ViewportState>,
     mut model: ResMut<EditorModel>,
 ) {
     let seen = &mut *seen;
@@ -234,6 +249,7 @@ pub(crate) fn gather_viewport(
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
+    seen.block = state.blocking.hovered.and_then(|entity| sources.block(entity));
     seen.placeholder = placeholder(&sources.status);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let compared = &model.0.render.comparison;

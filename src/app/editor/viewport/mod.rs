@@ -2,6 +2,7 @@
 //! below them.
 
 pub mod axes_widget;
+pub mod blocking;
 pub(crate) mod captions;
 pub mod cursor;
 mod cut_handle;
@@ -106,7 +107,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         toolbar(ui, panel, model, commands);
         cut_handle::cut_bar(ui, picture, &model.keys.seeing, model.navigation.scene_size, commands);
     }
-    if model.is_empty && model.enabled && model.picture.is_some() {
+    if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
     }
     if let (Some(pose), Some(screen), true, true) = (model.pose, &screen, model.picture.is_some(), model.enabled) {
@@ -164,9 +165,15 @@ fn act(
     let mut look = Vec2::ZERO;
     let mut moved = model.pose;
     if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
-        rest = state
-            .gizmo
-            .follow(ui, response, screen, &model.gizmo, presses, commands);
+        rest = if model.keys.tool.blocks_out() {
+            let blocking = &mut state.blocking;
+            blocking.follow(ui, response, screen, &model.blocking(), presses, commands)
+        } else {
+            state.blocking.leave();
+            state
+                .gizmo
+                .follow(ui, response, screen, &model.gizmo, presses, commands)
+        };
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let is_over_axes = pointer.is_some_and(|pointer| axes_widget::place(panel).contains(pointer));
         let is_free = rest.pointer && !is_over_axes;
@@ -278,7 +285,11 @@ fn paint_over(
             extent::paint(&painter, screen, &bounds, model.gizmo.unit);
         }
         rulers::paint(&painter, screen, model, state.pointer.measured_from, pointer);
-        state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
+        if model.keys.tool.blocks_out() {
+            state.blocking.paint(&painter, screen, &model.blocking());
+        } else {
+            state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
+        }
         state.pointer.paint(&painter, pointer);
         if let Some(note) = state.gizmo.note(model.gizmo.length_step, model.gizmo.bound) {
             tag(

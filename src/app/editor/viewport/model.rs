@@ -4,6 +4,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Affine3A;
 use bevy_egui::egui::{self};
 
+use super::blocking::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
@@ -49,6 +50,8 @@ pub struct ViewportModel<'a> {
     pub icons: &'a [Icon],
     /// The data that the handles act on.
     pub gizmo: GizmoModel<'a>,
+    /// The shape under the pointer, while a tool blocks out.
+    pub block: Option<&'a BlockTarget>,
     /// The entities that cannot be selected.
     pub locked: &'a EntityHashSet,
     /// The names of things.
@@ -83,4 +86,19 @@ pub struct ViewportModel<'a> {
     pub presses: &'a [Press],
     /// Whether keys and mouse act on the picture, which they do not while a dialog is open.
     pub enabled: bool,
+}
+
+impl<'a> ViewportModel<'a> {
+    /// The data that the tools act on that block out.
+    pub(super) fn blocking(&self) -> BlockingModel<'a> {
+        BlockingModel {
+            tool: self.keys.tool,
+            target: self.block,
+            step: self.gizmo.length_step,
+            up: self.gizmo.up,
+            unit: self.gizmo.unit,
+            packed: self.packed,
+            locked: self.locked,
+        }
+    }
 }

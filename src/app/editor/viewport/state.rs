@@ -7,6 +7,7 @@ use bevy::prelude::Resource;
 use bevy_egui::egui::Ui;
 
 use super::axes_widget::AxesState;
+use super::blocking::BlockingState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 
@@ -15,6 +16,8 @@ use super::pointer::PointerState;
 pub struct ViewportState {
     /// The state of the handles.
     pub gizmo: GizmoState,
+    /// The state of the tools that block out.
+    pub blocking: BlockingState,
     /// The state of the mouse.
     pub pointer: PointerState,
     /// The pixels in which the picture was last shown.

@@ -1,10 +1,12 @@
-//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys.
+//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys, the
+//! start page.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Id, Modal, Ui};
 
 use super::palette::Palette;
 use super::shortcuts::shortcuts;
+use super::start_page;
 use super::widgets::Widgets;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
@@ -66,6 +68,7 @@ pub fn show(
             });
             !modal.should_close()
         }
+        Sheet::Start => start_page::show(context, shown.preferences, &shown.actions, commands),
     };
     if !stays {
         *sheet = None;

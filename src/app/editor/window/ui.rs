@@ -11,10 +11,11 @@ use super::dropping::{self, DroppedFiles};
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
-use super::{full_film, recovery_question, save_question, toasts, trust_question};
+use super::{full_film, recovery_question, save_question, toasts, trust_question, tutorial};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::keys;
 use crate::app::editor::input::press::Press;
@@ -30,6 +31,7 @@ use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::TrustedFolders;
+use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::gizmo;
@@ -51,6 +53,7 @@ pub struct Scene<'w> {
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
     paths: Res<'w, PathInspector>,
+    tutorial: Res<'w, Tutorial>,
 }
 
 /// Messages to the user, and commands by the user.
@@ -160,6 +163,7 @@ pub fn show_window(
             packed: &scene.packed,
             bound: &shell.preferences.keys,
         },
+        block: seen.block.as_ref(),
         locked: &seen.locked,
         things: &model.outline,
         packed: &scene.packed,
@@ -216,7 +220,12 @@ pub fn show_window(
         presses: &pressed,
         step: gizmo::step_beside(&seen.targets, shown.gizmo.length_step),
     };
-    sheet::show(&context, model, sheets, &mut requests.sheet, widgets, commands);
+    // The start page waits until the questions are answered.
+    let asks = shell.recovery.offer.is_some() || shell.trusted.question.is_some();
+    if !(asks && requests.sheet == Some(Sheet::Start)) {
+        sheet::show(&context, model, sheets, &mut requests.sheet, widgets, commands);
+    }
+    tutorial::show(&context, &scene.tutorial, widgets.viewport_place, commands);
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
@@ -281,9 +290,10 @@ fn count_interactions(
 ) {
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
-    let key = !presses.is_empty() && !is_typing && !state.gizmo.is_dragging();
+    let is_dragging = state.gizmo.is_dragging() || state.blocking.is_busy();
+    let key = !presses.is_empty() && !is_typing && !is_dragging;
     // A button that is pressed in the middle of a drag belongs to it.
-    let button = !state.gizmo.is_dragging() && context.input(|input| input.pointer.any_pressed());
+    let button = !is_dragging && context.input(|input| input.pointer.any_pressed());
     let pressed = key || button;
     if pressed || focused != *focus {
         *focus = focused;

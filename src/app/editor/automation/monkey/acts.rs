@@ -267,12 +267,13 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            const SHEETS: [Sheet; 5] = [
+            const SHEETS: [Sheet; 6] = [
                 Sheet::Palette,
                 Sheet::Shortcuts,
                 Sheet::Preferences,
                 Sheet::Keys,
                 Sheet::Series,
+                Sheet::Start,
             ];
             let sheet = SHEETS[random.below(SHEETS.len())];
             let mut acts = shell(ShellCommand::ShowSheet(sheet));

@@ -47,6 +47,9 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "cube",
         "disk",
         "cylinder",
+        "wall",
+        "stairs",
+        "prism",
         "area",
         "point",
         "spot",
@@ -54,7 +57,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(26) {
+    match random.below(29) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -123,6 +126,19 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
                 _ => format!("series 2 along {} instances", random.vector()),
             },
         ]),
+        25 => one(format!(
+            "draw {} {} {} height=1.5",
+            ["box", "floor", "wall"][random.below(3)],
+            random.vector(),
+            random.vector()
+        )),
+        26 => one(format!(
+            "push {} {} 0.{}",
+            shape?,
+            ["+x", "-y", "+z"][random.below(3)],
+            1 + random.below(9)
+        )),
+        27 => one(format!("cut {} {} 0.5", ["door", "window"][random.below(2)], shape?)),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
             1 + random.below(5)

@@ -8,9 +8,10 @@ use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::scene::parameters::{ABSORPTION_SCALE, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::solid::parse_openings;
 use crate::scene::{
     Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
-    ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
+    ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture,
 };
 
 /// Says why a parameter was not set.
@@ -70,6 +71,7 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
                 visitor.parsed("p1", p1, parse_vec3);
                 visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
             }
+            ShapeKind::Solid(solid) => solid.visit_mut(&mut |info, value| visitor.solid(info, value)),
             ShapeKind::Mesh(mesh) => visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean),
             ShapeKind::Rectangle
             | ShapeKind::Cube
@@ -269,6 +271,20 @@ impl Assign<'_> {
                 scale: 1.0,
             })
         });
+    }
+}
+
+impl Assign<'_> {
+    fn solid(&mut self, info: &'static ParameterInfo, value: SolidValue) {
+        match value {
+            SolidValue::Length(length) => self.bounded(info.name, length, info.range.clone()),
+            SolidValue::Count(count) => self.value(info.name, count, |text| {
+                parse_integer_within(text, &info.range).map(|number| number as u32)
+            }),
+            SolidValue::Openings(openings) => self.value(info.name, openings, |text| {
+                parse_openings(text).map_err(AssignError::Refused)
+            }),
+        }
     }
 }
 

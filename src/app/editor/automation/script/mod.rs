@@ -5,6 +5,7 @@
 //! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
+mod blocking;
 pub mod error;
 mod keys;
 pub mod parse;

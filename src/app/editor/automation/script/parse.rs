@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
-use super::{keys, placing, rendering};
+use super::{blocking, keys, placing, rendering};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -21,8 +21,10 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
+use crate::app::editor::session::tutorial::LESSONS;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::{parse_float, parse_integer, parse_vec3};
@@ -53,7 +55,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 52] = [
+pub const VERBS: [(&str, &str); 56] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -66,6 +68,9 @@ pub const VERBS: [(&str, &str); 52] = [
         "add",
         "KIND [name=NAME] [at=X,Y,Z (where it stands)] [size=S (half its extent)]",
     ),
+    ("draw", "box|floor|wall FROM TO [name=NAME] [height=H] [thickness=T]"),
+    ("push", "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"),
+    ("cut", "door|window WALL FROM [sill=H] [width=W] [height=H]"),
     ("move", "NAME X,Y,Z (by)"),
     ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
     ("scale", "NAME FACTOR (about its origin)"),
@@ -110,6 +115,7 @@ pub const VERBS: [(&str, &str); 52] = [
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
     ("bind", "ACTION KEY|none|usual"),
+    ("tutorial-step", "NUMBER|off (1 to 5)"),
     ("wait", "SAMPLES|done"),
     ("screenshot", "FILE"),
 ];
@@ -181,6 +187,15 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             _ => return Err("expected two numbers".into()),
         },
         ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
+        ("draw", [kind, from, to, options @ ..]) => blocking::draw(world, kind, [from, to], options)?,
+        ("push", [name, face, distance]) => {
+            let shape = named(world, name)?;
+            blocking::push(world, shape, face, distance)?
+        }
+        ("cut", [kind, wall, from, options @ ..]) => {
+            let wall = named(world, wall)?;
+            blocking::cut(world, wall, kind, from, options)?
+        }
         ("move", [name, by]) => {
             let by = parse_vec3(by)?;
             transformed(world, name, |pose| Affine3A::from_translation(by) * pose)?
@@ -325,6 +340,14 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         }
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
+        ("tutorial-step", ["off"]) => Command::Shell(ShellCommand::ShowTutorial(None)),
+        ("tutorial-step", [number]) => {
+            let step = (count(number)? as usize).checked_sub(1);
+            let step = step
+                .filter(|step| *step < LESSONS.len())
+                .ok_or("expected off or 1 to 5")?;
+            Command::Shell(ShellCommand::ShowTutorial(Some(step)))
+        }
         ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
         ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
@@ -425,7 +448,7 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
     }
     // The same whatever the camera sees.
     if addition.at.is_some() {
-        addition.size.get_or_insert(1.0);
+        addition.size.get_or_insert(known.usual_size());
     }
     Ok(addition)
 }

@@ -5,6 +5,7 @@ use bevy_egui::egui::Key;
 use super::{Action, ActionContext, Group, Shortcut};
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::axis_view::AxisView;
+use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
@@ -102,6 +103,15 @@ macro_rules! gizmo_mode {
     };
 }
 
+macro_rules! tool {
+    ($name:literal, $label:literal, $tool:ident $(($kind:expr))?) => {
+        action(Group::Add, $name, $label, &[], |context| {
+            let tool = Tool::$tool $(($kind))?;
+            Some(Command::SetTool(if context.tool == tool { Tool::Select } else { tool }))
+        })
+    };
+}
+
 macro_rules! unit {
     ($name:literal, $label:literal, $unit:ident) => {
         action(Group::Edit, $name, $label, &[], |_| {
@@ -128,6 +138,9 @@ macro_rules! navigation {
 pub const ACTIONS: &[Action] = &[
     action(Group::File, "new", "New scene", &[command(Key::N)], |_| {
         Some(Command::NewScene)
+    }),
+    action(Group::File, "start-page", "Start page", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Start)))
     }),
     action(Group::File, "open", "Open…", &[command(Key::O)], |_| {
         Some(Command::ShowDialog(FileDialogKind::OpenScene))
@@ -248,6 +261,21 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Add, "add-cylinder", "Cylinder", &[], |_| {
         Some(addition(AdditionKind::Cylinder))
     }),
+    action(Group::Add, "add-wall", "Wall", &[], |_| {
+        Some(addition(AdditionKind::Solid("wall")))
+    }),
+    action(Group::Add, "add-stairs", "Stairs", &[], |_| {
+        Some(addition(AdditionKind::Solid("stairs")))
+    }),
+    action(Group::Add, "add-prism", "Prism", &[], |_| {
+        Some(addition(AdditionKind::Solid("prism")))
+    }),
+    tool!("draw-box", "Draw a box", Draw(BlockKind::Box)),
+    tool!("draw-floor", "Draw a floor", Draw(BlockKind::Floor)),
+    tool!("draw-wall", "Draw a wall", Draw(BlockKind::Wall)),
+    tool!("cut-door", "Cut a door", Cut(OpeningKind::Door)),
+    tool!("cut-window", "Cut a window", Cut(OpeningKind::Window)),
+    tool!("push-faces", "Push and pull faces", Push),
     action(Group::Add, "add-area", "Area light", &[], |_| {
         Some(addition(AdditionKind::AreaLight))
     }),
@@ -513,6 +541,9 @@ pub const ACTIONS: &[Action] = &[
     ),
     action(Group::Window, "choose-keys", "Choose keys…", &[], |_| {
         Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Keys)))
+    }),
+    action(Group::Window, "tutorial", "Tutorial", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowTutorial(Some(0))))
     }),
     action(Group::Window, "reset-layout", "Reset layout", &[], |_| {
         Some(Command::Shell(ShellCommand::ResetLayout))

@@ -1,0 +1,106 @@
+//! The verbs that block out: `draw`, `push` and `cut`.
+
+use bevy::prelude::*;
+
+use super::error::ScriptError;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::blocking::block::{Block, Plane};
+use crate::app::editor::command::blocking::faces::{Face, pushed};
+use crate::app::editor::command::blocking::openings::{Cut, wall_of};
+use crate::app::editor::command::blocking::{BlockKind, Reshaping};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::document::value::{parse_float, parse_vec3};
+use crate::scene::{Opening, Shape, Solid, ToWorld};
+
+/// The heights of what is drawn without one, world units.
+const HEIGHT: f32 = 2.5;
+const FLOOR_HEIGHT: f32 = 0.1;
+const THICKNESS: f32 = 0.2;
+
+pub(super) fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[&str]) -> Result<Command, ScriptError> {
+    let known = BlockKind::ALL.iter().find(|(_, name)| *name == kind);
+    let (kind, _) = known.ok_or_else(|| format!("expected box, floor or wall, found `{kind}`"))?;
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let mut block = Block {
+        kind: *kind,
+        name: None,
+        from: parse_vec3(from)?,
+        to: parse_vec3(to)?,
+        plane: Plane::of_normal(up, up),
+        height: if *kind == BlockKind::Floor {
+            FLOOR_HEIGHT
+        } else {
+            HEIGHT
+        },
+        thickness: THICKNESS,
+    };
+    for option in options {
+        match option.split_once('=') {
+            Some(("name", name)) => block.name = Some(name.to_owned()),
+            Some(("height", height)) => block.height = parse_float(height)?,
+            Some(("thickness", thickness)) => block.thickness = parse_float(thickness)?,
+            _ => return Err(format!("expected name=, height= or thickness=, found `{option}`").into()),
+        }
+    }
+    Ok(Command::Build(Box::new(block)))
+}
+
+pub(super) fn push(world: &World, entity: Entity, face: &str, distance: &str) -> Result<Command, ScriptError> {
+    let (shape, pose) = parts(world, entity)?;
+    let face = Face::of_name(face).ok_or("expected a face: +x, -x, +y, -y, +z or -z")?;
+    let (kind, pose) = pushed(&shape.kind, pose, face, parse_float(distance)?).ok_or("it has no such face to push")?;
+    let flip_normals = shape.flip_normals;
+    Ok(Command::Reshape(
+        entity,
+        Shape { kind, flip_normals },
+        pose,
+        Reshaping::Push,
+    ))
+}
+
+pub(super) fn cut(
+    world: &World,
+    entity: Entity,
+    kind: &str,
+    from: &str,
+    options: &[&str],
+) -> Result<Command, ScriptError> {
+    let (shape, pose) = parts(world, entity)?;
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let (wall, pose) = wall_of(&shape.kind, pose, up).ok_or("it is neither a wall nor an upright box")?;
+    let height = match wall {
+        Solid::Wall { height, .. } => height,
+        _ => HEIGHT,
+    };
+    let mut opening = match kind {
+        "door" => Opening::DOOR,
+        "window" => Opening::WINDOW,
+        other => return Err(format!("expected door or window, found `{other}`").into()),
+    }
+    .in_wall(height);
+    opening.from = parse_float(from)?;
+    for option in options {
+        let (name, number) = option.split_once('=').unwrap_or((option, ""));
+        let number = parse_float(number)?;
+        match name {
+            "sill" => opening.sill = number,
+            "width" if number > 0.0 => opening.width = number,
+            "height" if number > 0.0 => opening.height = number,
+            _ => return Err(format!("expected sill=, width= or height= with a length, found `{option}`").into()),
+        }
+    }
+    let (kind, pose) = Cut { wall, pose, opening }.done();
+    let flip_normals = shape.flip_normals;
+    Ok(Command::Reshape(
+        entity,
+        Shape { kind, flip_normals },
+        pose,
+        Reshaping::Cut,
+    ))
+}
+
+fn parts(world: &World, entity: Entity) -> Result<(&Shape, &bevy::math::Affine3A), ScriptError> {
+    let shape = world.get::<Shape>(entity).ok_or("it is no shape")?;
+    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?;
+    Ok((shape, &pose.0))
+}

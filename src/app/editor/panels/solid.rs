@@ -1,0 +1,79 @@
+//! The rows of building parts: their numbers, and the openings of walls.
+
+use bevy_egui::egui::Ui;
+
+use super::fields::{self, NumberStyle};
+use super::lengths;
+use crate::scene::{Opening, Solid, SolidValue};
+
+/// Shows the rows of a building part; true if edited.
+pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
+    fields::note(ui, ("Type", "kind"), part.plugin());
+    let [low, high] = part.corners();
+    let speed = 0.005 * (high - low).max_element().max(1e-3);
+    let wall_height = high.z;
+    let mut changed = false;
+    part.visit_mut(&mut |info, value| match value {
+        SolidValue::Length(length) => changed |= lengths::length(ui, info, length, speed, info.range.clone()),
+        SolidValue::Count(count) => {
+            let range = *info.range.start() as u32..=*info.range.end() as u32;
+            changed |= fields::integer(ui, info, count, range);
+        }
+        SolidValue::Openings(openings) => changed |= opening_rows(ui, openings, wall_height, speed),
+    });
+    changed
+}
+
+/// The openings one after the other, each with its place and size, and buttons for new ones.
+fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, speed: f32) -> bool {
+    let mut changed = false;
+    let mut removed = None;
+    for (number, opening) in openings.iter_mut().enumerate() {
+        let name = match opening.sill == 0.0 {
+            true => format!("Door {}", number + 1),
+            false => format!("Window {}", number + 1),
+        };
+        ui.push_id(number, |ui| {
+            let place = ["From", "Sill"].map(|letter| style(letter, speed, f32::MIN..=f32::MAX));
+            let mut numbers = [opening.from, opening.sill];
+            if fields::numbers(ui, &format!("{name} at"), &mut numbers, place) {
+                [opening.from, opening.sill] = numbers;
+                changed = true;
+            }
+            let size = ["Wide", "High"].map(|letter| style(letter, speed, 1e-4..=f32::MAX));
+            let mut numbers = [opening.width, opening.height];
+            if fields::numbers(ui, &format!("{name} size"), &mut numbers, size) {
+                [opening.width, opening.height] = numbers;
+                changed = true;
+            }
+            if ui.button("Close this opening").clicked() {
+                removed = Some(number);
+            }
+        });
+    }
+    if let Some(number) = removed {
+        openings.remove(number);
+        changed = true;
+    }
+    ui.horizontal(|ui| {
+        for (name, new) in [("Add door", Opening::DOOR), ("Add window", Opening::WINDOW)] {
+            if ui.button(name).clicked() {
+                let new = new.in_wall(wall_height);
+                let after = openings.iter().map(|opening| opening.from + opening.width);
+                let from = after.fold(0.0, f32::max) + new.from;
+                openings.push(Opening { from, ..new });
+                changed = true;
+            }
+        }
+    });
+    changed
+}
+
+fn style(letter: &'static str, speed: f32, range: std::ops::RangeInclusive<f32>) -> NumberStyle<'static> {
+    NumberStyle {
+        letter,
+        speed,
+        suffix: "",
+        range,
+    }
+}

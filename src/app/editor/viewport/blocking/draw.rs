@@ -1,0 +1,287 @@
+//! Drawing boxes, floors and walls: a drag (or two clicks) gives the base, then the pointer gives the height until a click. Numbers may be typed for
+//! both.
+
+use bevy::math::Vec3;
+use bevy_egui::egui::{Painter, Pos2};
+
+use super::marks;
+use super::spot::{self, Spot};
+use super::{BlockingModel, Hand, along_line, is_drag, length_text};
+use crate::app::editor::camera::picking::SeenSurface;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::blocking::block::{Block, EDGES, Plane, corners};
+use crate::app::editor::command::blocking::{BlockKind, snapped};
+use crate::app::editor::viewport::gizmo::typed::Typed;
+
+/// The state of the tool that draws.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::app::editor::viewport) struct DrawState {
+    /// The place under the pointer from which one would draw.
+    spot: Option<Spot>,
+    phase: Option<Phase>,
+    /// The numbers typed for the present phase.
+    typed: Typed,
+    /// The heights that were given last to a box and to a wall.
+    heights: [Option<f32>; 2],
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Phase {
+    /// The base goes from a place to the pointer.
+    Base {
+        from: Spot,
+        to: Vec3,
+        pressed_at: Pos2,
+        /// The button that began it is still down.
+        is_held: bool,
+    },
+    /// The base is drawn. The height stays as it is until the pointer has moved away from where this began.
+    Height {
+        from: Spot,
+        to: Vec3,
+        height: f32,
+        began_at: Pos2,
+        follows: bool,
+    },
+}
+
+/// The height and thickness of a wall, and the thickness of a floor, in a scene in metres.
+const HEIGHT: f32 = 2.5;
+const THICKNESS: f32 = 0.2;
+const FLOOR_HEIGHT: f32 = 0.1;
+/// The steps of the grid of which scenes in metres are taken to be.
+const METRES: std::ops::RangeInclusive<f32> = 0.005..=1.0;
+/// The step of such a scene, for the sizes in other ones.
+const USUAL_STEP: f32 = 0.1;
+
+impl DrawState {
+    pub fn is_busy(&self) -> bool {
+        self.phase.is_some()
+    }
+
+    pub fn typed(&mut self) -> Option<&mut Typed> {
+        self.phase.is_some().then_some(&mut self.typed)
+    }
+
+    pub fn cancel(&mut self) {
+        self.phase = None;
+        self.typed = Typed::default();
+    }
+
+    /// Follows the mouse; true if the left button is the tool's.
+    pub fn follow(
+        &mut self,
+        kind: BlockKind,
+        seen: Option<&SeenSurface>,
+        screen: &Screen,
+        model: &BlockingModel,
+        hand: &Hand,
+        commands: &mut Vec<Command>,
+    ) -> bool {
+        let was_busy = self.is_busy();
+        self.track(screen, model, hand);
+        match self.phase {
+            None => {
+                self.spot = Spot::under(hand.pointer, seen, screen, model.up, model.step, hand.step);
+                if let (true, Some(from)) = (hand.pressed, self.spot) {
+                    self.phase = Some(Phase::Base {
+                        from,
+                        to: from.place,
+                        pressed_at: hand.pointer,
+                        is_held: true,
+                    });
+                }
+            }
+            Some(Phase::Base {
+                pressed_at,
+                ref mut is_held,
+                ..
+            }) => {
+                let is_released = *is_held && !hand.down;
+                *is_held &= hand.down;
+                if hand.pressed || (is_released && is_drag(pressed_at, hand.pointer)) {
+                    self.confirm(kind, screen, model, hand, commands);
+                }
+            }
+            Some(Phase::Height { .. }) => {
+                if hand.pressed {
+                    self.confirm(kind, screen, model, hand, commands);
+                }
+            }
+        }
+        hand.pressed || (hand.down && (was_busy || self.is_busy()))
+    }
+
+    /// Brings the phase up to date with the pointer and the typed numbers.
+    fn track(&mut self, screen: &Screen, model: &BlockingModel, hand: &Hand) {
+        let numbers = self.typed.lengths(model.unit);
+        match &mut self.phase {
+            Some(Phase::Base { from, to, .. }) => {
+                let under = spot::on_plane(screen, hand.pointer, from.place, from.plane.normal);
+                if let Some(under) = under {
+                    *to = spot::rounded(under, &from.plane, model.step, hand.step);
+                }
+                if let (Some(numbers), Some(under)) = (numbers, under) {
+                    *to = by_numbers(from, under, &numbers);
+                }
+            }
+            Some(Phase::Height {
+                from,
+                to,
+                height,
+                began_at,
+                follows,
+            }) => {
+                *follows |= is_drag(*began_at, hand.pointer);
+                let shown = along_line(screen, hand.pointer, *to, from.plane.normal).filter(|_| *follows);
+                if let Some(&[number]) = numbers.as_deref() {
+                    *height = number;
+                } else if let Some(shown) = shown {
+                    *height = snapped(shown, hand.step);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// Goes on to the height, or adds the thing that is drawn.
+    pub fn confirm(
+        &mut self,
+        kind: BlockKind,
+        screen: &Screen,
+        model: &BlockingModel,
+        hand: &Hand,
+        commands: &mut Vec<Command>,
+    ) {
+        self.track(screen, model, hand);
+        let block = self.block(kind, model.step);
+        self.typed = Typed::default();
+        let Some(block) = block.filter(|block| block.shape().is_some()) else {
+            self.phase = None;
+            return;
+        };
+        match (self.phase.take(), kind) {
+            (Some(Phase::Base { from, to, .. }), BlockKind::Box | BlockKind::Wall) => {
+                self.phase = Some(Phase::Height {
+                    from,
+                    to,
+                    height: block.height,
+                    began_at: hand.pointer,
+                    follows: false,
+                });
+            }
+            _ => {
+                if kind != BlockKind::Floor {
+                    self.heights[usize::from(kind == BlockKind::Wall)] = Some(block.height);
+                }
+                commands.push(Command::Build(Box::new(block)));
+            }
+        }
+    }
+
+    /// The thing as it is drawn so far.
+    fn block(&self, kind: BlockKind, step: f32) -> Option<Block> {
+        let scale = if METRES.contains(&step) { 1.0 } else { step / USUAL_STEP };
+        let (from, to, height) = match self.phase.as_ref()? {
+            Phase::Base { from, to, .. } => {
+                let usual = match kind {
+                    BlockKind::Floor => FLOOR_HEIGHT * scale,
+                    BlockKind::Wall => self.heights[1].unwrap_or(HEIGHT * scale),
+                    BlockKind::Box => self.heights[0].unwrap_or(scale),
+                };
+                (from, to, usual)
+            }
+            Phase::Height { from, to, height, .. } => (from, to, *height),
+        };
+        Some(Block {
+            kind,
+            name: None,
+            from: from.place,
+            to: *to,
+            plane: from.plane,
+            height,
+            thickness: THICKNESS * scale,
+        })
+    }
+
+    pub fn paint(&self, painter: &Painter, screen: &Screen, kind: BlockKind, step: f32) {
+        let (from, to, is_base) = match &self.phase {
+            None => {
+                if let Some(spot) = &self.spot {
+                    cross(painter, screen, spot, step);
+                }
+                return;
+            }
+            Some(Phase::Base { from, to, .. }) => (from, *to, true),
+            Some(Phase::Height { from, to, .. }) => (from, *to, false),
+        };
+        if kind == BlockKind::Wall {
+            marks::segment(painter, screen, from.place, to);
+        } else {
+            let base = rectangle(from.place, to, &from.plane);
+            marks::area(painter, screen, &base);
+            marks::ring(painter, screen, &base);
+        }
+        let block = self.block(kind, step);
+        let drawn = block.as_ref().and_then(Block::shape);
+        if let (Some((shape, pose)), false) = (&drawn, is_base && kind == BlockKind::Box)
+            && let Some(corners) = corners(shape, pose)
+        {
+            for [a, b] in EDGES {
+                marks::segment(painter, screen, corners[a], corners[b]);
+            }
+        }
+        marks::text(painter, screen, to, &self.caption(kind, from, to, is_base));
+    }
+
+    /// The size so far, and what has been typed.
+    fn caption(&self, kind: BlockKind, from: &Spot, to: Vec3, is_base: bool) -> String {
+        let size = match (&self.phase, is_base) {
+            (Some(Phase::Height { height, .. }), false) => format!("height {}", length_text(*height)),
+            _ if kind == BlockKind::Wall => length_text(from.place.distance(to)),
+            _ => {
+                let [wide, deep] = from.plane.extents(from.place, to).map(f32::abs).map(length_text);
+                format!("{wide} x {deep}")
+            }
+        };
+        match self.typed.is_empty() {
+            true => size,
+            false => format!("{size}   [{}]", self.typed.text()),
+        }
+    }
+}
+
+/// The end of a base whose size was typed: towards the pointer, with one number for the length of a line or both sides, or with one for each side.
+fn by_numbers(from: &Spot, under: Vec3, numbers: &[f32]) -> Vec3 {
+    let Plane { along, .. } = from.plane;
+    let across = from.plane.across();
+    let [wide, deep] = from.plane.extents(from.place, under);
+    match numbers {
+        [length] => from.place + (under - from.place).normalize_or_zero() * *length,
+        [first, second, ..] => {
+            let sign = |extent: f32| if extent < 0.0 { -1.0 } else { 1.0 };
+            from.place + along * (sign(wide) * *first) + across * (sign(deep) * *second)
+        }
+        [] => under,
+    }
+}
+
+fn rectangle(from: Vec3, to: Vec3, plane: &Plane) -> [Vec3; 4] {
+    let [wide, deep] = plane.extents(from, to);
+    let (along, across) = (plane.along * wide, plane.across() * deep);
+    [from, from + along, from + along + across, from + across]
+}
+
+/// The point of the grid under the pointer.
+fn cross(painter: &Painter, screen: &Screen, spot: &Spot, step: f32) {
+    let reach = step.max(8.0 * screen.units_per_point(screen.depth(spot.place)));
+    for direction in [spot.plane.along, spot.plane.across()] {
+        marks::segment(
+            painter,
+            screen,
+            spot.place - direction * reach,
+            spot.place + direction * reach,
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! Lines over the picture for what is being drawn, pushed or cut.
+
+use bevy::math::Vec3;
+use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke};
+
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::viewport::marks::tag;
+
+pub(super) const COLOR: Color32 = Color32::from_rgb(255, 214, 64);
+pub(super) const FILL: Color32 = Color32::from_rgba_premultiplied(50, 42, 12, 60);
+const SHADOW: Color32 = Color32::from_black_alpha(120);
+const WIDTH: f32 = 1.8;
+
+/// A segment of the world, with a dark edge so that it is visible on any picture.
+pub(super) fn segment(painter: &Painter, screen: &Screen, a: Vec3, b: Vec3) {
+    if let Some(ends) = screen.segment(a, b) {
+        painter.line_segment(ends, Stroke::new(WIDTH + 1.6, SHADOW));
+        painter.line_segment(ends, Stroke::new(WIDTH, COLOR));
+    }
+}
+
+/// A closed line through places of the world.
+pub(super) fn ring(painter: &Painter, screen: &Screen, places: &[Vec3]) {
+    for (a, b) in places.iter().zip(places.iter().cycle().skip(1)) {
+        segment(painter, screen, *a, *b);
+    }
+}
+
+/// A flat convex area of the world, lightly tinted; nothing where a part of it is behind the camera.
+pub(super) fn area(painter: &Painter, screen: &Screen, places: &[Vec3]) {
+    let points: Option<Vec<Pos2>> = places.iter().map(|place| screen.project(*place)).collect();
+    if let Some(points) = points {
+        painter.add(Shape::convex_polygon(points, FILL, Stroke::NONE));
+    }
+}
+
+/// A text beside a place of the world.
+pub(super) fn text(painter: &Painter, screen: &Screen, place: Vec3, text: &str) {
+    if let Some(at) = screen.project(place) {
+        tag(painter, at + bevy_egui::egui::vec2(14.0, 14.0), Align2::LEFT_TOP, text);
+    }
+}

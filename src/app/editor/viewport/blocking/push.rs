@@ -1,0 +1,152 @@
+//! Pushing and pulling the face under the pointer along its normal.
+
+use bevy::math::Vec3;
+use bevy_egui::egui::Painter;
+
+use super::marks;
+use super::{BlockTarget, BlockingModel, Hand, along_line, length_text};
+use crate::app::editor::camera::picking::SeenSurface;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::blocking::faces::{Face, extent_across, pushed};
+use crate::app::editor::command::blocking::{Reshaping, snapped};
+use crate::app::editor::viewport::gizmo::typed::Typed;
+use crate::scene::Shape;
+
+/// The state of the tool that pushes faces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::app::editor::viewport) struct PushState {
+    held: Option<Held>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Held {
+    /// The shape as it was at the press.
+    target: BlockTarget,
+    face: Face,
+    /// The place where the pointer took hold.
+    grabbed: Vec3,
+    /// The way of the face so far, in world units.
+    by: f32,
+    typed: Typed,
+}
+
+impl PushState {
+    pub fn is_busy(&self) -> bool {
+        self.held.is_some()
+    }
+
+    pub fn typed(&mut self) -> Option<&mut Typed> {
+        self.held.as_mut().map(|held| &mut held.typed)
+    }
+
+    pub fn let_go(&mut self) {
+        self.held = None;
+    }
+
+    /// Puts the face back.
+    pub fn cancel(&mut self, commands: &mut Vec<Command>) {
+        if let Some(held) = self.held.take().filter(|held| held.by != 0.0) {
+            let BlockTarget { entity, shape, pose } = held.target;
+            commands.push(Command::Reshape(entity, shape, pose, Reshaping::Push));
+        }
+    }
+
+    /// Follows the mouse; true if the left button is the tool's.
+    pub fn follow(
+        &mut self,
+        seen: Option<&SeenSurface>,
+        screen: &Screen,
+        model: &BlockingModel,
+        hand: &Hand,
+        commands: &mut Vec<Command>,
+    ) -> bool {
+        if self.held.is_none()
+            && hand.pressed
+            && let Some((target, face)) = under(seen, model)
+        {
+            self.held = Some(Held {
+                target: target.clone(),
+                face,
+                grabbed: seen.map_or(Vec3::ZERO, |seen| seen.position),
+                by: 0.0,
+                typed: Typed::default(),
+            });
+        }
+        let Some(held) = &mut self.held else {
+            return false;
+        };
+        // What was typed before the button is let go counts, too.
+        if let Some(by) = held.way(screen, model, hand)
+            && by != held.by
+            && let Some((kind, pose)) = pushed(&held.target.shape.kind, &held.target.pose, held.face, by)
+        {
+            held.by = by;
+            let flip_normals = held.target.shape.flip_normals;
+            let shape = Shape { kind, flip_normals };
+            commands.push(Command::Reshape(held.target.entity, shape, pose, Reshaping::Push));
+        }
+        if !hand.down {
+            self.held = None;
+        }
+        true
+    }
+
+    pub fn paint(&self, painter: &Painter, screen: &Screen, seen: Option<&SeenSurface>, model: &BlockingModel) {
+        let (target, face, by) = match &self.held {
+            Some(held) => (&held.target, held.face, held.by),
+            None => match under(seen, model) {
+                Some((target, face)) => (target, face, 0.0),
+                None => return,
+            },
+        };
+        let moved = pushed(&target.shape.kind, &target.pose, face, by);
+        let Some(corners) = moved.and_then(|(kind, pose)| face.corners(&kind, &pose)) else {
+            return;
+        };
+        marks::area(painter, screen, &corners);
+        marks::ring(painter, screen, &corners);
+        let middle = 0.25 * corners.iter().copied().sum::<Vec3>();
+        let (outward, _) = face.outward(&target.pose);
+        let reach = 40.0 * screen.units_per_point(screen.depth(middle));
+        marks::segment(painter, screen, middle, middle + outward * reach);
+        if let Some(held) = &self.held {
+            let before = extent_across(&target.shape.kind, &target.pose, face).unwrap_or(0.0);
+            let typed = if held.typed.is_empty() {
+                String::new()
+            } else {
+                format!("   [{}]", held.typed.text())
+            };
+            let sign = if by < 0.0 { "" } else { "+" };
+            let text = format!("{sign}{} = {}{typed}", length_text(by), length_text(before + by));
+            marks::text(painter, screen, middle, &text);
+        }
+    }
+}
+
+impl Held {
+    /// The way of the face: what was typed, or what the pointer shows, to the grid of the world where the face is along it.
+    fn way(&self, screen: &Screen, model: &BlockingModel, hand: &Hand) -> Option<f32> {
+        if let Some(&[number]) = self.typed.lengths(model.unit).as_deref() {
+            return Some(number);
+        }
+        let (outward, _) = self.face.outward(&self.target.pose);
+        let way = along_line(screen, hand.pointer, self.grabbed, outward)?;
+        let is_on_grid = outward.abs().max_element() > 0.9999;
+        let start = if is_on_grid { self.grabbed.dot(outward) } else { 0.0 };
+        // A press alone moves nothing.
+        if way.abs() < 0.5 * hand.step {
+            return Some(0.0);
+        }
+        Some(snapped(start + way, hand.step) - start)
+    }
+}
+
+fn under<'a>(seen: Option<&SeenSurface>, model: &BlockingModel<'a>) -> Option<(&'a BlockTarget, Face)> {
+    let (seen, target) = (seen?, model.target?);
+    if target.entity != seen.entity {
+        return None;
+    }
+    let face = Face::at(&target.shape.kind, &target.pose, seen.position, seen.normal)?;
+    Some((target, face))
+}

@@ -1,0 +1,158 @@
+//! The start page: sample scenes with pictures, the files that were open last, and the tutorial.
+
+use std::path::PathBuf;
+
+use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, TextureOptions, Ui};
+use image::ImageFormat;
+
+use crate::app::editor::command::Command;
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::samples::{SAMPLES, Sample};
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::input::actions::{self, ActionContext};
+
+/// The size of a sample's picture in points.
+const PICTURE: egui::Vec2 = egui::vec2(240.0, 150.0);
+/// The space between pictures.
+const GAP: f32 = 8.0;
+const RECENT_WIDTH: f32 = 260.0;
+const MOST_RECENT: usize = 8;
+
+/// Shows the page; false when it is to be closed.
+pub fn show(
+    context: &egui::Context,
+    preferences: &Preferences,
+    actions: &ActionContext,
+    commands: &mut Vec<Command>,
+) -> bool {
+    let before = commands.len();
+    let modal = Modal::new(Id::new("start page")).show(context, |ui| {
+        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 60.0);
+        // Two columns of pictures in a small window, three in others.
+        let columns = if room.x < 3.0 * (PICTURE.x + GAP) + RECENT_WIDTH {
+            2
+        } else {
+            3
+        };
+        ui.set_width(columns as f32 * (PICTURE.x + GAP) + RECENT_WIDTH);
+        ui.set_max_height(room.y);
+        ui.heading("Sunroom");
+        ui.add_space(6.0);
+        let mut closes = false;
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(columns as f32 * (PICTURE.x + GAP));
+                ui.label(RichText::new("Sample scenes").strong());
+                ui.spacing_mut().item_spacing = egui::vec2(GAP, GAP);
+                let height = room.y - 90.0;
+                egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                    for row in SAMPLES.chunks(columns) {
+                        ui.horizontal(|ui| row.iter().for_each(|sample| tile(ui, sample, commands)));
+                    }
+                });
+            });
+            ui.vertical(|ui| {
+                ui.set_width(RECENT_WIDTH - GAP);
+                closes |= begin(ui, actions, commands);
+                recent(ui, &preferences.recent_files, commands);
+            });
+        });
+        ui.separator();
+        ui.horizontal(|ui| {
+            let mut shown = preferences.start_page;
+            let label = "Show this page when the program starts without a file";
+            if ui.checkbox(&mut shown, label).changed() {
+                let edited = Preferences {
+                    start_page: shown,
+                    ..preferences.clone()
+                };
+                commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(edited))));
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                closes |= ui.button("Close").on_hover_text("Esc").clicked();
+            });
+        });
+        closes
+    });
+    let opens = commands[before..]
+        .iter()
+        .any(|command| matches!(command, Command::OpenScene(_)));
+    !(modal.inner || opens || modal.should_close())
+}
+
+/// A sample's picture with its title; a click opens it.
+fn tile(ui: &mut Ui, sample: &Sample, commands: &mut Vec<Command>) {
+    ui.vertical(|ui| {
+        let path = sample.path();
+        let response = match picture(ui.ctx(), sample) {
+            Some(texture) => {
+                let image = Image::new((texture.id(), PICTURE)).alt_text(sample.title);
+                ui.add_enabled(path.is_some(), Button::image(image).frame_when_inactive(false))
+            }
+            None => ui.add_enabled(path.is_some(), Button::new(sample.title).min_size(PICTURE)),
+        };
+        ui.label(sample.title);
+        let absent = format!("scenes/{} is not there", sample.file);
+        let response = response
+            .on_hover_text(format!("Open scenes/{}", sample.file))
+            .on_disabled_hover_text(absent);
+        if let (true, Some(path)) = (response.clicked(), path) {
+            commands.push(Command::OpenScene(path));
+        }
+    });
+}
+
+/// The texture of a sample's picture, which is made once.
+fn picture(context: &egui::Context, sample: &Sample) -> Option<TextureHandle> {
+    let id = Id::new(("sample picture", sample.file));
+    if let Some(known) = context.data(|data| data.get_temp(id)) {
+        return Some(known);
+    }
+    let decoded = image::load_from_memory_with_format(sample.picture, ImageFormat::Jpeg).ok()?;
+    let rgba = decoded.to_rgba8();
+    let size = [rgba.width() as usize, rgba.height() as usize];
+    let pixels = egui::ColorImage::from_rgba_unmultiplied(size, &rgba);
+    let texture = context.load_texture(sample.file, pixels, TextureOptions::LINEAR);
+    context.data_mut(|data| data.insert_temp(id, texture.clone()));
+    Some(texture)
+}
+
+/// The ways to begin; true if one was chosen.
+fn begin(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) -> bool {
+    ui.label(RichText::new("Begin").strong());
+    let mut is_chosen = false;
+    for (name, help) in [
+        (
+            "tutorial",
+            "Five steps in this window: look around, add, move, paint, save",
+        ),
+        ("new", "An empty scene with a camera and a sky"),
+        ("open", "A scene from a file"),
+    ] {
+        let Some(action) = actions::find(name) else { continue };
+        let button = Button::new(action.label).min_size(egui::vec2(ui.available_width(), 26.0));
+        if ui.add(button).on_hover_text(help).clicked() {
+            commands.extend((action.command)(context));
+            is_chosen = true;
+        }
+    }
+    ui.add_space(GAP);
+    is_chosen
+}
+
+fn recent(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
+    ui.label(RichText::new("Recent files").strong());
+    if files.is_empty() {
+        ui.weak("Files that you open are listed here.");
+    }
+    for path in files.iter().take(MOST_RECENT) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let button = Button::new(name)
+            .truncate()
+            .min_size(egui::vec2(ui.available_width(), 0.0));
+        let response = ui.add(button).on_hover_text(path.display().to_string());
+        if response.clicked() {
+            commands.push(Command::OpenScene(path.clone()));
+        }
+    }
+}

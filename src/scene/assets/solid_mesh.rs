@@ -1,0 +1,45 @@
+//! The meshes of building parts.
+
+use crate::geometry::mesh::MeshData;
+use crate::geometry::solid::{self, Hole, ply};
+use crate::scene::Solid;
+
+/// The mesh of a building part in its own space: closed, with flat normals outward.
+pub fn solid_mesh(part: &Solid) -> MeshData {
+    match part {
+        Solid::Wall {
+            length,
+            height,
+            thickness,
+            openings,
+        } => {
+            let holes: Vec<Hole> = openings
+                .iter()
+                .map(|opening| Hole {
+                    from: opening.from,
+                    sill: opening.sill,
+                    width: opening.width,
+                    height: opening.height,
+                })
+                .collect();
+            solid::wall(*length, *height, *thickness, &holes)
+        }
+        Solid::Stairs {
+            width,
+            depth,
+            height,
+            steps,
+        } => solid::stairs(*width, *depth, *height, *steps),
+        Solid::Prism {
+            radius,
+            top_radius,
+            height,
+            sides,
+        } => solid::prism(*radius, *top_radius, *height, *sides),
+    }
+}
+
+/// The mesh as PLY text, for programs that do not know building parts.
+pub(in crate::scene) fn solid_ply(part: &Solid) -> String {
+    ply::to_ply(&solid_mesh(part))
+}

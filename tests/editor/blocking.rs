@@ -1,0 +1,378 @@
+//! Drives the tools that block out a building: drags and clicks in the picture come out as the things that were drawn, pushed and cut.
+
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Mat3, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::Harness;
+use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
+use sunroom::app::editor::camera::navigation::Navigation;
+use sunroom::app::editor::camera::screen::Screen;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::blocking::block::{Block, corners};
+use sunroom::app::editor::command::blocking::{BlockKind, OpeningKind, Reshaping};
+use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::tool::Tool;
+use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::model::Outline;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::picture::outline::SelectionOutline;
+use sunroom::app::editor::picture::overlay::BoxList;
+use sunroom::app::editor::viewport::blocking::BlockTarget;
+use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
+use sunroom::app::editor::viewport::model::ViewportModel;
+use sunroom::app::editor::viewport::state::ViewportState;
+use sunroom::app::editor::viewport::viewport;
+use sunroom::engine::PackedScene;
+use sunroom::geometry::primitives::unit_cube;
+use sunroom::render::camera::Camera;
+use sunroom::render::scene::RenderScene;
+use sunroom::scene::{Opening, Shape, ShapeKind, Solid};
+
+use crate::support::{context, presses};
+
+struct Window {
+    tool: Tool,
+    commands: Vec<Command>,
+    state: ViewportState,
+    camera: Camera,
+}
+
+const SIZE: egui::Vec2 = vec2(800.0, 600.0);
+const STEP: f32 = 0.5;
+
+fn cube() -> Entity {
+    Entity::from_raw_u32(1).expect("a small index is valid")
+}
+
+/// From above and before the origin.
+fn pose() -> Affine3A {
+    let from = Vec3::new(0.0, 6.0, -10.0);
+    let forward = (-from).normalize();
+    let left = Vec3::Y.cross(forward).normalize();
+    Affine3A::from_mat3_translation(Mat3::from_cols(left, forward.cross(left), forward), from)
+}
+
+/// A box of 4 x 2 x 0.4 at the origin, if there is one.
+fn box_pose() -> Affine3A {
+    Affine3A::from_translation(Vec3::Y) * Affine3A::from_scale(Vec3::new(2.0, 1.0, 0.2))
+}
+
+fn packed(has_box: bool) -> PackedScene {
+    let blas = Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah));
+    let instance = Instance::new(Primitive::Mesh(blas), box_pose()).expect("a good pose");
+    let instances = if has_box { vec![instance] } else { Vec::new() };
+    PackedScene {
+        scene: Some(RenderScene {
+            geometry: Arc::new(Tlas::build(instances, SplitMethod::Sah)),
+            surfaces: Arc::default(),
+            materials: Arc::default(),
+            textures: Arc::default(),
+            lights: Arc::default(),
+        }),
+        entity_of_instance: if has_box { vec![cube()] } else { Vec::new() }.into(),
+        ..PackedScene::default()
+    }
+}
+
+fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
+    let window = Window {
+        tool,
+        commands: Vec::new(),
+        state: ViewportState::default(),
+        camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
+    };
+    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), packed(has_box));
+    let (things, selection) = (Outline::default(), Selection::default());
+    let target = BlockTarget {
+        entity: cube(),
+        shape: Shape {
+            kind: ShapeKind::Cube,
+            ..Shape::default()
+        },
+        pose: box_pose(),
+    };
+    let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
+        move |ui, window: &mut Window| {
+            let locked = Default::default();
+            let model = ViewportModel {
+                picture: Some((egui::TextureId::default(), [800, 600])),
+                proportions: [800, 600],
+                mouse: egui::Vec2::ZERO,
+                placeholder: "",
+                pose: Some(pose()),
+                camera: Some(window.camera),
+                boxes: &boxes,
+                outline: &outline,
+                wireframe: &Default::default(),
+                icons: &[],
+                gizmo: GizmoModel {
+                    settings: GizmoSettings::default(),
+                    targets: &[],
+                    length_step: STEP,
+                    up: Vec3::Y,
+                    unit: Default::default(),
+                    packed: &packed,
+                    bound: &NO_BINDINGS,
+                },
+                denoiser: DenoiserState::Idle,
+                preset: Default::default(),
+                block: has_box.then_some(&target),
+                locked: &locked,
+                things: &things,
+                packed: &packed,
+                paths: &Default::default(),
+                legend: None,
+                captions: &[],
+                region: None,
+                navigation: Navigation {
+                    scene_size: 10.0,
+                    ..Navigation::default()
+                },
+                keys: ActionContext {
+                    tool: window.tool,
+                    ..context(&selection)
+                },
+                extent: None,
+                rulers: &[],
+                is_empty: false,
+                depths: Default::default(),
+                presses: &presses(ui),
+                enabled: true,
+            };
+            let mut commands = Vec::new();
+            let mut whole = ui.new_child(egui::UiBuilder::new().max_rect(egui::Rect::from_min_size(Pos2::ZERO, SIZE)));
+            whole.set_clip_rect(whole.max_rect());
+            viewport(&mut whole, &model, &mut window.state, &mut commands);
+            window.commands.extend(commands);
+        },
+        window,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn at(harness: &Harness<Window>, world: Vec3) -> Pos2 {
+    let screen = Screen {
+        camera: harness.state().camera,
+        picture: egui::Rect::from_min_size(Pos2::ZERO, SIZE),
+    };
+    screen.project(world).expect("in front")
+}
+
+fn go(harness: &mut Harness<Window>, world: Vec3) {
+    let to = at(harness, world);
+    harness.event(egui::Event::PointerMoved(to));
+    harness.run_steps(2);
+}
+
+fn press(harness: &mut Harness<Window>, world: Vec3, pressed: bool) {
+    let pos = at(harness, world);
+    harness.event(egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(1);
+}
+
+fn drag(harness: &mut Harness<Window>, from: Vec3, to: Vec3) {
+    go(harness, from);
+    press(harness, from, true);
+    for step in 1..=4 {
+        go(harness, from.lerp(to, step as f32 / 4.0));
+    }
+    press(harness, to, false);
+    harness.run_steps(2);
+}
+
+fn click(harness: &mut Harness<Window>, world: Vec3) {
+    go(harness, world);
+    press(harness, world, true);
+    press(harness, world, false);
+    harness.run_steps(3);
+}
+
+fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
+    for &key in keys {
+        harness.key_press(key);
+        harness.run_steps(1);
+    }
+}
+
+fn built(harness: &Harness<Window>) -> Vec<Block> {
+    let block = |command: &Command| match command {
+        Command::Build(block) => Some((**block).clone()),
+        _ => None,
+    };
+    harness.state().commands.iter().filter_map(block).collect()
+}
+
+fn reshaped(harness: &Harness<Window>, why: Reshaping) -> Vec<(ShapeKind, Affine3A)> {
+    let change = |command: &Command| match command {
+        Command::Reshape(entity, shape, pose, reshaping) if *reshaping == why && *entity == cube() => {
+            Some((shape.kind.clone(), *pose))
+        }
+        _ => None,
+    };
+    harness.state().commands.iter().filter_map(change).collect()
+}
+
+fn extent((kind, pose): &(ShapeKind, Affine3A)) -> [Vec3; 2] {
+    let corners = corners(kind, pose).expect("a box");
+    let low = corners.into_iter().reduce(Vec3::min).expect("corners");
+    let high = corners.into_iter().reduce(Vec3::max).expect("corners");
+    [low, high]
+}
+
+#[test]
+fn a_box_is_dragged_on_the_ground_and_raised_to_a_click() {
+    let mut harness = window(Tool::Draw(BlockKind::Box), false);
+    // Both are a little off points of the grid.
+    drag(&mut harness, Vec3::new(-1.1, 0.0, 0.4), Vec3::new(1.9, 0.0, 2.1));
+    assert_eq!(built(&harness), [], "the height is still to come");
+    click(&mut harness, Vec3::new(2.0, 1.6, 2.0));
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let shape = block.shape().expect("a box");
+    let [low, high] = extent(&shape);
+    assert!(low.abs_diff_eq(Vec3::new(-1.0, 0.0, 0.5), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(2.0, 1.5, 2.0), 1e-5), "{high}");
+    assert!(
+        harness
+            .state()
+            .commands
+            .iter()
+            .all(|command| matches!(command, Command::Build(_))),
+        "nothing else happens: {:?}",
+        harness.state().commands
+    );
+}
+
+#[test]
+fn a_box_stands_on_the_surface_under_the_pointer() {
+    let mut harness = window(Tool::Draw(BlockKind::Box), true);
+    // The upper side of the box is at y = 2 and 0.4 deep.
+    drag(&mut harness, Vec3::new(-1.0, 2.0, -0.1), Vec3::new(1.0, 2.0, 1.0));
+    keys(&mut harness, &[Key::Num1, Key::Enter]);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let [low, high] = extent(&block.shape().expect("a box"));
+    assert!(low.abs_diff_eq(Vec3::new(-1.0, 2.0, 0.0), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(1.0, 3.0, 1.0), 1e-5), "{high}");
+}
+
+#[test]
+fn a_wall_is_drawn_by_two_clicks_and_typed_numbers() {
+    let mut harness = window(Tool::Draw(BlockKind::Wall), false);
+    click(&mut harness, Vec3::new(-2.0, 0.0, 1.0));
+    go(&mut harness, Vec3::new(0.5, 0.0, 1.0));
+    keys(&mut harness, &[Key::Num3, Key::Enter]);
+    keys(&mut harness, &[Key::Num2, Key::Period, Key::Num7, Key::Enter]);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(block.from.abs_diff_eq(Vec3::new(-2.0, 0.0, 1.0), 1e-5), "{block:?}");
+    assert!(block.to.abs_diff_eq(Vec3::new(1.0, 0.0, 1.0), 1e-5), "{block:?}");
+    assert_eq!(block.height, 2.7);
+    // The next wall is as high unless one says otherwise.
+    drag(&mut harness, Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 3.0));
+    keys(&mut harness, &[Key::Enter]);
+    assert_eq!(built(&harness).last().map(|block| block.height), Some(2.7));
+}
+
+#[test]
+fn a_floor_is_there_when_the_button_is_let_go() {
+    let mut harness = window(Tool::Draw(BlockKind::Floor), false);
+    drag(&mut harness, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 2.0));
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let [low, high] = extent(&block.shape().expect("a floor"));
+    assert!(
+        high.abs_diff_eq(Vec3::new(1.0, 0.0, 2.0), 1e-5) && low.y < 0.0,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn escape_gives_up_what_is_drawn_and_then_the_tool() {
+    let mut harness = window(Tool::Draw(BlockKind::Box), false);
+    drag(&mut harness, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 2.0));
+    keys(&mut harness, &[Key::Escape]);
+    assert_eq!(harness.state().commands, []);
+    click(&mut harness, Vec3::new(3.0, 0.0, 3.0));
+    keys(&mut harness, &[Key::Escape, Key::Escape]);
+    assert_eq!(harness.state().commands, [Command::SetTool(Tool::Select)]);
+}
+
+#[test]
+fn a_face_follows_the_pointer_along_its_normal() {
+    let mut harness = window(Tool::Push, true);
+    // The side towards the viewer, at z = -0.2, and the top at y = 2.
+    drag(&mut harness, Vec3::new(0.5, 2.0, 0.0), Vec3::new(0.5, 3.1, 0.0));
+    let pushes = reshaped(&harness, Reshaping::Push);
+    let [low, high] = extent(pushes.last().expect("it was pushed"));
+    assert!(low.abs_diff_eq(Vec3::new(-2.0, 0.0, -0.2), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(2.0, 3.0, 0.2), 1e-5), "{high}");
+    assert!(pushes.len() > 1, "it follows the pointer");
+
+    let mut harness = window(Tool::Push, true);
+    go(&mut harness, Vec3::new(0.5, 1.0, -0.2));
+    press(&mut harness, Vec3::new(0.5, 1.0, -0.2), true);
+    go(&mut harness, Vec3::new(0.5, 1.0, -1.3));
+    keys(&mut harness, &[Key::Escape]);
+    press(&mut harness, Vec3::new(0.5, 1.0, -1.3), false);
+    let pushes = reshaped(&harness, Reshaping::Push);
+    assert_eq!(pushes.last(), Some(&(ShapeKind::Cube, box_pose())), "it is put back");
+}
+
+#[test]
+fn a_click_on_a_box_cuts_a_door_and_it_becomes_a_wall() {
+    let mut harness = window(Tool::Cut(OpeningKind::Window), true);
+    click(&mut harness, Vec3::new(0.6, 1.0, -0.2));
+    let cuts = reshaped(&harness, Reshaping::Cut);
+    let [(ShapeKind::Solid(Solid::Wall { length, openings, .. }), pose)] = &cuts[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!((length - 4.0).abs() < 1e-5);
+    let [Opening { from, sill, .. }] = openings[..] else {
+        panic!("{openings:?}")
+    };
+    // The wall is 2 high: its windows are smaller than those of rooms, and half of one is below the pointer.
+    assert!(
+        (from / STEP).fract().abs() < 1e-5 && (sill / STEP).fract().abs() < 1e-5,
+        "{from} {sill}"
+    );
+    let middle = pose.transform_point3(Vec3::new(
+        from + 0.5 * openings[0].width,
+        0.0,
+        sill + 0.5 * openings[0].height,
+    ));
+    assert!(
+        (middle - Vec3::new(0.6, 1.0, 0.0)).abs().max_element() <= 0.5 * STEP + 1e-4,
+        "{middle}"
+    );
+}
+
+#[test]
+fn other_buttons_and_clicks_beside_shapes_are_as_without_the_tool() {
+    let mut harness = window(Tool::Push, true);
+    click(&mut harness, Vec3::new(3.5, 0.0, 0.0));
+    assert_eq!(harness.state().commands, []);
+    // A left drag beside the box looks around.
+    drag(&mut harness, Vec3::new(3.5, 0.0, 0.0), Vec3::new(3.0, 0.5, 0.0));
+    assert!(
+        harness
+            .state()
+            .commands
+            .iter()
+            .any(|command| matches!(command, Command::MoveView(_)))
+    );
+}
