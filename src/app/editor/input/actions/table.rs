@@ -390,7 +390,7 @@ pub const ACTIONS: &[Action] = &[
     action(
         Group::View,
         "cut-open",
-        "Cut open, or close again",
+        "Cut the scene open, or shut",
         &[alt(Key::C)],
         |context| {
             Some(match context.seeing.cut {
