@@ -132,7 +132,11 @@ impl OutlineSources<'_, '_> {
             .shapes
             .iter()
             .filter(|(_, _, emits)| *emits)
-            .map(|(naming, ..)| naming.item("area"))
+            .map(|(naming, ..)| {
+                // Among lights the kind says more than the material.
+                let (order, item) = naming.item("area");
+                (order, Item { uses: None, ..item })
+            })
             .chain(
                 self.emitters
                     .iter()

@@ -6,6 +6,7 @@ use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, T
 use image::ImageFormat;
 
 use crate::app::editor::command::Command;
+use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
@@ -54,6 +55,7 @@ pub fn show(
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
                 closes |= begin(ui, actions, commands);
+                mouse(ui, preferences.navigation, commands);
                 recent(ui, &preferences.recent_files, commands);
             });
         });
@@ -115,6 +117,26 @@ fn picture(context: &egui::Context, sample: &Sample) -> Option<TextureHandle> {
     let texture = context.load_texture(sample.file, pixels, TextureOptions::LINEAR);
     context.data_mut(|data| data.insert_temp(id, texture.clone()));
     Some(texture)
+}
+
+/// The choice of what drags in the picture do.
+fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Navigate as in");
+        egui::ComboBox::from_id_salt("navigation")
+            .selected_text(chosen.name())
+            .show_ui(ui, |ui| {
+                for (preset, name, help) in NavigationPreset::ALL {
+                    let entry = ui.selectable_label(preset == chosen, name).on_hover_text(help);
+                    if entry.clicked() {
+                        commands.push(Command::Shell(ShellCommand::SetNavigation(preset)));
+                    }
+                }
+            })
+            .response
+            .labelled_by(label.id);
+    });
+    ui.add_space(GAP);
 }
 
 /// The ways to begin; true if one was chosen.
