@@ -103,10 +103,14 @@ impl LengthUnit {
 
     /// A length in units of the world as a text with the sign of the unit: at most three decimals, or more digits where the number is small.
     pub fn text(self, length: f32) -> String {
-        let number = self.number(length);
+        self.number(length) + &self.sign()
+    }
+
+    /// The sign that stands behind a number, with a blank before it; empty for no unit.
+    pub fn sign(self) -> String {
         match self.name() {
-            "" => number,
-            name => format!("{number} {name}"),
+            "" => String::new(),
+            name => format!(" {name}"),
         }
     }
 

@@ -57,7 +57,7 @@ fn the_grid_is_in_the_picture_and_has_few_triangles() {
     assert!(mesh.is_valid());
     let count = mesh.indices.len() / 3;
     assert!((200..40_000).contains(&count), "{count}");
-    let picture = Rect::from_min_size(Pos2::ZERO, SIZE).expand(1.5);
+    let picture = Rect::from_min_size(Pos2::ZERO, SIZE).expand(2.5);
     assert!(mesh.vertices.iter().all(|vertex| picture.contains(vertex.pos)));
     let sky = Screen {
         camera: Camera::new(

@@ -3,6 +3,7 @@
 
 mod inspector;
 mod keys;
+mod lengths;
 mod lights;
 mod materials;
 mod menus;

@@ -1,7 +1,7 @@
 //! The direction of a camera as yaw, pitch and roll.
 
 use bevy::math::{Affine3A, Mat3A, Quat, Vec3};
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{DragValue, Ui};
 
 use super::fields;
 use crate::app::editor::camera::navigation::{facing, scale_of};
@@ -65,7 +65,15 @@ impl CameraAngles {
 pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
     let mut angles = CameraAngles::of(pose);
     let mut row = |text, angle: &mut f32, most: f32| {
-        fields::quantity(ui, (text, "to_world.rotation"), angle, 0.5, -most..=most, "°")
+        // The pose gives the angle back with another last digit, at which a text that is being typed would be dropped.
+        let drag = DragValue::new(angle)
+            .speed(0.5)
+            .range(-most..=most)
+            .clamp_existing_to_range(false)
+            .max_decimals(2)
+            .suffix("°")
+            .update_while_editing(false);
+        fields::row(ui, (text, "to_world.rotation"), |ui| ui.add(drag)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);
     changed |= row("Pitch", &mut angles.pitch, 90.0);

@@ -21,7 +21,7 @@ pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affin
     let Some(to_world) = scalable else {
         let unit = lengths::unit(ui);
         let [x, y, z] = extent.to_array().map(|extent| unit.number(extent));
-        let text = format!("{x} × {y} × {z}{}", lengths::suffix(unit));
+        let text = format!("{x} × {y} × {z}{}", unit.sign());
         fields::note(ui, "Size", text);
         return false;
     };

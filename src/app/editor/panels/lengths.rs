@@ -39,10 +39,12 @@ fn lengths<R>(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> R) -> R {
     tagged(ui, LENGTHS, unit, content)
 }
 
-/// Lets other units be typed into a number that is a length.
+/// Lets other units be typed into a number that is a length. It counts when it is complete: `30cm` is never 30 metres.
 pub(super) fn with_units<'a>(ui: &Ui, drag: DragValue<'a>) -> DragValue<'a> {
     match tag(ui, LENGTHS) {
-        Some(unit) => drag.custom_parser(move |text| unit.parse(text)),
+        Some(unit) => drag
+            .custom_parser(move |text| unit.parse(text))
+            .update_while_editing(false),
         None => drag,
     }
 }
@@ -55,7 +57,7 @@ pub fn length<'a>(
     speed: f32,
     range: RangeInclusive<f32>,
 ) -> bool {
-    let suffix = suffix(unit(ui));
+    let suffix = unit(ui).sign();
     lengths(ui, |ui| fields::quantity(ui, caption, value, speed, range, &suffix))
 }
 
@@ -75,12 +77,4 @@ pub(crate) fn length_slider<'a>(
 /// Shows three lengths; true if edited.
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32) -> bool {
     lengths(ui, |ui| fields::vector(ui, caption, value, speed, ""))
-}
-
-/// The sign of the unit behind a number.
-pub(crate) fn suffix(unit: LengthUnit) -> String {
-    match unit.name() {
-        "" => String::new(),
-        name => format!(" {name}"),
-    }
 }

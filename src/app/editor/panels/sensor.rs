@@ -76,7 +76,8 @@ fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
             .clamp_existing_to_range(false)
             .speed(0.1)
             .max_decimals(1)
-            .custom_parser(|text| LengthUnit::Millimetre.parse(text));
+            .custom_parser(|text| LengthUnit::Millimetre.parse(text))
+            .update_while_editing(false);
         ui.add(drag)
             .on_hover_text("Of a lens that sees as much on 35 mm film, by its diagonal; 50 mm is a normal lens")
     });

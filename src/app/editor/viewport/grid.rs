@@ -190,7 +190,7 @@ impl Lines<'_> {
         };
         let length = part.points[0].distance(part.points[1]);
         let looks = ((length / LOOK).ceil() as usize).clamp(1, 4096);
-        let mut strip = Strip::new(&mut self.mesh, part.points);
+        let mut strip = Strip::new(&mut self.mesh, part.points, line.style);
         let mut since_vertex = MOST_LOOKS;
         let mut was_visible = false;
         for look in 0..=looks {
@@ -310,33 +310,50 @@ fn inside(rect: Rect, [a, b]: [Pos2; 2]) -> Option<[f32; 2]> {
     (from < to).then_some([from, to])
 }
 
-/// A line one point wide whose edges are soft.
+/// A line one point wide with soft edges and a dark line beside it, so that it is visible on bright pictures as well.
 struct Strip<'m> {
     mesh: &'m mut Mesh,
-    /// The way from the line to its edge.
+    /// The way across the line to the dark one, one point long.
     side: egui::Vec2,
+    /// The share of the opacity that the dark line has.
+    shadow: f32,
     goes_on: bool,
 }
 
+/// The places of a strip's vertices across it, in points: edge, line, dark line, edge.
+const ACROSS: [f32; 4] = [-1.0, 0.0, 1.0, 2.0];
+/// The opacity of the dark line, as a share of that of the line; the colours of axes need little help.
+const SHADOW: f32 = 0.7;
+const AXIS_SHADOW: f32 = 0.2;
+
 impl<'m> Strip<'m> {
-    fn new(mesh: &'m mut Mesh, [a, b]: [Pos2; 2]) -> Self {
+    fn new(mesh: &'m mut Mesh, [a, b]: [Pos2; 2], style: Style) -> Self {
         let side = (b - a).normalized().rot90();
+        // The dark line is below or at the right.
+        let is_above = side.y < -1e-3 || (side.y <= 1e-3 && side.x < 0.0);
         Self {
             mesh,
-            side,
+            side: if is_above { -side } else { side },
+            shadow: if style == Style::Axis { AXIS_SHADOW } else { SHADOW },
             goes_on: false,
         }
     }
 
     fn vertex(&mut self, at: Pos2, color: Color32, opacity: f32) {
         let first = self.mesh.vertices.len() as u32;
-        let color = color.gamma_multiply(opacity);
-        self.mesh.colored_vertex(at - self.side, Color32::TRANSPARENT);
-        self.mesh.colored_vertex(at, color);
-        self.mesh.colored_vertex(at + self.side, Color32::TRANSPARENT);
-        if self.goes_on && first >= 3 {
-            for edge in 0..2 {
-                let (a, b) = (first - 3 + edge, first + edge);
+        let rows = ACROSS.len() as u32;
+        let colors = [
+            Color32::TRANSPARENT,
+            color.gamma_multiply(opacity),
+            Color32::BLACK.gamma_multiply(self.shadow * opacity),
+            Color32::TRANSPARENT,
+        ];
+        for (across, color) in ACROSS.into_iter().zip(colors) {
+            self.mesh.colored_vertex(at + self.side * across, color);
+        }
+        if self.goes_on && first >= rows {
+            for edge in 0..rows - 1 {
+                let (a, b) = (first - rows + edge, first + edge);
                 self.mesh.add_triangle(a, a + 1, b);
                 self.mesh.add_triangle(a + 1, b + 1, b);
             }

@@ -157,7 +157,7 @@ fn camera(world: &mut World, random: &mut Random) -> Vec<Act> {
 }
 
 fn display(random: &mut Random) -> Vec<Act> {
-    match random.below(10) {
+    match random.below(12) {
         0 | 1 => {
             let (_, mode) = DisplayMode::ALL[random.below(DisplayMode::ALL.len())];
             say(format!("show {}", mode.replace(' ', "-").to_lowercase()))
@@ -181,6 +181,8 @@ fn display(random: &mut Random) -> Vec<Act> {
             ["x", "-y", "z"][random.below(3)],
             random.number()
         )),
+        9 => say(["grid", "dimensions", "clear-rulers"][random.below(3)]),
+        10 => say(format!("measure-between {} {}", random.vector(), random.vector())),
         _ => say(["expose-automatically", "boxes", "safe-frame", "measure"][random.below(4)]),
     }
 }

@@ -67,7 +67,7 @@ pub struct Drag {
     /// Numbers that were typed meanwhile; they count instead of the pointer.
     pub typed: Typed,
     /// The unit of the scene, for lengths that are typed.
-    lengths: LengthUnit,
+    pub(super) lengths: LengthUnit,
     pub(super) settings: GizmoSettings,
     /// The place where the pointer took hold.
     grabbed: Pos2,

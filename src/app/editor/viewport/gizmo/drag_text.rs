@@ -10,13 +10,14 @@ impl Drag {
     pub fn text(&self, change: Change, length_step: f32) -> String {
         const NAMES: [&str; 3] = ["X", "Y", "Z"];
         let axes = self.frame.axes;
+        let unit = self.lengths.sign();
         let amount = match change {
             Change::Moved(by) | Change::Laid { by, .. } => match self.constraint {
-                Constraint::Axis(k) => format!("{} {:.4}", NAMES[k], by.dot(axes[k])),
+                Constraint::Axis(k) => format!("{} {:.4}{unit}", NAMES[k], by.dot(axes[k])),
                 _ => axes
                     .iter()
                     .zip(NAMES)
-                    .map(|(axis, name)| format!("{name} {:.4}  ", by.dot(*axis)))
+                    .map(|(axis, name)| format!("{name} {:.4}{unit}  ", by.dot(*axis)))
                     .collect(),
             },
             Change::Turned { angle, .. } => match self.constraint {
