@@ -106,6 +106,7 @@ pub fn window() -> Harness<'static, Window> {
                     settings: window.gizmo,
                     targets: &[window.target],
                     length_step: 0.5,
+                    grid: Default::default(),
                     up: Vec3::Y,
                     unit: Default::default(),
                     packed: &packed,

@@ -69,6 +69,7 @@ pub fn picture() -> Harness<'static, Picture> {
                     settings: GizmoSettings::default(),
                     targets: &[],
                     length_step: 1.0,
+                    grid: Default::default(),
                     up: Vec3::Y,
                     unit: Default::default(),
                     packed: &packed,

@@ -69,8 +69,17 @@ pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
 
 /// Puts the origins of things onto multiples of the step.
 pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
-    let ViewSettings { gizmo, navigation, .. } = edit.world.resource::<ViewSettings>();
-    let step = f64::from(gizmo.steps.length_in(navigation.scene_size));
+    let ViewSettings {
+        gizmo,
+        navigation,
+        grid,
+        ..
+    } = edit.world.resource::<ViewSettings>();
+    // A grid without a step of its own depends on the view.
+    let step = grid
+        .step
+        .unwrap_or_else(|| gizmo.steps.length_in(navigation.scene_size));
+    let step = f64::from(step);
     let poses = things::selected(edit)?.into_iter().filter_map(|entity| {
         let pose = edit.world.get::<ToWorld>(entity)?.0;
         let place = rounding::rounded_place(pose.translation.into(), step);

@@ -291,7 +291,7 @@ fn paint_over(
             state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
         }
         state.pointer.paint(&painter, pointer);
-        if let Some(note) = state.gizmo.note(model.gizmo.length_step, model.gizmo.bound) {
+        if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
             tag(
                 &painter,
                 picture.center_bottom() - egui::vec2(0.0, 8.0),

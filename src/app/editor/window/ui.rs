@@ -158,6 +158,7 @@ pub fn show_window(
             settings: settings.gizmo,
             targets: &seen.targets,
             length_step: settings.gizmo.steps.length_in(settings.navigation.scene_size),
+            grid: settings.grid,
             up: settings.navigation.up,
             unit: model.unit,
             packed: &scene.packed,

@@ -12,12 +12,14 @@ use super::constraint::Constraint;
 use super::drag::{Change, Drag};
 use super::handles::{self, Handle};
 use super::{Target, frame, paint};
+use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::snapping::{self, SnapPoint};
 use crate::app::editor::camera::solid::{Solid, solids_of};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::snapping::SnapTo;
 use crate::app::editor::input::actions;
@@ -37,6 +39,8 @@ pub struct GizmoModel<'a> {
     pub targets: &'a [Target],
     /// The step of lengths, in world units.
     pub length_step: f32,
+    /// The grid on the ground, whose lines moves may snap to.
+    pub grid: GridSettings,
     /// The world's upward direction, an axis.
     pub up: Vec3,
     /// The unit of the scene, for lengths that are typed.
@@ -45,6 +49,17 @@ pub struct GizmoModel<'a> {
     pub packed: &'a PackedScene,
     /// The keys that the user has chosen.
     pub bound: &'a KeyBindings,
+}
+
+impl GizmoModel<'_> {
+    /// The step of moves in world units: that of the grid where moves snap to it and it is seen.
+    fn step(&self, screen: &Screen, mode: Mode) -> f32 {
+        let is_on_grid = mode == Mode::Move && self.settings.snap.to == SnapTo::Grid && self.grid.shown;
+        match is_on_grid {
+            true => GridPlane::of(screen, self.up).step(screen, &self.grid),
+            false => self.length_step,
+        }
+    }
 }
 
 /// The state that the gizmo keeps between frames.
@@ -279,7 +294,7 @@ impl GizmoState {
                     paint::paint_snap(painter, point, screen);
                 }
                 if let (Some(change), Some(pointer), true) = (held.change, pointer, held.by != Hold::Keys) {
-                    let text = held.drag.text(change, model.length_step);
+                    let text = held.drag.text(change, model.step(screen, held.drag.mode()));
                     tag(painter, pointer + READ_OUT, Align2::LEFT_TOP, &text);
                 }
             }
@@ -288,16 +303,16 @@ impl GizmoState {
     }
 
     /// A line about a drag by the keyboard; None without one.
-    pub fn note(&self, length_step: f32, bound: &KeyBindings) -> Option<String> {
+    pub fn note(&self, screen: &Screen, model: &GizmoModel) -> Option<String> {
         // What follows the pointer has its figures there.
         let held = self.held.as_ref().filter(|held| held.by == Hold::Keys)?;
         if held.change.is_none() {
-            let same = actions::key_text(action_of(held.drag.mode()), bound);
+            let same = actions::key_text(action_of(held.drag.mode()), model.bound);
             return Some(format!(
                 "X Y Z: axis   0-9: amount   {same}: follow the mouse   Esc: leave"
             ));
         }
-        Some(held.drag.text(held.change?, length_step))
+        Some(held.drag.text(held.change?, model.step(screen, held.drag.mode())))
     }
 }
 
@@ -345,7 +360,8 @@ impl Held {
                 false => None,
             };
             let steps = snaps && !onto_things;
-            Some(found.unwrap_or_else(|| self.drag.follow(screen, pointer, steps, model.length_step)))
+            let step = model.step(screen, self.drag.mode());
+            Some(found.unwrap_or_else(|| self.drag.follow(screen, pointer, steps, step)))
         };
         // A press alone moves nothing.
         let is_begun = self.change.is_some() || change.is_some_and(|change| !change.is_none());
