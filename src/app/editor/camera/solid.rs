@@ -1,5 +1,7 @@
 //! The extent of a shape in the world: its corners, and how far it reaches in a direction.
 
+use std::collections::HashMap;
+
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 
@@ -94,18 +96,27 @@ impl Solid {
 
 /// What the picture has of these things. Groups that stand there as instances are taken by their bounds.
 pub fn solids_of(packed: &PackedScene, entities: &[Entity]) -> Vec<Solid> {
+    solids_of_each(packed, entities).concat()
+}
+
+/// The [`solids_of`] each of these things by itself, found in one pass over the scene.
+pub fn solids_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Vec<Solid>> {
+    let mut found = vec![Vec::new(); entities.len()];
     let Some(scene) = &packed.scene else {
-        return Vec::new();
+        return found;
     };
     let geometry = &scene.geometry;
-    (0..)
-        .zip(packed.entity_of_instance.iter())
-        .filter(|(_, entity)| entities.contains(entity))
-        .filter_map(|(item, _): (u32, _)| match geometry.instances().get(item as usize) {
-            Some(instance) => Some(Solid::of(instance)),
-            None => geometry.bounds_of(item).map(Solid::of_bounds),
-        })
-        .collect()
+    let places: HashMap<Entity, usize> = entities.iter().copied().zip(0..).collect();
+    for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
+        let item: u32 = item;
+        if let Some(&place) = places.get(entity) {
+            found[place].extend(match geometry.instances().get(item as usize) {
+                Some(instance) => Some(Solid::of(instance)),
+                None => geometry.bounds_of(item).map(Solid::of_bounds),
+            });
+        }
+    }
+    found
 }
 
 #[cfg(test)]

@@ -5,9 +5,10 @@ use std::ops::Range;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use super::grouping::{self, Unit};
 use super::things;
 use crate::app::editor::camera::rounding;
-use crate::app::editor::camera::solid::solids_of;
+use crate::app::editor::camera::solid::{Solid, solids_of_each};
 use crate::app::editor::command::arrange::{Reference, Side, Spacing};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
@@ -32,7 +33,7 @@ pub fn align(edit: &mut Edit, axis: usize, side: Side, to: Reference) -> Result<
         Reference::Active => things.last().map_or(&all, |(_, extent)| extent),
     };
     let goal = at(side, reference);
-    let moves = things.iter().map(|(thing, extent)| (*thing, goal - at(side, extent)));
+    let moves = things.iter().map(|(unit, extent)| (unit, goal - at(side, extent)));
     move_along(edit, axis, moves.collect())
 }
 
@@ -51,14 +52,14 @@ pub fn distribute(edit: &mut Edit, axis: usize, by: Spacing) -> Result<(), Comma
     let step = (middle(&last) - middle(&first)) / between;
     let mut start = first.start;
     let mut moves = Vec::new();
-    for (number, (thing, extent)) in things.iter().enumerate() {
+    for (number, (unit, extent)) in things.iter().enumerate() {
         let by = match by {
             Spacing::Gaps => start - extent.start,
             Spacing::Middles => middle(&first) + step * number as f32 - middle(extent),
         };
         start += extent.end - extent.start + gap;
         let stays = number == 0 || number + 1 == things.len();
-        moves.push((*thing, if stays { 0.0 } else { by }));
+        moves.push((unit, if stays { 0.0 } else { by }));
     }
     move_along(edit, axis, moves)
 }
@@ -71,38 +72,61 @@ fn at(side: Side, extent: &Range<f32>) -> f32 {
     }
 }
 
-/// The extent of each selected thing that has a place, along an axis; the active one is the last.
-fn extents(edit: &Edit, axis: usize) -> Result<Vec<(Entity, Range<f32>)>, CommandError> {
-    let direction = Vec3::AXES[axis.min(2)];
-    let selected = things::selected(edit)?.into_iter();
-    Ok(selected
-        .filter_map(|entity| Some((entity, extent(edit.world, entity, direction)?)))
-        .collect())
+/// The extent of each selected thing or group that has a place, along an axis; the active one is the last.
+fn extents(edit: &mut Edit, axis: usize) -> Result<Vec<(Unit, Range<f32>)>, CommandError> {
+    let units = grouping::units(edit)?;
+    let all: Vec<Entity> = units.iter().flat_map(|unit| unit.all.iter().copied()).collect();
+    let mut extents = extent_of_each(edit.world, &all, Vec3::AXES[axis.min(2)]).into_iter();
+    let with_extent = units.into_iter().filter_map(|unit| {
+        let mut own: Vec<Option<Range<f32>>> = extents.by_ref().take(unit.all.len()).collect();
+        // The origin of a group, which is the last, is no part of its extent.
+        if own.len() > 1 {
+            own.pop();
+        }
+        let extent = union(own)?;
+        Some((unit, extent))
+    });
+    Ok(with_extent.collect())
 }
 
-/// The extent of a thing along a direction; None for what is everywhere or nowhere.
-pub fn extent(world: &World, entity: Entity, direction: Vec3) -> Option<Range<f32>> {
-    let pose = world.get::<ToWorld>(entity)?.0;
-    let solids = solids_of(world.resource::<PackedScene>(), &[entity]);
+/// The extent of several things together.
+pub fn union(extents: Vec<Option<Range<f32>>>) -> Option<Range<f32>> {
+    let extents = extents.into_iter().flatten();
+    extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end))
+}
+
+/// The extent of each thing along a direction; None for what is everywhere or nowhere.
+pub fn extent_of_each(world: &World, things: &[Entity], direction: Vec3) -> Vec<Option<Range<f32>>> {
+    let solids = solids_of_each(world.resource::<PackedScene>(), things);
+    let each = things.iter().zip(solids);
+    each.map(|(thing, solids)| extent(world, *thing, &solids, direction))
+        .collect()
+}
+
+fn extent(world: &World, thing: Entity, solids: &[Solid], direction: Vec3) -> Option<Range<f32>> {
+    let pose = world.get::<ToWorld>(thing)?.0;
     let ends = solids
         .iter()
-        .map(|solid| -solid.reach(-direction)..solid.reach(direction))
-        .reduce(|all, one| all.start.min(one.start)..all.end.max(one.end));
-    ends.or_else(|| {
-        let bounds = world_bounds(world.get::<Shape>(entity)?, &pose, None)?;
-        let [a, b] = [bounds.min.dot(direction), bounds.max.dot(direction)];
-        Some(a.min(b)..a.max(b))
-    })
-    .or_else(|| {
-        let place = Vec3::from(pose.translation).dot(direction);
-        Some(place..place)
-    })
+        .map(|solid| Some(-solid.reach(-direction)..solid.reach(direction)));
+    union(ends.collect())
+        .or_else(|| {
+            let bounds = world_bounds(world.get::<Shape>(thing)?, &pose, None)?;
+            let [a, b] = [bounds.min.dot(direction), bounds.max.dot(direction)];
+            Some(a.min(b)..a.max(b))
+        })
+        .or_else(|| {
+            let place = Vec3::from(pose.translation).dot(direction);
+            Some(place..place)
+        })
 }
 
-fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(Entity, f32)>) -> Result<(), CommandError> {
+fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(&Unit, f32)>) -> Result<(), CommandError> {
     let extent = edit.world.resource::<ViewSettings>().navigation.scene_size;
     let unit = FINER * rounding::unit_of_scene(extent);
-    let poses = moves.into_iter().filter_map(|(entity, by)| {
+    let each = moves
+        .into_iter()
+        .flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));
+    let poses = each.filter_map(|(entity, by)| {
         let pose = edit.world.get::<ToWorld>(entity)?.0;
         // What is in line already keeps its numbers.
         let by = rounding::rounded(by, unit);

@@ -156,10 +156,7 @@ fn was_just_copied(history: &History) -> bool {
 fn beside(world: &World, things: &[Entity]) -> Vec3 {
     let step = placing::step(world, Direction::Right);
     let direction = step.normalize_or_zero();
-    let extents = things
-        .iter()
-        .filter_map(|entity| arranging::extent(world, *entity, direction.abs()));
-    let all = extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end));
+    let all = arranging::union(arranging::extent_of_each(world, things, direction.abs()));
     let size = all.map_or(0.0, |all| all.end - all.start);
     let steps = (size / step.length().max(f32::MIN_POSITIVE) + 1e-3).floor() + 1.0;
     let by = step * steps;

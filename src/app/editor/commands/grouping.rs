@@ -180,6 +180,39 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
     poses
 }
 
+/// Things that stay together when each selected thing is placed by itself: a thing alone, or a group with all that is in it.
+pub struct Unit {
+    /// The thing, or the transform of the group.
+    pub lead: Entity,
+    /// All of it, the lead last.
+    pub all: Vec<Entity>,
+}
+
+/// The selected groups and the things beside them, in the order of the selection.
+pub fn units(edit: &mut Edit) -> Result<Vec<Unit>, CommandError> {
+    let selected = selected(edit)?;
+    let mut frames: Vec<Entity> = Vec::new();
+    frames.extend(selected.iter().filter(|entity| is_frame(edit.world, **entity)));
+    let insides: Vec<HashSet<Entity>> = frames
+        .iter()
+        .map(|frame| members(edit.world, *frame).into_iter().collect())
+        .collect();
+    // Also groups in groups are part of something else.
+    let is_part = |entity: &Entity| insides.iter().any(|inside| inside.contains(entity));
+    let leads = selected.into_iter().filter(|entity| !is_part(entity));
+    let units = leads.map(|lead| {
+        let inside = frames
+            .iter()
+            .position(|frame| *frame == lead)
+            .map(|place| &insides[place]);
+        let mut all: Vec<Entity> = inside.into_iter().flatten().copied().collect();
+        all.sort();
+        all.push(lead);
+        Unit { lead, all }
+    });
+    Ok(units.collect())
+}
+
 /// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group itself is the active one then.
 pub fn select_group(world: &mut World) -> Result<(), CommandError> {
     let selection = world.resource::<Selection>().clone();
@@ -267,10 +300,7 @@ fn common_folder(world: &World, things: &[Entity]) -> Option<String> {
 fn middle(world: &World, things: &[Entity]) -> Option<Vec3> {
     let mut middle = Vec3::ZERO;
     for axis in 0..3 {
-        let extents = things
-            .iter()
-            .filter_map(|thing| arranging::extent(world, *thing, Vec3::AXES[axis]));
-        let all = extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end))?;
+        let all = arranging::union(arranging::extent_of_each(world, things, Vec3::AXES[axis]))?;
         middle[axis] = 0.5 * (all.start + all.end);
     }
     let unit = rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size);

@@ -1,23 +1,26 @@
 //! Moves the selection without the mouse: by steps, and down onto what is below.
 
+use std::collections::HashSet;
+
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
-use super::things;
+use super::{grouping, things};
 use crate::app::editor::camera::{picking, pose, rounding};
 use crate::app::editor::command::Direction;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
-use crate::math::Ray;
+use crate::math::{Aabb, Ray};
 use crate::scene::ToWorld;
 
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
-    let selected = things::selected(edit)?;
+    let units = grouping::units(edit)?;
     let by = step(edit.world, direction);
     let exact = 0.0;
-    move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect(), exact)
+    let all = units.into_iter().flat_map(|unit| unit.all);
+    move_each(edit, all.map(|entity| (entity, by)).collect(), exact)
 }
 
 /// A step of the gizmo, in world space.
@@ -46,21 +49,26 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
 }
 
 pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
-    let selected = things::selected(edit)?;
+    let units = grouping::units(edit)?;
     let navigation = edit.world.resource::<ViewSettings>().navigation;
     let up = navigation.up;
     let packed = edit.world.resource::<PackedScene>();
-    let bounds = picking::bounds_of_each(packed, &selected);
-    let falls = selected.iter().zip(bounds).filter_map(|(&entity, bounds)| {
-        let place = Vec3::from(edit.world.get::<ToWorld>(entity)?.0.translation);
-        let (middle, half) = bounds.map_or((place, 0.0), |bounds| {
+    let listed: Vec<Entity> = units.iter().flat_map(|unit| unit.all.iter().copied()).collect();
+    let all: HashSet<Entity> = listed.iter().copied().collect();
+    let mut bounds = picking::bounds_of_each(packed, &listed).into_iter();
+    let falls = units.iter().filter_map(|unit| {
+        let own = bounds.by_ref().take(unit.all.len()).flatten().reduce(Aabb::union);
+        let place = Vec3::from(edit.world.get::<ToWorld>(unit.lead)?.0.translation);
+        let (middle, half) = own.map_or((place, 0.0), |bounds| {
             (bounds.center(), 0.5 * bounds.extent().dot(up.abs()))
         });
         // The ray starts at the middle, so that a thing that has sunk in a little comes up again.
-        let below = picking::surface(packed, &Ray::new(middle, -up), |other| selected.contains(&other))?;
-        Some((entity, up * (below.position + up * half - middle).dot(up)))
+        let below = picking::surface(packed, &Ray::new(middle, -up), |other| all.contains(&other))?;
+        Some((unit, up * (below.position + up * half - middle).dot(up)))
     });
-    let falls: Vec<(Entity, Vec3)> = falls.collect();
+    let falls: Vec<(Entity, Vec3)> = falls
+        .flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)))
+        .collect();
     if falls.is_empty() {
         return Err("There is nothing below.".into());
     }
@@ -80,15 +88,14 @@ pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
         .step
         .unwrap_or_else(|| gizmo.steps.length_in(navigation.scene_size));
     let step = f64::from(step);
-    let poses = things::selected(edit)?.into_iter().filter_map(|entity| {
-        let pose = edit.world.get::<ToWorld>(entity)?.0;
-        let place = rounding::rounded_place(pose.translation.into(), step);
-        // A step such as 0.1 is no number of single precision.
-        let translation = rounding::rounded_place(place, rounding::unit_below(1e-3 * step as f32)).into();
-        Some((entity, Affine3A { translation, ..pose }))
+    let units = grouping::units(edit)?;
+    let moves = units.iter().filter_map(|unit| {
+        let place = Vec3::from(edit.world.get::<ToWorld>(unit.lead)?.0.translation);
+        Some((unit, rounding::rounded_place(place, step) - place))
     });
-    let poses = poses.collect();
-    things::transform(edit, poses)
+    let moves = moves.flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));
+    let moves = moves.collect();
+    move_each(edit, moves, rounding::unit_below(1e-5 * step as f32))
 }
 
 /// Moves things, and rounds the coordinates that change to `unit`.

@@ -48,6 +48,27 @@ fn sides_are_brought_in_line() {
 }
 
 #[test]
+fn a_group_is_aligned_as_one() {
+    let mut world = bare_world();
+    let [a, b] = cubes(&mut world, &[(0.5, 0.0), (0.5, 2.0)])[..] else {
+        panic!("two cubes");
+    };
+    say(&mut world, Command::Group);
+    let group = selected(&world);
+    let far = cubes(&mut world, &[(0.5, 10.0)])[0];
+    let all = group.iter().copied().chain([far]).collect();
+    say(&mut world, Command::Select(all, Extend::Replace));
+    say(&mut world, Command::Align(0, Side::High, Reference::Active));
+    assert_eq!(places(&world, &[a, b, group[2], far]), [8.0, 10.0, 9.0, 10.0]);
+    say(&mut world, Command::Select(vec![group[2]], Extend::Replace));
+    say(&mut world, Command::SnapToGrid);
+    say(&mut world, Command::Nudge(Direction::Up));
+    let heights = [a, b, group[2]].map(|it| world.get::<ToWorld>(it).expect("a pose").0.translation.y);
+    assert_eq!(heights[0], heights[1]);
+    assert!(heights[0] > 0.5, "{heights:?}");
+}
+
+#[test]
 fn gaps_or_distances_become_equal() {
     for (by, expected) in [(Spacing::Gaps, [0.0, 2.25, 6.0]), (Spacing::Middles, [0.0, 3.0, 6.0])] {
         let mut world = bare_world();
