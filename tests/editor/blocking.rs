@@ -21,7 +21,7 @@ use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
-use sunroom::app::editor::viewport::blocking::BlockTarget;
+use sunroom::app::editor::viewport::blocking::hand::BlockTarget;
 use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;

@@ -9,7 +9,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::blocking::BlockTarget;
+use super::blocking::hand::BlockTarget;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};

@@ -4,7 +4,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Affine3A;
 use bevy_egui::egui::{self};
 
-use super::blocking::{BlockTarget, BlockingModel};
+use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;

@@ -2,8 +2,8 @@
 
 use bevy_egui::egui::Painter;
 
+use super::hand::{BlockingModel, Hand, length_text};
 use super::marks;
-use super::{BlockingModel, Hand, length_text};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;

@@ -4,9 +4,9 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Painter, Pos2};
 
+use super::hand::{BlockingModel, Hand, along_line, is_drag, length_text};
 use super::marks;
 use super::spot::{self, Spot};
-use super::{BlockingModel, Hand, along_line, is_drag, length_text};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;

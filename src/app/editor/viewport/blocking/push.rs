@@ -3,8 +3,8 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::Painter;
 
+use super::hand::{BlockTarget, BlockingModel, Hand, along_line, length_text};
 use super::marks;
-use super::{BlockTarget, BlockingModel, Hand, along_line, length_text};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;

@@ -1,0 +1,79 @@
+//! What the tools that block out act on: the model, the hand, and how what the hand shows is measured.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Pos2};
+
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::tool::Tool;
+use crate::engine::PackedScene;
+use crate::scene::{LengthUnit, Shape};
+
+/// The shape under the pointer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockTarget {
+    /// The entity.
+    pub entity: Entity,
+    /// Its geometry.
+    pub shape: Shape,
+    /// World from local.
+    pub pose: Affine3A,
+}
+
+/// The data that the tools act on.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockingModel<'a> {
+    /// The tool in use.
+    pub tool: Tool,
+    /// The shape that was under the pointer in the last frame.
+    pub target: Option<&'a BlockTarget>,
+    /// The step of the grid, in world units.
+    pub step: f32,
+    /// The world's upward direction.
+    pub up: Vec3,
+    /// The unit of the scene, for lengths that are typed.
+    pub unit: LengthUnit,
+    /// The packed scene, to find surfaces.
+    pub packed: &'a PackedScene,
+    /// What cannot be changed in the picture.
+    pub locked: &'a EntityHashSet,
+}
+
+/// The mouse and the modifiers in a frame.
+#[derive(Clone, Copy)]
+pub(in crate::app::editor::viewport) struct Hand {
+    pub pointer: Pos2,
+    /// The left button went down on the picture in this frame.
+    pub pressed: bool,
+    /// The left button was clicked on the picture.
+    pub clicked: bool,
+    /// The left button is down.
+    pub down: bool,
+    /// The step to which places are rounded; 0 with Control.
+    pub step: f32,
+}
+
+/// The place along a line (in units of its direction, of unit length) that is nearest to what the pointer shows; None where the line is seen end on.
+pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction: Vec3) -> Option<f32> {
+    let ray = screen.ray(pointer);
+    let towards = ray.dir.normalize_or_zero();
+    let between = origin - ray.origin;
+    let cosine = direction.dot(towards);
+    let sine_squared = 1.0 - cosine * cosine;
+    // Closer to end on, a pixel would be a mile.
+    const END_ON: f32 = 3e-3;
+    (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
+}
+
+/// The text of a length, with at most three decimals.
+pub(super) fn length_text(length: f32) -> String {
+    let text = format!("{length:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Whether the pointer has moved so far that it is a drag.
+pub(super) fn is_drag(from: Pos2, to: Pos2) -> bool {
+    const FARTHEST_CLICK: f32 = 5.0;
+    egui::Vec2::length(to - from) > FARTHEST_CLICK
+}
