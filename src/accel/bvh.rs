@@ -18,10 +18,10 @@ use crate::math::Aabb;
 pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     /// Primitive indices in leaf order. Each leaf starts at a multiple of `leaf_size`; gaps hold [`NO_PRIMITIVE`].
-    order: Vec<u32>,
-    leaf_size: usize,
+    pub(super) order: Vec<u32>,
+    pub(super) leaf_size: usize,
     /// The number of primitives in the only leaf of a linear list; None for other hierarchies.
-    linear: Option<usize>,
+    pub(super) linear: Option<usize>,
     /// Levels of nodes, at most [`MAX_DEPTH`].
     pub(super) depth: usize,
 }

@@ -86,6 +86,12 @@ impl Node {
         self.children[slot] = child;
     }
 
+    /// Empties a slot, after which no other may be in use.
+    pub fn clear(&mut self, slot: usize) {
+        let [min, max] = [Vec3::INFINITY; 2];
+        self.set(slot, &Aabb { min, max }, Child::NONE);
+    }
+
     /// Moves the indices of children back: of nodes by `nodes`, of leaves by `blocks`.
     pub fn advance(&mut self, nodes: usize, blocks: usize) {
         let used = self.slots_used();

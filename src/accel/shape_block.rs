@@ -11,6 +11,7 @@ use super::bvh::Bvh;
 use super::collapse::NO_PRIMITIVE;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
+use super::instances::Instances;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
 use crate::geometry::local::LocalHit;
@@ -40,15 +41,15 @@ pub(super) struct ShapeBlock {
 
 impl ShapeBlock {
     /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A linear list has no blocks.
-    pub fn gather(instances: &[Instance], method: SplitMethod) -> Vec<Self> {
+    pub fn gather(instances: &Instances, method: SplitMethod) -> Vec<Self> {
         if method == SplitMethod::Linear {
             return Vec::new();
         }
-        let bounds: Vec<Aabb> = instances
-            .par_iter()
-            .map(|shape| match shape.primitive {
-                Primitive::Sphere | Primitive::Rectangle | Primitive::Disk => shape.world_bounds(),
-                Primitive::Mesh(_) | Primitive::Cylinder => Aabb::EMPTY,
+        let bounds: Vec<Aabb> = (0..instances.len())
+            .into_par_iter()
+            .map(|number| match &instances[number] {
+                shape if Self::takes(shape) => shape.world_bounds(),
+                _ => Aabb::EMPTY,
             })
             .collect();
         let around = |members: &[u32]| {
@@ -75,7 +76,46 @@ impl ShapeBlock {
         leaves.order().par_chunks(LANES).filter_map(block).collect()
     }
 
-    fn new(instances: &[Instance], members: &[u32], bounds: Aabb) -> Self {
+    /// Whether a block can have this shape.
+    pub fn takes(shape: &Instance) -> bool {
+        match shape.primitive {
+            Primitive::Sphere | Primitive::Rectangle | Primitive::Disk => true,
+            Primitive::Mesh(_) | Primitive::Cylinder => false,
+        }
+    }
+
+    /// Makes blocks of all of these shapes, by their numbers, also of those that have no others next to them.
+    pub fn gather_all(instances: &Instances, members: &[u32]) -> Vec<Self> {
+        let bounds: Vec<Aabb> = members
+            .iter()
+            .map(|&member| instances[member as usize].world_bounds())
+            .collect();
+        let leaves = Bvh::build(&bounds, SplitMethod::Sah, LANES);
+        let block = |leaf: &[u32]| {
+            let held = leaf.iter().filter(|&&held| held != NO_PRIMITIVE);
+            let held: Vec<u32> = held.map(|&held| members[held as usize]).collect();
+            Self::of(instances, &held)
+        };
+        leaves.order().chunks(LANES).map(block).collect()
+    }
+
+    /// A block of these shapes, of which there may be none.
+    pub fn of(instances: &Instances, members: &[u32]) -> Self {
+        let bounds = members.iter().map(|&member| instances[member as usize].world_bounds());
+        Self::new(instances, members, bounds.fold(Aabb::EMPTY, Aabb::union))
+    }
+
+    /// The block with other numbers for the same shapes.
+    pub fn renumbered(&self, new: impl Fn(u32) -> u32) -> Self {
+        let mut block = self.clone();
+        let used = self.members().len();
+        block.members[..used]
+            .iter_mut()
+            .for_each(|member| *member = new(*member));
+        block
+    }
+
+    fn new(instances: &Instances, members: &[u32], bounds: Aabb) -> Self {
         let mut block = Self {
             bounds,
             rows: [Vec3Lanes::ZERO; 3],
@@ -225,7 +265,7 @@ mod tests {
     fn shapes_are_gathered_by_place() {
         let mut shapes = row(|_| Vec3::ONE);
         shapes.push(placed(Primitive::Cylinder, Vec3::ONE, 0.0, Vec3::ZERO));
-        let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+        let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
         let mut members: Vec<u32> = blocks.iter().flat_map(ShapeBlock::members).copied().collect();
         for block in &blocks {
             let around = block.members().iter().map(|&k| shapes[k as usize].world_bounds());
@@ -243,11 +283,11 @@ mod tests {
             Vec3::new(60.0, 0.0, -700.0),
         );
         shapes.insert(0, floor);
-        let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+        let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
         assert!(blocks.iter().all(|block| !block.members().contains(&0)));
         assert!(blocks.iter().map(|block| block.members().len()).sum::<usize>() > 30);
-        assert!(ShapeBlock::gather(&shapes, SplitMethod::Linear).is_empty());
-        assert!(ShapeBlock::gather(&shapes[..3], SplitMethod::Sah).is_empty());
+        assert!(ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Linear).is_empty());
+        assert!(ShapeBlock::gather(&shapes[..3].to_vec().into(), SplitMethod::Sah).is_empty());
     }
 
     /// Spheres that are round in the world, and stretched ones: what begins on one does not meet it again from outside.
@@ -258,7 +298,7 @@ mod tests {
             row(|k| Vec3::new(1.2, 0.3 + 0.02 * k as f32, 0.9)),
         ] {
             let scene = crate::accel::Tlas::build(shapes.clone(), SplitMethod::Sah);
-            let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+            let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
             assert_eq!(blocks[0].squared_radii.is_some(), shapes[0].world_bounds().min.y < -0.6);
             let mut met = 0;
             for k in 0..2000 {

@@ -6,8 +6,11 @@ use std::sync::Arc;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
+use super::chunks::Chunks;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
+use super::instances::Instances;
+use super::loose::Loose;
 use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
@@ -22,12 +25,12 @@ use crate::math::{Aabb, Ray};
 /// A group is itself a `Tlas` of shapes alone, in a space of its own, shared by all its placements.
 #[derive(Clone, Debug)]
 pub struct Tlas {
-    instances: Vec<Instance>,
-    groups: Vec<Arc<Tlas>>,
+    pub(super) instances: Instances,
+    pub(super) groups: Vec<Arc<Tlas>>,
     /// The number of shapes before the first member of each group.
-    first_shape: Vec<usize>,
-    placements: Vec<Placement>,
-    blocks: Vec<ShapeBlock>,
+    pub(super) first_shape: Vec<usize>,
+    pub(super) placements: Vec<Placement>,
+    pub(super) blocks: Chunks<ShapeBlock>,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
     /// The instances without a hierarchy, if there are only a few shapes.
@@ -36,6 +39,8 @@ pub struct Tlas {
     pub(super) is_large: bool,
     /// Whether any mesh has vertex normals that are used.
     pub(super) has_vertex_normals: bool,
+    /// What has been edited since the hierarchy was built; None: nothing.
+    pub(super) loose: Option<Loose>,
 }
 
 /// An item that a leaf of the hierarchy holds.
@@ -58,6 +63,11 @@ impl Tlas {
         placements: Vec<Placement>,
         method: SplitMethod,
     ) -> Self {
+        Self::over(instances.into(), groups, placements, method)
+    }
+
+    /// [`Self::with_placements`] from shapes that need not be copied.
+    pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
         let mut shapes = instances.len();
         let first_shape = groups
             .iter()
@@ -67,7 +77,7 @@ impl Tlas {
                 first
             })
             .collect();
-        let blocks = ShapeBlock::gather(&instances, method);
+        let blocks: Chunks<ShapeBlock> = ShapeBlock::gather(&instances, method).into_iter().collect();
         let small_scene = placements
             .is_empty()
             .then(|| {
@@ -89,9 +99,10 @@ impl Tlas {
             small_scene,
             is_large: false,
             has_vertex_normals,
+            loose: None,
         };
         let in_block = tlas.in_block();
-        let bounds = |number: usize| tlas.item_bounds(number, &in_block);
+        let bounds = |number: usize| tlas.item_bounds(number as u32, in_block.get(number) == Some(&true));
         tlas.bvh = Bvh::over(tlas.item_count(), bounds, None, method, LEAF_SIZE);
         tlas.is_large = tlas.bytes() > CACHE;
         tlas
@@ -115,7 +126,7 @@ impl Tlas {
     }
 
     /// The shapes that stand in the world by themselves, by [`Hit::instance`].
-    pub fn instances(&self) -> &[Instance] {
+    pub fn instances(&self) -> &Instances {
         &self.instances
     }
 
@@ -192,9 +203,9 @@ impl Tlas {
     }
 
     /// The world bounds of an item of the hierarchy. An instance that is in a block has empty bounds.
-    fn item_bounds(&self, number: usize, in_block: &[bool]) -> Aabb {
-        match self.item(number as u32) {
-            Item::Shape(_) if in_block[number] => Aabb::EMPTY,
+    pub(super) fn item_bounds(&self, number: u32, in_block: bool) -> Aabb {
+        match self.item(number) {
+            Item::Shape(_) if in_block => Aabb::EMPTY,
             Item::Shape(shape) => shape.world_bounds(),
             Item::Placement(placement) => self.placed_bounds(placement),
             Item::Block(block) => block.bounds,
@@ -250,14 +261,16 @@ impl Tlas {
                 _ => None,
             })
             .collect();
-        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice()) + size_of_val(self.blocks.as_slice());
+        let own = self.bvh.bytes()
+            + self.instances.len() * size_of::<Instance>()
+            + self.blocks.len() * size_of::<ShapeBlock>();
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
     /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(self.placements.as_slice()) + size_of_val(self.blocks.as_slice());
+        stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.len() * size_of::<ShapeBlock>();
         stats
     }
 
@@ -288,7 +301,7 @@ impl Tlas {
     pub fn validate(&self) -> Result<(), String> {
         let in_block = self.in_block();
         let bounds: Vec<Aabb> = (0..self.item_count())
-            .map(|number| self.item_bounds(number, &in_block))
+            .map(|number| self.item_bounds(number as u32, in_block.get(number) == Some(&true)))
             .collect();
         self.bvh.validate(&bounds)
     }
@@ -396,4 +409,4 @@ impl Tlas {
 }
 
 /// The most items in a leaf: an instance costs much more to test than a box.
-const LEAF_SIZE: usize = 1;
+pub(super) const LEAF_SIZE: usize = 1;

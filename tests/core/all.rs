@@ -38,6 +38,7 @@ mod bsdf_rough;
 #[cfg(feature = "denoise")]
 mod denoise;
 mod document;
+mod edited_hierarchy;
 mod environment;
 mod far_from_origin;
 mod film;

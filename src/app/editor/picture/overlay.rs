@@ -77,7 +77,7 @@ impl BoxList {
         geometry
             .bvh()
             .visit_boxes(|found| self.offer(&found, overlay, &Affine3A::IDENTITY, true));
-        for instance in geometry.instances() {
+        for instance in geometry.instances().iter() {
             if let Primitive::Mesh(blas) = &instance.primitive {
                 if counted.insert(Arc::as_ptr(blas)) {
                     self.count(&blas.stats());

@@ -91,7 +91,7 @@ fn shapes<'a>(
             found.extend(
                 members
                     .iter()
-                    .flat_map(|group| group.instances())
+                    .flat_map(|group| group.instances().iter())
                     .map(|shape| (shape, pose)),
             );
         }

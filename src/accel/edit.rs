@@ -1,0 +1,155 @@
+//! A hierarchy over shapes that follows edits of some of them, so that an edit costs what it changes.
+//!
+//! What an edit changes leaves the hierarchy as it was built, and goes into a small one beside it, which is built anew for every edit. Hits are those
+//! of a hierarchy that is built anew over everything, but for the rounding of distances, since other shapes may share a block.
+
+use super::build::SplitMethod;
+use super::bvh::Bvh;
+use super::graft::LeafEdit;
+use super::instances::ShapeEdits;
+use super::loose::Loose;
+use super::shape_block::ShapeBlock;
+use super::tlas::{LEAF_SIZE, Tlas};
+use crate::math::Aabb;
+
+/// Fewer items than these are built anew in less time than it is worth.
+const FEWEST: usize = 2048;
+/// The most shapes beside the hierarchy as it was built.
+const MOST_LOOSE: usize = 1024;
+/// The largest share of memory that shapes may take which are gone.
+const MOST_WASTE: f32 = 0.25;
+
+impl Tlas {
+    /// Whether [`Self::edited`] may be quicker than to build anew.
+    pub fn is_edited_in_place(&self) -> bool {
+        let items = self.instances.len() + self.placements.len();
+        !self.bvh.is_linear() && self.small_scene.is_none() && items >= FEWEST
+    }
+
+    /// The hierarchy after edits of single shapes. None where it is better built anew: it is small, or much of it has been edited.
+    pub fn edited(&self, edits: &ShapeEdits) -> Option<Self> {
+        let count = self.instances.len();
+        if !self.is_edited_in_place() {
+            return None;
+        }
+        let was_loose = self.loose.as_ref().map_or(&[][..], |loose| &loose.shapes);
+        let touched = edits
+            .removed
+            .iter()
+            .chain(edits.replaced.iter().map(|(number, _)| number));
+        let mut touched: Vec<u32> = touched.copied().collect();
+        touched.sort_unstable();
+        let is_removed = |number: &u32| edits.removed.binary_search(number).is_ok();
+        let mut loose: Vec<u32> = (was_loose.iter().chain(&touched))
+            .filter(|number| !is_removed(number))
+            .map(|&number| edits.renumbered(number))
+            .chain(edits.inserted.iter().map(|&(number, _)| number))
+            .collect();
+        loose.sort_unstable();
+        loose.dedup();
+        // What is loose already is not in the hierarchy as it was built.
+        touched.retain(|number| was_loose.binary_search(number).is_err());
+        let instances = self.instances.edited(edits);
+        if loose.len() > MOST_LOOSE.min(instances.len() / 2) || instances.waste() > MOST_WASTE {
+            return None;
+        }
+        let mut edited = Self {
+            bvh: match &self.loose {
+                Some(loose) => Bvh {
+                    depth: loose.depth,
+                    ..self.bvh.without_beside(loose.nodes, loose.leaves)
+                },
+                None => self.bvh.under_root(),
+            },
+            instances,
+            groups: self.groups.clone(),
+            first_shape: Vec::new(),
+            placements: self.placements.clone(),
+            blocks: self.blocks.clone(),
+            small_scene: None,
+            loose: None,
+            ..*self
+        };
+        let fitted = edited.leave_blocks(self, edits, &touched);
+        let beyond = edited.instances.len() as u32;
+        let leaf = |item: u32| match item.checked_sub(count as u32) {
+            None if touched.binary_search(&item).is_ok() => LeafEdit::Remove,
+            None => LeafEdit::Keep(edits.renumbered(item)),
+            Some(place) => match fitted.binary_search_by_key(&place, |&(block, _)| block) {
+                Ok(found) if fitted[found].1.is_empty() => LeafEdit::Remove,
+                Ok(found) => LeafEdit::Fit(beyond + place, fitted[found].1),
+                Err(_) => LeafEdit::Keep(beyond + place),
+            },
+        };
+        if !touched.is_empty() || edited.instances.len() != count || edits.renumbers(count) {
+            edited.bvh.edit_leaves(leaf);
+        }
+        edited.put_beside(loose).then(|| edited.counted(self, edits))
+    }
+
+    /// Takes the shapes `touched`, by their old numbers, out of their blocks, and gives the others their new numbers. Returns the places of the
+    /// blocks that have changed, counted with the placements before them, and their bounds.
+    fn leave_blocks(&mut self, old: &Self, edits: &ShapeEdits, touched: &[u32]) -> Vec<(u32, Aabb)> {
+        if let Some(loose) = &old.loose {
+            self.blocks.truncate(loose.blocks);
+        }
+        let is_touched = |member: &u32| touched.binary_search(member).is_ok();
+        let mut fitted = Vec::new();
+        for (place, block) in self.blocks.clone().iter().enumerate() {
+            if touched.is_empty() || !block.members().iter().any(is_touched) {
+                continue;
+            }
+            let left: Vec<u32> = block
+                .members()
+                .iter()
+                .copied()
+                .filter(|member| !is_touched(member))
+                .collect();
+            let block = ShapeBlock::of(&old.instances, &left);
+            fitted.push(((place + self.placements.len()) as u32, block.bounds));
+            self.blocks.replace(place, block);
+        }
+        if edits.renumbers(old.instances.len()) {
+            let renumbered = self
+                .blocks
+                .iter()
+                .map(|block| block.renumbered(|old| edits.renumbered(old)));
+            self.blocks = renumbered.collect();
+        }
+        fitted
+    }
+
+    /// Puts these shapes beside the hierarchy as it was built. False if the result would be too deep.
+    fn put_beside(&mut self, shapes: Vec<u32>) -> bool {
+        let loose = Loose {
+            nodes: self.bvh.nodes.len(),
+            leaves: self.bvh.order.len(),
+            blocks: self.blocks.len(),
+            depth: self.bvh.depth,
+            shapes,
+        };
+        let is_for_block = |number: &&u32| ShapeBlock::takes(&self.instances[**number as usize]);
+        let (in_blocks, alone): (Vec<u32>, Vec<u32>) = loose.shapes.iter().partition(is_for_block);
+        self.blocks.extend(ShapeBlock::gather_all(&self.instances, &in_blocks));
+        let first_block = (self.instances.len() + self.placements.len() + loose.blocks) as u32;
+        let blocks = (loose.blocks..self.blocks.len()).map(|place| (place - loose.blocks) as u32 + first_block);
+        let items: Vec<u32> = alone.into_iter().chain(blocks).collect();
+        let bounds = |place: usize| self.item_bounds(items[place], false);
+        let mut beside = Bvh::over(items.len(), bounds, None, SplitMethod::Sah, LEAF_SIZE);
+        beside
+            .order
+            .iter_mut()
+            .for_each(|place| *place = items[*place as usize]);
+        self.loose = Some(loose);
+        self.bvh.put_beside(&beside)
+    }
+
+    /// Completes what follows from the shapes.
+    fn counted(mut self, old: &Self, edits: &ShapeEdits) -> Self {
+        let (count, before) = (self.instances.len(), old.instances.len());
+        self.first_shape = old.first_shape.iter().map(|first| first - before + count).collect();
+        let mut new = edits.replaced.iter().chain(&edits.inserted);
+        self.has_vertex_normals |= new.any(|(_, shape)| shape.with_vertex_normals().is_some());
+        self
+    }
+}

@@ -1,0 +1,13 @@
+//! What has been edited of a hierarchy since it was built.
+
+/// The part of a hierarchy that lies beside what was built.
+#[derive(Clone, Debug)]
+pub(super) struct Loose {
+    /// The numbers of its shapes, ascending.
+    pub shapes: Vec<u32>,
+    /// The number of nodes before it, and likewise of entries of the order, of blocks, and of levels.
+    pub nodes: usize,
+    pub leaves: usize,
+    pub blocks: usize,
+    pub depth: usize,
+}
