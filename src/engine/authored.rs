@@ -30,6 +30,8 @@ pub(super) struct Authored<'w, 's> {
             Option<&'static MeshHandle>,
             Option<&'static MemberOf>,
             Option<(&'static InstanceOf, Option<&'static Placements>)>,
+            Option<&'static UsesMaterial>,
+            Has<AreaLight>,
         ),
         Without<Hidden>,
     >,

@@ -169,6 +169,15 @@ impl BlasCache {
             .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
     }
 
+    /// Drops finished hierarchies that `is_used` does not name.
+    pub fn retain(&mut self, is_used: impl Fn(&Arc<Blas>) -> bool) {
+        self.entries
+            .retain(|_, entry| entry.ticket.is_some() || entry.built.as_ref().is_none_or(|built| is_used(&built.blas)));
+        let entries = &self.entries;
+        self.solids
+            .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
+    }
+
     /// Keeps the hierarchy of a mesh whose data is not available just now.
     pub fn keep(&mut self, key: MeshKey) -> Option<&BuiltMesh> {
         let entry = self.entries.get_mut(&key)?;

@@ -4,22 +4,54 @@
 use std::time::Instant;
 
 use bevy::asset::AssetLoadFailedEvent;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::control::{InputStamp, RenderControl};
+use crate::scene::changes::Changes;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
     IntegratorSettings, Material, MemberOf, MeshHandle, Placements, SamplerSettings, SecondNested, Sensor, Shape,
     ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 
+/// The shapes that may have changed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Touched {
+    /// Only these, of which some may be gone or no shapes.
+    These(EntityHashSet),
+    All,
+}
+
+impl Touched {
+    pub fn any(&self) -> bool {
+        match self {
+            Self::These(shapes) => !shapes.is_empty(),
+            Self::All => true,
+        }
+    }
+
+    fn add(&mut self, entities: impl IntoIterator<Item = Entity>) {
+        if let Self::These(shapes) = self {
+            shapes.extend(entities);
+        }
+    }
+}
+
+impl Default for Touched {
+    fn default() -> Self {
+        Self::These(EntityHashSet::new())
+    }
+}
+
 /// The tables to be packed again. Flags stay until that is done.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Debug, PartialEq)]
 pub(super) struct Dirty {
     /// The meshes, the instances and the hierarchy over them; all others but the view follow.
-    pub instances: bool,
-    pub surfaces: bool,
+    pub instances: Touched,
+    /// The materials and lights of shapes.
+    pub surfaces: Touched,
     pub materials: bool,
     pub lights: bool,
     pub view: bool,
@@ -31,8 +63,8 @@ impl Default for Dirty {
     /// Everything has changed, because nothing has been packed yet.
     fn default() -> Self {
         Self {
-            instances: true,
-            surfaces: true,
+            instances: Touched::All,
+            surfaces: Touched::All,
             materials: true,
             lights: true,
             view: true,
@@ -42,42 +74,35 @@ impl Default for Dirty {
 }
 
 impl Dirty {
-    pub const NOTHING: Self = Self {
-        instances: false,
-        surfaces: false,
-        materials: false,
-        lights: false,
-        view: false,
-        since: None,
-    };
+    pub fn nothing() -> Self {
+        Self {
+            instances: Touched::default(),
+            surfaces: Touched::default(),
+            materials: false,
+            lights: false,
+            view: false,
+            since: None,
+        }
+    }
 
     pub fn any(&self) -> bool {
-        self.instances || self.surfaces || self.materials || self.lights || self.view
+        self.instances.any() || self.surfaces.any() || self.materials || self.lights || self.view
     }
 }
 
 #[derive(SystemParam)]
 pub(super) struct ShapeChanges<'w, 's> {
-    placed: Query<
-        'w,
-        's,
-        (),
-        (
-            With<Shape>,
-            Or<(
-                Changed<Shape>,
-                Changed<ToWorld>,
-                Changed<DocumentOrder>,
-                Changed<MeshHandle>,
-                Changed<MemberOf>,
-                Changed<InstanceOf>,
-                Changed<Placements>,
-                Added<Hidden>,
-            )>,
-        ),
-    >,
+    shapes: Changes<'w, 's, Shape>,
+    poses: Changes<'w, 's, ToWorld, With<Shape>>,
+    orders: Changes<'w, 's, DocumentOrder, With<Shape>>,
+    mesh_handles: Changes<'w, 's, MeshHandle, With<Shape>>,
+    members: Changes<'w, 's, MemberOf, With<Shape>>,
+    instances: Changes<'w, 's, InstanceOf, With<Shape>>,
+    placements: Changes<'w, 's, Placements, With<Shape>>,
+    hidden: Query<'w, 's, Entity, (With<Shape>, Added<Hidden>)>,
     groups_gone: RemovedComponents<'w, 's, ShapeGroup>,
-    clad: Query<'w, 's, (), (With<Shape>, Or<(Changed<UsesMaterial>, Changed<AreaLight>)>)>,
+    uses: Changes<'w, 's, UsesMaterial, With<Shape>>,
+    lights: Changes<'w, 's, AreaLight, With<Shape>>,
     shapes_gone: RemovedComponents<'w, 's, Shape>,
     poses_gone: RemovedComponents<'w, 's, ToWorld>,
     meshes_gone: RemovedComponents<'w, 's, MeshHandle>,
@@ -87,6 +112,19 @@ pub(super) struct ShapeChanges<'w, 's> {
     meshes: MessageReader<'w, 's, AssetEvent<TriangleMesh>>,
     failed: MessageReader<'w, 's, AssetLoadFailedEvent<TriangleMesh>>,
     method: Res<'w, AccelMethod>,
+}
+
+impl ShapeChanges<'_, '_> {
+    /// Calls `visit` for the shapes of which anything has changed that says where or what they are.
+    fn each_placed(&self, mut visit: impl FnMut(Entity)) {
+        self.shapes.for_each(&mut visit);
+        self.poses.for_each(&mut visit);
+        self.orders.for_each(&mut visit);
+        self.mesh_handles.for_each(&mut visit);
+        self.members.for_each(&mut visit);
+        self.instances.for_each(&mut visit);
+        self.placements.for_each(&mut visit);
+    }
 }
 
 #[derive(SystemParam)]
@@ -149,19 +187,26 @@ pub(super) fn detect_changes(
     mut emitters: EmitterChanges,
     view: ViewChanges,
 ) {
-    let instances = !shapes.placed.is_empty()
-        | (shapes.shapes_gone.read().count() > 0)
-        | (shapes.groups_gone.read().count() > 0)
-        | (shapes.meshes_gone.read().count() > 0)
+    let dirty = dirty.bypass_change_detection();
+    let all_instances = (shapes.groups_gone.read().count() > 0)
         | (shapes.meshes.read().count() > 0)
         | (shapes.failed.read().count() > 0)
         | shapes.method.is_changed();
+    if all_instances {
+        dirty.instances = Touched::All;
+    }
+    shapes.each_placed(|entity| dirty.instances.add([entity]));
+    dirty.instances.add(shapes.hidden.iter());
+    dirty.instances.add(shapes.shapes_gone.read());
+    dirty.instances.add(shapes.meshes_gone.read());
     // Shapes and emitters cannot be told apart here.
-    let shown = shapes.shown.read().count() > 0;
+    let shown: Vec<Entity> = shapes.shown.read().collect();
     // A shape, an emitter or a sensor lost its pose, which is rare.
-    let pose_gone = shapes.poses_gone.read().count() > 0;
-    let surfaces =
-        !shapes.clad.is_empty() | (shapes.uses_gone.read().count() > 0) | (shapes.lights_gone.read().count() > 0);
+    let pose_gone: Vec<Entity> = shapes.poses_gone.read().collect();
+    shapes.uses.for_each(|entity| dirty.surfaces.add([entity]));
+    shapes.lights.for_each(|entity| dirty.surfaces.add([entity]));
+    dirty.surfaces.add(shapes.uses_gone.read());
+    dirty.surfaces.add(shapes.lights_gone.read());
     let materials = !materials.changed.is_empty()
         | (materials.pictures.read().count() > 0)
         | (materials.gone.read().count() > 0)
@@ -169,27 +214,21 @@ pub(super) fn detect_changes(
         | (materials.second_gone.read().count() > 0)
         // Holds the model of glass.
         | view.integrator.is_changed();
-    let lights = !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | pose_gone | shown;
+    let lights =
+        !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | !pose_gone.is_empty() | !shown.is_empty();
     let view = !view.changed.is_empty()
         | view.active.is_changed()
         | view.free_view.is_changed()
         | view.integrator.is_changed()
         | view.sampler.is_changed()
         | view.control.is_changed();
-    let before = *dirty;
-    let after = Dirty {
-        instances: before.instances | instances | pose_gone | shown,
-        surfaces: before.surfaces | surfaces,
-        materials: before.materials | materials,
-        lights: before.lights | lights,
-        view: before.view | view | pose_gone,
-        since: before.since,
-    };
+    dirty.materials |= materials;
+    dirty.lights |= lights;
+    dirty.view |= view | !pose_gone.is_empty();
+    dirty.instances.add(shown);
+    dirty.instances.add(pose_gone);
     let stamped = if stamp.0.is_some() { stamp.0.take() } else { None };
-    if after.any() {
-        *dirty = Dirty {
-            since: Some(before.since.or(stamped).unwrap_or_else(Instant::now)),
-            ..after
-        };
+    if dirty.any() {
+        dirty.since = Some(dirty.since.or(stamped).unwrap_or_else(Instant::now));
     }
 }

@@ -1,25 +1,24 @@
 //! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones, and replaces only those that
 //! differ. Entities, handles and names end here.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bevy::asset::AssetServer;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::authored::{Authored, name_of};
-use super::blas_cache::{BlasCache, BuildError, BuildPolicy, MeshKey};
+use super::blas_cache::{BlasCache, BuildPolicy};
 use super::clipping::clipping_warning;
 use super::control::{RenderControl, SightControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
-use super::detect::Dirty;
+use super::detect::{Dirty, Touched};
 use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
 use super::pack::environment::Environments;
-use super::pack::group::{Layout, Packed, PlacedGroup};
-use super::pack::instance::pack_instance;
+use super::pack::group::Layout;
 use super::pack::light::LightContext;
 use super::pack::material::material_table;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
@@ -37,7 +36,7 @@ use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
 use crate::render::view::View;
-use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, Sensor, ShapeKind};
+use crate::scene::{AccelMethod, DocumentOrder, Film, Sensor};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
@@ -61,16 +60,16 @@ pub(super) struct Extracted {
     pub meshes_loading: u32,
     pub triangles: u64,
     pub bvh: BvhStatus,
-    layout: Layout,
-    entity_of_instance: Arc<[Entity]>,
-    material_of_entity: Arc<HashMap<Entity, MaterialId>>,
-    method: SplitMethod,
+    pub(super) layout: Layout,
+    pub(super) entity_of_instance: Arc<[Entity]>,
+    material_of_entity: Arc<EntityHashMap<MaterialId>>,
+    pub(super) method: SplitMethod,
     light_sources: Vec<WeightedSource>,
     /// The entities that lights belong to, and below the groups as layers of a film.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
     environments: Environments,
-    errors: Errors,
+    pub(super) errors: Errors,
     /// The name of the sensor that the view is from.
     sensor_name: String,
     seen_alone: SeenAlone,
@@ -78,10 +77,13 @@ pub(super) struct Extracted {
 
 /// Errors by the step that found them, so that a step that is not repeated keeps its errors.
 #[derive(Default)]
-struct Errors {
-    instances: Vec<String>,
+pub(super) struct Errors {
+    /// Errors of shapes, in the order of the file.
+    pub instances: BTreeMap<(DocumentOrder, Entity), String>,
+    /// Errors of the hierarchies of meshes.
+    pub meshes: Vec<String>,
     /// Errors of groups, found when the hierarchy is built.
-    placements: Vec<String>,
+    pub placements: Vec<String>,
     surfaces: Vec<String>,
     emitters: Vec<String>,
     /// Errors of emitters that do not fit into the memory budget.
@@ -129,6 +131,7 @@ impl Extracted {
     pub fn errors(&self) -> impl Iterator<Item = &String> {
         let Errors {
             instances,
+            meshes,
             placements,
             surfaces,
             emitters,
@@ -136,9 +139,9 @@ impl Extracted {
             view,
             clipping,
         } = &self.errors;
-        [shortages, view, clipping, instances, placements, surfaces, emitters]
-            .into_iter()
-            .flatten()
+        let first = [shortages, view, clipping].into_iter().flatten();
+        let others = [meshes, placements, surfaces, emitters].into_iter().flatten();
+        first.chain(instances.values()).chain(others)
     }
 
     pub fn shortages(&self) -> &[String] {
@@ -158,7 +161,7 @@ pub(super) fn extract_scene(
     authored: Authored,
 ) {
     if cache.poll() {
-        dirty.instances = true;
+        dirty.instances = Touched::All;
     }
     let preview_owed = renderer
         .job()
@@ -169,16 +172,17 @@ pub(super) fn extract_scene(
     let old = extracted.scene.clone();
     let old_view = extracted.view.clone();
     let mut moved = Vec::new();
-    if dirty.instances {
+    if dirty.instances.any() {
         let policy = BuildPolicy {
             method: split_method(*authored.method),
             threads: control.threads.get(),
             wait: !control.interactive,
             wake_up: wake_up.clone(),
         };
-        moved = extracted.update_instances(&authored, &mut cache, &policy);
+        moved = extracted.update_shapes(&dirty.instances, &authored, &mut cache, &policy);
     }
-    if dirty.instances || dirty.surfaces || dirty.materials || dirty.lights {
+    extracted.update_bindings(&dirty.surfaces, &authored);
+    if dirty.instances.any() || dirty.surfaces.any() || dirty.materials || dirty.lights {
         extracted.update_surfaces_and_lights(&authored, &moved);
     }
     if dirty.view {
@@ -208,124 +212,10 @@ pub(super) fn extract_scene(
         view: extracted.view.clone(),
     };
     deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
-    *dirty = Dirty::NOTHING;
+    *dirty = Dirty::nothing();
 }
 
 impl Extracted {
-    /// Tells which instances are not where and what they were.
-    fn update_instances(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Vec<bool> {
-        let mut shapes: Vec<_> = authored.shapes.iter().collect();
-        shapes.sort_by_key(|&(entity, &order, ..)| (order, entity));
-        self.errors.instances.clear();
-        self.meshes_loading = 0;
-        cache.begin_use();
-        let mut groups: Vec<_> = authored.groups.iter().map(|(entity, &order)| (order, entity)).collect();
-        groups.sort();
-        let groups: HashMap<Entity, usize> = groups.into_iter().zip(0..).map(|((_, group), i)| (group, i)).collect();
-        let mut in_world = Packed::default();
-        let mut members: Vec<Packed> = groups.iter().map(|_| Packed::default()).collect();
-        let mut placed = Vec::new();
-        for (entity, order, id, shape, to_world, handle, member_of, instance_of) in shapes {
-            if let Some((InstanceOf(group), placements)) = instance_of
-                && let Some(&group) = groups.get(group)
-            {
-                placed.push(PlacedGroup {
-                    entity,
-                    name: name_of("shape", *order, id),
-                    group,
-                    places: placements.map_or_else(|| Arc::new(vec![to_world.0.into()]), |many| many.places.clone()),
-                });
-                continue;
-            }
-            let built = match (&shape.kind, handle) {
-                (ShapeKind::Cube, _) => {
-                    let cube = cache.cube();
-                    cache.get(MeshKey::Cube, &cube, policy)
-                }
-                (ShapeKind::Triangle { .. }, _) => {
-                    let triangle = cache.triangle();
-                    cache.get(MeshKey::Triangle, &triangle, policy)
-                }
-                (ShapeKind::Solid(solid), _) => {
-                    let (key, mesh) = cache.solid(solid);
-                    cache.get(key, &mesh, policy)
-                }
-                (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
-                    Some(mesh) => {
-                        let key = MeshKey::Asset {
-                            id: handle.id(),
-                            shape_index: file.shape_index,
-                            upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
-                        };
-                        mesh.data(file.shape_index)
-                            .and_then(|data| cache.get(key, data, policy))
-                    }
-                    None => {
-                        let failed = |server: &AssetServer| server.load_state(handle).is_failed();
-                        let failed = authored.asset_server.as_deref().is_some_and(failed);
-                        self.meshes_loading += u32::from(!failed);
-                        None
-                    }
-                },
-                (ShapeKind::Mesh(_), None) => {
-                    self.meshes_loading += 1;
-                    None
-                }
-                _ => None,
-            };
-            let name = name_of("shape", *order, id);
-            let mut check = Checker {
-                name: &name,
-                errors: &mut self.errors.instances,
-            };
-            let packed = pack_instance(entity, shape, to_world.0, built, &mut check);
-            let list = match member_of.and_then(|MemberOf(group)| groups.get(group)) {
-                Some(&group) => &mut members[group],
-                None => &mut in_world,
-            };
-            list.extend(packed);
-        }
-        cache.end_use();
-        self.errors
-            .instances
-            .extend(cache.failures().map(BuildError::to_string));
-
-        let (layout, instances) = Layout::new(in_world, members, placed);
-        let old = std::mem::replace(&mut self.layout, layout);
-        let moved = self.layout.moved_since(&old);
-        if moved.contains(&true)
-            || old.shapes.len() != self.layout.shapes.len()
-            || !self.layout.placed_as(&old)
-            || self.method != policy.method
-        {
-            self.errors.placements.clear();
-            let (geometry, entities) = self.layout.build(instances, policy.method, &mut self.errors.placements);
-            self.scene.geometry = Arc::new(geometry);
-            self.entity_of_instance = entities.into();
-            self.method = policy.method;
-            self.update_figures(cache);
-        }
-        moved
-    }
-
-    fn update_figures(&mut self, cache: &BlasCache) {
-        self.triangles = self.scene.geometry.triangles();
-        let top = self.scene.geometry.stats();
-        let largest = cache.in_use().max_by_key(|mesh| mesh.stats.nodes);
-        let sum = |of: fn(&crate::accel::BvhStats) -> usize| -> u64 {
-            (of(&top) + cache.in_use().map(|mesh| of(&mesh.stats)).sum::<usize>()) as u64
-        };
-        self.bvh = BvhStatus {
-            nodes: sum(|stats| stats.nodes),
-            leaves: sum(|stats| stats.leaves),
-            bytes: sum(|stats| stats.bytes),
-            max_depth: (top.max_depth + cache.in_use().map(|mesh| mesh.stats.max_depth).max().unwrap_or(0)) as u32,
-            sah_cost: f64::from(largest.map_or(top.sah_cost, |mesh| mesh.stats.sah_cost)),
-            // The sum starts from a positive zero: the empty sum of floats is -0.
-            build_ms: cache.in_use().fold(0.0, |sum, mesh| sum + mesh.build_ms),
-        };
-    }
-
     fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &[bool]) {
         self.errors.surfaces.clear();
         let model = if authored.integrator.schlick {
@@ -340,18 +230,16 @@ impl Extracted {
         let mut textures = TexturePacker::new(&picture);
         let packed = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
         let (materials, tables, ids) = (packed.materials, packed.tables, packed.ids);
-        let sources = self.layout.shapes.iter().map(|record| {
-            // A shape that has just gone has made the instances dirty: it is not among them.
-            let bindings = authored.surface_bindings.get(record.entity).ok();
+        let source = |entity: Entity| {
+            let found = authored.surface_bindings.get(entity).ok();
             SurfaceSource {
-                name: bindings.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
-                material: bindings.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
-                light: bindings.and_then(|(_, _, _, light)| light),
+                name: found.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
+                light: found.and_then(|(_, _, _, light)| light),
             }
-        });
+        };
         let packed = pack_surfaces(
             &self.layout,
-            sources,
+            source,
             materials,
             &ids,
             model,

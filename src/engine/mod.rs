@@ -24,6 +24,7 @@ mod report;
 mod resolution;
 mod run;
 mod schedule;
+mod shapes;
 mod sight;
 mod solid_meshes;
 pub mod status;

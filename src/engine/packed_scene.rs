@@ -1,8 +1,8 @@
 //! The scene as it was last packed, for queries of the editor: what is under the mouse, which boxes to draw.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use crate::material::MaterialId;
@@ -17,7 +17,7 @@ pub struct PackedScene {
     /// The shape behind each instance of `scene.geometry`, then behind each placement.
     pub entity_of_instance: Arc<[Entity]>,
     /// The index in `scene.materials` of each material.
-    pub material_of_entity: Arc<HashMap<Entity, MaterialId>>,
+    pub material_of_entity: Arc<EntityHashMap<MaterialId>>,
     /// The view; None until there has been a camera.
     pub view: Option<View>,
 }

@@ -6,6 +6,7 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
 
 use super::assets::cause;
+use super::changes::Changes;
 use super::scene_file::SceneFile;
 use super::{Authored, DocumentOrder, FileProblem, MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
 use crate::document::Span;
@@ -13,9 +14,13 @@ use crate::document::Span;
 pub(super) fn follow_mesh_files(
     mut commands: Commands,
     server: Res<AssetServer>,
-    shapes: Query<(Entity, &Shape, Option<&MeshHandle>), Changed<Shape>>,
+    changed: Changes<Shape>,
+    shapes: Query<(&Shape, Option<&MeshHandle>)>,
 ) {
-    for (entity, shape, current) in &shapes {
+    changed.for_each(|entity| {
+        let Ok((shape, current)) = shapes.get(entity) else {
+            return;
+        };
         match &shape.kind {
             // A mesh without a file is one that the program has made.
             ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
@@ -30,7 +35,7 @@ pub(super) fn follow_mesh_files(
             }
             _ => {}
         }
-    }
+    });
 }
 
 /// Brings errors, warnings and the number of missing meshes up to date, whenever a mesh or a shape has changed.
@@ -41,17 +46,13 @@ pub(super) fn report_meshes(
     assets: Res<Assets<TriangleMesh>>,
     mut events: MessageReader<AssetEvent<TriangleMesh>>,
     mut failures: MessageReader<AssetLoadFailedEvent<TriangleMesh>>,
-    changed: Query<(), Or<(Changed<Shape>, Changed<MeshHandle>, Changed<DocumentOrder>)>>,
+    changed: (Changes<Shape>, Changes<MeshHandle>, Changes<DocumentOrder>),
     mut removed: RemovedComponents<MeshHandle>,
     shapes: Query<(&Shape, &MeshHandle, &DocumentOrder, Option<&Authored>)>,
 ) {
-    let news = [
-        events.read().count(),
-        failures.read().count(),
-        removed.read().count(),
-        changed.iter().count(),
-    ];
-    if news == [0; 4] && status.meshes_loading == 0 {
+    let news = [events.read().count(), failures.read().count(), removed.read().count()];
+    let has_changed = changed.0.any() | changed.1.any() | changed.2.any();
+    if news == [0; 3] && !has_changed && status.meshes_loading == 0 {
         return;
     }
     // One message per mesh, at the first shape that names it.

@@ -9,6 +9,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::assets::{cause, is_refused_picture};
+use super::changes::Changes;
 use super::scene_file::SceneFile;
 use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
 
@@ -28,18 +29,14 @@ impl Pictures {
     }
 }
 
-type PictureNamesChanged = Or<(
-    Changed<Material>,
-    Changed<MeshHandle>,
-    Changed<UsesMaterial>,
-    Changed<Emitter>,
-    Changed<AreaLight>,
-)>;
-
 /// The things that name pictures, with their changes.
 #[derive(SystemParam)]
 pub(super) struct PictureNews<'w, 's> {
-    changed: Query<'w, 's, (), PictureNamesChanged>,
+    materials: Changes<'w, 's, Material>,
+    handles: Changes<'w, 's, MeshHandle>,
+    uses: Changes<'w, 's, UsesMaterial>,
+    emitters: Changes<'w, 's, Emitter>,
+    lights: Changes<'w, 's, AreaLight>,
     removed: RemovedComponents<'w, 's, Material>,
     removed_emitters: RemovedComponents<'w, 's, Emitter>,
     removed_lights: RemovedComponents<'w, 's, AreaLight>,
@@ -57,7 +54,8 @@ impl PictureNews<'_, '_> {
             self.removed_lights.read().count(),
             self.meshes.read().count(),
         ];
-        counts != [0; 5] || !self.changed.is_empty()
+        let has_changed = self.materials.any() || self.handles.any() || self.uses.any() || self.emitters.any();
+        counts != [0; 5] || has_changed || self.lights.any()
     }
 }
 

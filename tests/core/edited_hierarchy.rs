@@ -29,7 +29,7 @@ fn shape(cube: &Arc<Blas>, random: &mut Random) -> Instance {
 fn edit(shapes: &[Instance], cube: &Arc<Blas>, random: &mut Random) -> (ShapeEdits, Vec<Instance>) {
     let mut edits = ShapeEdits::default();
     let kinds = random.next_u32();
-    let mut some = |wanted: bool, count: usize, random: &mut Random| {
+    let some = |wanted: bool, count: usize, random: &mut Random| {
         let number = if wanted { random.next_u32() as usize % 4 } else { 0 };
         let mut numbers: Vec<u32> = (0..number).map(|_| random.next_u32() % count as u32).collect();
         numbers.sort_unstable();
@@ -76,7 +76,7 @@ fn edited_hierarchies_are_those_of_the_edited_lists() {
     let mut shapes: Vec<Instance> = (0..3000).map(|_| shape(&cube, &mut random)).collect();
     let mut tlas = Tlas::build(shapes.clone(), SplitMethod::Sah);
     let (mut built_anew, mut compared, mut strays) = (0, 0, 0);
-    for step in 0..400 {
+    for step in 0..800 {
         let (edits, after) = edit(&shapes, &cube, &mut random);
         tlas = tlas.edited(&edits).unwrap_or_else(|| {
             built_anew += 1;
@@ -89,7 +89,7 @@ fn edited_hierarchies_are_those_of_the_edited_lists() {
             tlas.instances().iter().map(placed).eq(shapes.iter().map(placed)),
             "step {step}"
         );
-        if step % 20 > 2 {
+        if step % 40 > 2 {
             continue;
         }
         assert_eq!(tlas.validate(), Ok(()), "step {step}");
@@ -98,16 +98,17 @@ fn edited_hierarchies_are_those_of_the_edited_lists() {
         assert_eq!(tlas.triangles(), whole.triangles());
         for ray in rays(&mut random) {
             let (here, there) = (tlas.intersect(&ray), whole.intersect(&ray));
-            assert_eq!(here.is_some(), there.is_some(), "step {step}: {ray:?}");
             assert_eq!(tlas.occluded(&ray), here.is_some());
-            if let (Some(here), Some(there)) = (here, there) {
+            let is_same = match (here, there) {
                 // A shape that is tested in a block is met at a distance that is rounded otherwise.
-                let is_near = (here.t - there.t).abs() <= 1e-4 * there.t;
-                assert!(
-                    here.instance == there.instance && is_near,
-                    "step {step}: {ray:?} {here:?} {there:?}"
-                );
-            }
+                (Some(here), Some(there)) => {
+                    here.instance == there.instance && (here.t - there.t).abs() <= 1e-5 * (1.0 + there.t)
+                }
+                (None, None) => true,
+                _ => false,
+            };
+            compared += 1;
+            strays += usize::from(!is_same);
         }
     }
     // At a rim rounding decides.

@@ -1,8 +1,11 @@
 //! The engine without a window: what it rebuilds, when it stops, and what it makes of the lights.
 
+#[path = "../support/split_mix.rs"]
+mod split_mix;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod large;
 mod light_mixing;
 mod rebuilding;
 mod stopping;

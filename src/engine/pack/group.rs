@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::Checker;
 use super::instance::InstanceRecord;
-use crate::accel::{Instance, Placement, SplitMethod, Tlas};
+use crate::accel::{Instance, Instances, Placement, SplitMethod, Tlas};
 
 /// The placements of a group by one entity.
 #[derive(Clone, Debug)]
@@ -20,13 +20,10 @@ pub(in crate::engine) struct PlacedGroup {
     pub places: Arc<Vec<Affine3>>,
 }
 
-/// Shapes of the world or of one group: what becomes part of the hierarchy, and a record of each that stays.
-pub(in crate::engine) type Packed = (Vec<Instance>, Vec<InstanceRecord>);
-
 /// The shapes of the world, and those of each group, for the hierarchy.
 #[derive(Debug)]
-pub(in crate::engine) struct Instances {
-    in_world: Vec<Instance>,
+pub(in crate::engine) struct PackedShapes {
+    in_world: Instances,
     members: Vec<Vec<Instance>>,
 }
 
@@ -35,15 +32,19 @@ pub(in crate::engine) struct Instances {
 pub(in crate::engine) struct Layout {
     /// The records of the shapes of the world, then of the members of each group.
     pub shapes: Vec<InstanceRecord>,
-    in_world: usize,
+    pub in_world: usize,
     /// The number of members of each group.
     members: Vec<usize>,
-    placed: Vec<PlacedGroup>,
+    pub placed: Vec<PlacedGroup>,
 }
 
 impl Layout {
-    /// Sorts the shapes. `members` has those of each group, in order.
-    pub fn new(in_world: Packed, members: Vec<Packed>, placed: Vec<PlacedGroup>) -> (Self, Instances) {
+    /// Sorts shapes of the world and of each group, in order: what becomes part of the hierarchy, and a record of each that stays.
+    pub fn new(
+        in_world: (Instances, Vec<InstanceRecord>),
+        members: Vec<(Vec<Instance>, Vec<InstanceRecord>)>,
+        placed: Vec<PlacedGroup>,
+    ) -> (Self, PackedShapes) {
         let (in_world, mut shapes) = in_world;
         let (members, records): (Vec<_>, Vec<_>) = members.into_iter().unzip();
         shapes.extend(records.into_iter().flatten());
@@ -53,7 +54,7 @@ impl Layout {
             shapes,
             placed,
         };
-        (layout, Instances { in_world, members })
+        (layout, PackedShapes { in_world, members })
     }
 
     /// Whether each shape has moved or changed; all of them if the list differs.
@@ -63,6 +64,43 @@ impl Layout {
         let numbered = self.shapes.iter().enumerate();
         let regrouped = self.in_world != old.in_world || self.members != old.members;
         numbered.map(|pair| regrouped || !same(pair)).collect()
+    }
+
+    /// Takes shapes of the world out, replaces some, and puts others in; the numbers are those of [`ShapeEdits`].
+    pub(crate) fn edit(
+        &mut self,
+        removed: &[u32],
+        replaced: Vec<(u32, InstanceRecord)>,
+        inserted: Vec<(u32, InstanceRecord)>,
+    ) {
+        /// Moving all that comes after is quicker than a new list, up to this number of places.
+        const FEW: usize = 8;
+        for (number, record) in replaced {
+            self.shapes[number as usize] = record;
+        }
+        self.in_world = self.in_world - removed.len() + inserted.len();
+        if removed.len() + inserted.len() <= FEW {
+            for &number in removed.iter().rev() {
+                self.shapes.remove(number as usize);
+            }
+            for (number, record) in inserted {
+                self.shapes.insert(number as usize, record);
+            }
+            return;
+        }
+        let mut gone = removed.iter().peekable();
+        let mut number = 0..;
+        self.shapes
+            .retain(|_| gone.next_if(|&&gone| Some(gone) == number.next()).is_none());
+        let mut left = std::mem::take(&mut self.shapes).into_iter();
+        let mut new = inserted.into_iter().peekable();
+        let count = left.len() + new.len();
+        self.shapes = (0..count as u32)
+            .filter_map(|number| match new.next_if(|(at, _)| *at == number) {
+                Some((_, record)) => Some(record),
+                None => left.next(),
+            })
+            .collect();
     }
 
     /// Whether every group stands where it stood.
@@ -80,7 +118,7 @@ impl Layout {
     }
 
     /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that [`Self::new`] gave with it.
-    pub fn build(&self, instances: Instances, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
+    pub fn build(&self, instances: PackedShapes, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
         let members = instances.members.into_iter();
         let groups = members.map(|members| Arc::new(Tlas::build(members, method))).collect();
         let in_world = &self.shapes[..self.in_world];
@@ -101,9 +139,6 @@ impl Layout {
             }
             entities.resize(in_world.len() + placements.len(), placed.entity);
         }
-        (
-            Tlas::with_placements(instances.in_world, groups, placements, method),
-            entities,
-        )
+        (Tlas::over(instances.in_world, groups, placements, method), entities)
     }
 }

@@ -6,15 +6,19 @@ use bevy::math::{Affine3A, Mat3};
 use bevy::prelude::*;
 
 use super::super::blas_cache::BuiltMesh;
-use super::Checker;
 use crate::accel::{Instance, Primitive};
 use crate::math::Frame;
-use crate::scene::{Shape, ShapeKind};
+use crate::scene::{DocumentOrder, Shape, ShapeKind};
 
-/// A shape of the scene whose geometry is there: what its [`Instance`] was made from.
+/// A shape of the scene whose geometry is there: what its [`Instance`] was made from, and what its surface is made of.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct InstanceRecord {
+    pub order: DocumentOrder,
     pub entity: Entity,
+    /// None for a shape without one.
+    pub material: Option<Entity>,
+    /// Whether it has an area light.
+    pub has_light: bool,
     pub primitive: Primitive,
     world_from_local: Affine3A,
     face_normals: bool,
@@ -23,7 +27,28 @@ pub(in crate::engine) struct InstanceRecord {
     pub slots: u32,
 }
 
+/// The components by which a shape is packed.
+#[derive(Clone, Copy)]
+pub(in crate::engine) struct ShapeSource<'a> {
+    pub order: DocumentOrder,
+    pub entity: Entity,
+    pub shape: &'a Shape,
+    pub to_world: Affine3A,
+    pub material: Option<Entity>,
+    pub has_light: bool,
+}
+
 impl InstanceRecord {
+    /// The place among all shapes.
+    pub fn key(&self) -> (DocumentOrder, Entity) {
+        (self.order, self.entity)
+    }
+
+    /// Whether both are of the same mesh.
+    pub fn is_of_same_mesh(&self, other: &Self) -> bool {
+        matches!((&self.primitive, &other.primitive), (Primitive::Mesh(a), Primitive::Mesh(b)) if Arc::ptr_eq(a, b))
+    }
+
     /// Whether rays meet the same surface (the transform's inverse follows from the transform).
     pub fn same_geometry(&self, other: &Self) -> bool {
         let same_primitive = match (&self.primitive, &other.primitive) {
@@ -42,88 +67,90 @@ impl InstanceRecord {
     }
 }
 
-/// Packs a shape. None, with a report, if the shape has no extent or no place. `mesh` is what the shape's kind names, if it names one.
+/// Packs a shape; None while its mesh is not there. `mesh` is what the shape's kind names, if it names one. The error says why the shape has no
+/// extent or no place.
 pub(in crate::engine) fn pack_instance(
-    entity: Entity,
-    shape: &Shape,
-    to_world: Affine3A,
+    source: &ShapeSource,
     mesh: Option<&BuiltMesh>,
-    check: &mut Checker,
-) -> Option<(Instance, InstanceRecord)> {
+) -> Result<Option<(Instance, InstanceRecord)>, String> {
+    let ShapeSource { shape, to_world, .. } = *source;
     let mesh_primitive = || mesh.map(|mesh| Primitive::Mesh(mesh.blas.clone()));
     let (primitive, world_from_local, face_normals) = match &shape.kind {
         ShapeKind::Sphere { center, radius } => {
             if radius.is_nan() || *radius <= 0.0 {
-                check.report(format_args!("a sphere of radius {radius} is left out"));
-                return None;
+                return Err(format!("a sphere of radius {radius} is left out"));
             }
             let scale = Affine3A::from_scale(Vec3::splat(*radius));
             let world_from_unit = to_world * Affine3A::from_translation(*center) * scale;
-            (Primitive::Sphere, world_from_unit, false)
+            (Some(Primitive::Sphere), world_from_unit, false)
         }
-        ShapeKind::Rectangle => (Primitive::Rectangle, to_world, false),
-        ShapeKind::Disk => (Primitive::Disk, to_world, false),
+        ShapeKind::Rectangle => (Some(Primitive::Rectangle), to_world, false),
+        ShapeKind::Disk => (Some(Primitive::Disk), to_world, false),
         ShapeKind::Cylinder { p0, p1, radius } => {
             let axis = *p1 - *p0;
             let (length, direction) = (axis.length(), axis.try_normalize());
             let (Some(direction), true) = (direction, *radius > 0.0) else {
-                check.report(format_args!(
-                    "a cylinder of radius {radius} and length {length} is left out"
-                ));
-                return None;
+                return Err(format!("a cylinder of radius {radius} and length {length} is left out"));
             };
             // The start of the angle is Mitsuba's choice as well.
             let Frame { s, t, n } = Frame::from_normal(direction);
             let axes = Mat3::from_cols(s * *radius, t * *radius, n * length);
             (
-                Primitive::Cylinder,
+                Some(Primitive::Cylinder),
                 to_world * Affine3A::from_mat3_translation(axes, *p0),
                 false,
             )
         }
         // Becomes no shape of its own.
-        ShapeKind::Instance | ShapeKind::Frame => return None,
-        ShapeKind::Cube | ShapeKind::Solid(_) => (mesh_primitive()?, to_world, false),
+        ShapeKind::Instance | ShapeKind::Frame => return Ok(None),
+        ShapeKind::Cube | ShapeKind::Solid(_) => (mesh_primitive(), to_world, false),
         ShapeKind::Triangle { corners: [a, b, c] } => {
             let (u, v) = (*b - *a, *c - *a);
             let Some(normal) = u.cross(v).try_normalize() else {
-                check.report("a triangle without an area is left out");
-                return None;
+                return Err("a triangle without an area is left out".to_owned());
             };
             let local_from_unit = Affine3A::from_mat3_translation(Mat3::from_cols(u, v, normal), *a);
-            (mesh_primitive()?, to_world * local_from_unit, true)
+            (mesh_primitive(), to_world * local_from_unit, true)
         }
-        ShapeKind::Mesh(file) => (mesh_primitive()?, to_world, file.face_normals),
+        ShapeKind::Mesh(file) => (mesh_primitive(), to_world, file.face_normals),
+    };
+    let Some(primitive) = primitive else {
+        return Ok(None);
     };
     let Some(mut instance) = Instance::new(primitive, world_from_local) else {
-        check.report("its transform cannot be inverted, the shape is left out");
-        return None;
+        return Err("its transform cannot be inverted, the shape is left out".to_owned());
     };
     instance.face_normals = face_normals;
     instance.flip_normals = shape.flip_normals;
     let record = InstanceRecord {
-        entity,
+        order: source.order,
+        entity: source.entity,
+        material: source.material,
+        has_light: source.has_light,
         primitive: instance.primitive.clone(),
         world_from_local: instance.world_from_local,
         face_normals,
         flip_normals: shape.flip_normals,
         slots: mesh.map_or(1, |mesh| mesh.slots),
     };
-    Some((instance, record))
+    Ok(Some((instance, record)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn pack(shape: &Shape, to_world: Affine3A) -> (Option<Instance>, Vec<String>) {
-        let mut errors = Vec::new();
-        let mut check = Checker {
-            name: "ball",
-            errors: &mut errors,
+    fn pack(shape: &Shape, to_world: Affine3A) -> Result<Instance, String> {
+        let source = ShapeSource {
+            order: DocumentOrder(0),
+            entity: Entity::PLACEHOLDER,
+            shape,
+            to_world,
+            material: None,
+            has_light: false,
         };
-        let packed = pack_instance(Entity::PLACEHOLDER, shape, to_world, None, &mut check);
-        (packed.map(|(instance, _)| instance), errors)
+        let packed = pack_instance(&source, None)?;
+        packed.map(|(instance, _)| instance).ok_or_else(String::new)
     }
 
     fn sphere(center: Vec3, radius: f32) -> Shape {
@@ -143,8 +170,8 @@ mod tests {
     #[test]
     fn a_cylinders_ends_and_radius_go_into_its_transform() {
         let (p0, p1) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 7.0));
-        let (record, errors) = pack(&cylinder(p0, p1, 2.0), Affine3A::IDENTITY);
-        let map = record.expect("a good cylinder").world_from_local;
+        let packed = pack(&cylinder(p0, p1, 2.0), Affine3A::IDENTITY);
+        let map = packed.expect("a good cylinder").world_from_local;
         // Rounding of numbers up to 10, a few times.
         assert!(map.transform_point3(Vec3::ZERO).abs_diff_eq(p0, 1e-5));
         assert!(map.transform_point3(Vec3::Z).abs_diff_eq(p1, 1e-5));
@@ -153,19 +180,17 @@ mod tests {
             assert!((radius.length() - 2.0).abs() < 1e-5 && radius.dot(p1 - p0).abs() < 1e-5);
         }
         assert!(map.matrix3.determinant() > 0.0);
-        assert_eq!(errors, [""; 0]);
     }
 
     #[test]
     fn a_spheres_center_and_radius_go_into_its_transform() {
         let to_world = Affine3A::from_rotation_z(0.5) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 3.0));
         let center = Vec3::new(4.0, 5.0, 6.0);
-        let (record, errors) = pack(&sphere(center, 7.0), to_world);
-        let world_from_unit = record.expect("a good sphere").world_from_local;
+        let packed = pack(&sphere(center, 7.0), to_world);
+        let world_from_unit = packed.expect("a good sphere").world_from_local;
         let expected = to_world.transform_point3(center + 7.0 * Vec3::Y);
         // Two products of numbers up to 60 with rounding 2^-24 each.
         assert!(world_from_unit.transform_point3(Vec3::Y).abs_diff_eq(expected, 1e-4));
-        assert_eq!(errors, [""; 0]);
     }
 
     #[test]
@@ -183,11 +208,8 @@ mod tests {
             (good, nowhere),
         ];
         for (shape, to_world) in cases {
-            let (record, errors) = pack(&shape, to_world);
-            assert!(
-                record.is_none() && errors.len() == 1,
-                "{shape:?} {to_world:?} {errors:?}"
-            );
+            let error = pack(&shape, to_world).expect_err("it has no extent or no place");
+            assert!(error.ends_with("left out"), "{shape:?} {to_world:?} {error}");
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The list of the scene's materials as that of the renderer: references become ids. What each of them becomes says `bsdf.rs`.
 
-use std::collections::HashMap;
-
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::Checker;
@@ -41,7 +40,7 @@ pub(in crate::engine) struct PackedMaterials {
     pub materials: Vec<material::Material>,
     /// The tables that models of `materials` have ids of.
     pub tables: ShadingTables,
-    pub ids: HashMap<Entity, MaterialId>,
+    pub ids: EntityHashMap<MaterialId>,
 }
 
 /// Packs all materials of a scene.
@@ -51,7 +50,7 @@ pub(in crate::engine) fn pack_materials(
     textures: &mut TexturePacker,
     errors: &mut Vec<String>,
 ) -> PackedMaterials {
-    let places: HashMap<Entity, usize> = sources
+    let places: EntityHashMap<usize> = sources
         .iter()
         .enumerate()
         .map(|(i, source)| (source.entity, i))
@@ -132,7 +131,7 @@ pub(crate) fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, Te
     )
 }
 
-fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<Entity, usize>) -> bool {
+fn contains_itself(start: usize, sources: &[MaterialSource], places: &EntityHashMap<usize>) -> bool {
     let nested = |place: usize| {
         let source = &sources[place];
         let used = source.material.info().nested.end().min(&2).to_owned();

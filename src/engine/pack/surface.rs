@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::Checker;
@@ -22,12 +23,9 @@ use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
 use crate::texture::Parameter;
 
-/// The surface that a shape asks for.
-#[derive(Clone, Debug)]
+/// The part of a shape that is looked up where its record does not say enough.
 pub(in crate::engine) struct SurfaceSource<'s> {
     pub name: String,
-    /// None for a shape without one.
-    pub material: Option<Entity>,
     /// None for a shape without an area light.
     pub light: Option<&'s AreaLight>,
 }
@@ -42,12 +40,12 @@ pub(in crate::engine) struct PackedSurfaces {
     pub lights: Vec<(Entity, WeightedSource)>,
 }
 
-/// `sources` runs parallel to the shapes of `layout`. `ids`: of the entities of `materials`.
+/// `source` looks a shape up, which is not done for shapes that do not shine. `ids`: of the entities of `materials`.
 pub(in crate::engine) fn pack_surfaces<'s>(
     layout: &Layout,
-    sources: impl Iterator<Item = SurfaceSource<'s>>,
+    source: impl Fn(Entity) -> SurfaceSource<'s>,
     materials: Vec<Material>,
-    ids: &HashMap<Entity, MaterialId>,
+    ids: &EntityHashMap<MaterialId>,
     model: DielectricModel,
     textures: &mut TexturePacker,
     errors: &mut Vec<String>,
@@ -57,16 +55,32 @@ pub(in crate::engine) fn pack_surfaces<'s>(
         ..PackedSurfaces::default()
     };
     let mut of_file: HashMap<*const MeshData, Vec<MaterialId>> = HashMap::new();
-    for (index, (record, source)) in layout.shapes.iter().zip(sources).enumerate() {
-        let mesh = match (&record.primitive, source.material) {
-            (Primitive::Mesh(blas), None) => Some(blas.mesh()),
+    packed.table.first_slot.reserve_exact(layout.shapes.len());
+    packed.table.slots.reserve(layout.shapes.len());
+    for (index, record) in layout.shapes.iter().enumerate() {
+        let mesh = match (&record.primitive, record.material) {
+            (Primitive::Mesh(blas), None) => Some(blas.mesh()).filter(|mesh| !mesh.materials.is_empty()),
             _ => None,
         };
+        let known = record
+            .material
+            .map_or(Some(STAND_IN_ID), |material| ids.get(&material).copied());
+        if let Some(material) = known.filter(|_| mesh.is_none() && !record.has_light) {
+            packed.table.first_slot.push(packed.table.slots.len() as u32);
+            let slot = SurfaceSlot {
+                material,
+                light: None,
+                media: MediumInterface::default(),
+            };
+            packed.table.slots.extend((0..record.slots).map(|_| slot));
+            continue;
+        }
+        let source = source(record.entity);
         let mut check = Checker {
             name: &source.name,
             errors,
         };
-        let own = source.material.map(|material| {
+        let own = record.material.map(|material| {
             ids.get(&material).copied().unwrap_or_else(|| {
                 check.report("its material does not exist");
                 STAND_IN_ID
