@@ -202,7 +202,7 @@ impl Plugin for EditorPlugin {
                     (
                         commands::scene_watch::measure_scene,
                         commands::fitting::tell_sizes.run_if(resource_changed::<PackedScene>),
-                        model::gather::gather_outline,
+                        model::outline::gather_outline,
                         picture::paths::follow_paths,
                         model::inspection::gather_selection,
                         model::thumbnails::update_thumbnails,

@@ -1,7 +1,8 @@
 //! Queries of the scene as it is being rendered: what is under the mouse, and how large things are.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
@@ -165,7 +166,7 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
 pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
     let mut bounds = vec![Aabb::EMPTY; entities.len()];
     if let Some(scene) = &packed.scene {
-        let places: HashMap<Entity, usize> = entities.iter().copied().zip(0..).collect();
+        let places: EntityHashMap<usize> = entities.iter().copied().zip(0..).collect();
         for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
             if let Some(&place) = places.get(entity)
                 && let Some(own) = scene.geometry.bounds_of(item)

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -25,9 +25,8 @@ use crate::app::editor::words::files::{self, SCENE_FILES};
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings,
-    LengthUnit, Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape,
-    ShapeKind, UsesMaterial,
+    AccelMethod, ActiveSensor, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings, LengthUnit,
+    Locked, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind, UsesMaterial,
 };
 
 /// The components that name a thing.
@@ -61,7 +60,7 @@ impl NamingItem<'_, '_> {
         first.or_else(|| self.inside_second.and_then(|outer| outer.iter().next()))
     }
 
-    fn item(&self, kind: &'static str) -> (u32, Item) {
+    pub(super) fn item(&self, kind: &'static str) -> (u32, Item) {
         let order = self.order.map_or(u32::MAX, |order| order.0);
         let item = Item {
             entity: self.entity,
@@ -77,95 +76,6 @@ impl NamingItem<'_, '_> {
     }
 }
 
-type OutlineChanged = Or<(
-    Changed<Name>,
-    Changed<SceneId>,
-    Changed<DocumentOrder>,
-    Changed<Shape>,
-    Changed<Material>,
-    Changed<Emitter>,
-    Added<AreaLight>,
-    Added<Sensor>,
-    Added<Hidden>,
-    Added<Locked>,
-    Changed<FirstNestedIn>,
-    Changed<SecondNestedIn>,
-    Changed<UsesMaterial>,
-)>;
-
-#[derive(SystemParam)]
-pub struct OutlineSources<'w, 's> {
-    changed: Query<'w, 's, (), OutlineChanged>,
-    removed_shapes: RemovedComponents<'w, 's, Shape>,
-    removed_materials: RemovedComponents<'w, 's, Material>,
-    removed_emitters: RemovedComponents<'w, 's, Emitter>,
-    removed_lights: RemovedComponents<'w, 's, AreaLight>,
-    removed_sensors: RemovedComponents<'w, 's, Sensor>,
-    shown: RemovedComponents<'w, 's, Hidden>,
-    unlocked: RemovedComponents<'w, 's, Locked>,
-    taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
-    taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
-    bare: RemovedComponents<'w, 's, UsesMaterial>,
-    shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
-    materials: Query<'w, 's, (Naming, &'static Material)>,
-    emitters: Query<'w, 's, (Naming, &'static Emitter)>,
-    sensors: Query<'w, 's, (Naming, &'static Sensor)>,
-}
-
-impl OutlineSources<'_, '_> {
-    fn has_changed(&mut self) -> bool {
-        let removed = self.removed_shapes.read().count()
-            + self.removed_materials.read().count()
-            + self.removed_emitters.read().count()
-            + self.removed_lights.read().count()
-            + self.removed_sensors.read().count()
-            + self.shown.read().count()
-            + self.unlocked.read().count()
-            + self.taken_out.read().count()
-            + self.taken_out_second.read().count()
-            + self.bare.read().count();
-        removed > 0 || !self.changed.is_empty()
-    }
-
-    fn outline(&self) -> Outline {
-        let lights = self
-            .shapes
-            .iter()
-            .filter(|(_, _, emits)| *emits)
-            .map(|(naming, ..)| {
-                // Among lights the kind says more than the material.
-                let (order, item) = naming.item("area");
-                (order, Item { uses: None, ..item })
-            })
-            .chain(
-                self.emitters
-                    .iter()
-                    .map(|(naming, emitter)| naming.item(emitter.info().label)),
-            );
-        Outline {
-            lights: sorted(lights),
-            shapes: sorted(
-                self.shapes
-                    .iter()
-                    .map(|(naming, shape, _)| naming.item(shape_kind(shape))),
-            ),
-            materials: sorted(
-                self.materials
-                    .iter()
-                    .map(|(naming, material)| naming.item(material.info().label)),
-            ),
-            sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
-        }
-    }
-}
-
-/// The items in the order of the file; those that were made here come last.
-fn sorted(items: impl Iterator<Item = (u32, Item)>) -> Vec<Item> {
-    let mut items: Vec<(u32, Item)> = items.collect();
-    items.sort_by_key(|(order, item)| (*order, item.entity));
-    items.into_iter().map(|(_, item)| item).collect()
-}
-
 pub fn shape_kind(shape: &Shape) -> &'static str {
     match shape.kind {
         ShapeKind::Sphere { .. } => "sphere",
@@ -178,12 +88,6 @@ pub fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Instance => "instance",
         ShapeKind::Frame => "group",
         ShapeKind::Mesh(_) => "mesh",
-    }
-}
-
-pub fn gather_outline(mut model: ResMut<EditorModel>, mut sources: OutlineSources) {
-    if sources.has_changed() {
-        model.0.outline = Arc::new(sources.outline());
     }
 }
 
@@ -249,7 +153,7 @@ pub fn gather_status(
     history: Res<History>,
     preferences: Res<PreferencesFile>,
     mut seen_errors: Local<Vec<String>>,
-    mut named: Local<Option<(Arc<[LightGroup]>, Arc<Outline>)>>,
+    mut named: Local<Option<(Arc<[LightGroup]>, Weak<Outline>)>>,
 ) {
     let model = &mut model.0;
     let film = settings.active.0.and_then(|sensor| settings.films.get(sensor).ok());
@@ -275,10 +179,10 @@ pub fn gather_status(
     let (groups, outline) = (&picture.film.light_groups, &model.outline);
     if !named
         .as_ref()
-        .is_some_and(|(of, by)| Arc::ptr_eq(of, groups) && Arc::ptr_eq(by, outline))
+        .is_some_and(|(of, by)| Arc::ptr_eq(of, groups) && by.as_ptr() == Arc::as_ptr(outline))
     {
         mixing.lights = picture.lights(outline);
-        *named = Some((groups.clone(), outline.clone()));
+        *named = Some((groups.clone(), Arc::downgrade(outline)));
     }
     model.render.comparison = ComparisonModel {
         snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),

@@ -6,6 +6,7 @@ pub mod freedom;
 pub(crate) mod gather;
 pub(crate) mod inspection;
 pub mod mixed;
+pub(crate) mod outline;
 pub mod panel_textures;
 pub mod thumbnails;
 

@@ -1,8 +1,10 @@
 //! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a material that is inside
 //! another one is listed under it.
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::ops::Range;
+use std::sync::{Arc, Weak};
 
 use bevy::prelude::Entity;
 
@@ -52,19 +54,119 @@ pub struct Folding {
 /// The lines of an outline, made anew only when something changed: scenes of thousands of shapes are usual.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
-    made_of: Option<(Arc<Outline>, String, Folding)>,
-    lines: Arc<Vec<Line>>,
+    made_of: Option<(Weak<Outline>, String, Folding)>,
+    lines: Arc<LineList>,
+}
+
+/// Lines in order. Plain things that follow each other in the outline are kept as a range.
+#[derive(Clone, Debug, Default)]
+pub struct LineList {
+    /// The parts, and the number of lines before each.
+    parts: Vec<(usize, Part)>,
+    len: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Part {
+    One(Line),
+    /// Things of a group with nothing inside.
+    Run {
+        group: usize,
+        indices: Range<usize>,
+        depth: usize,
+    },
+}
+
+impl LineList {
+    /// The number of lines.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The line at this place; None beyond the last.
+    pub fn get(&self, place: usize) -> Option<Cow<'_, Line>> {
+        let part = self.parts.partition_point(|(before, _)| *before <= place);
+        let (before, part) = self.parts.get(part.checked_sub(1)?)?;
+        match part {
+            Part::One(line) => (place == *before).then_some(Cow::Borrowed(line)),
+            Part::Run { group, indices, depth } => {
+                let index = indices.start + (place - before);
+                let line = Line::Item {
+                    group: *group,
+                    index,
+                    depth: *depth,
+                    has_inside: false,
+                };
+                (index < indices.end).then_some(Cow::Owned(line))
+            }
+        }
+    }
+
+    /// All lines.
+    pub fn iter(&self) -> impl Iterator<Item = Cow<'_, Line>> {
+        (0..self.len).filter_map(|place| self.get(place))
+    }
+
+    /// The place of the line of a thing.
+    pub fn place_of(&self, wanted: impl Fn(usize, usize) -> bool) -> Option<usize> {
+        self.parts.iter().find_map(|(before, part)| match part {
+            Part::One(Line::Item { group, index, .. }) => wanted(*group, *index).then_some(*before),
+            Part::One(_) => None,
+            Part::Run { group, indices, .. } => {
+                let place = indices.clone().position(|index| wanted(*group, index))?;
+                Some(before + place)
+            }
+        })
+    }
+
+    fn push(&mut self, line: Line) {
+        let part = match line {
+            Line::Item {
+                group,
+                index,
+                depth,
+                has_inside: false,
+            } => {
+                if let Some((
+                    _,
+                    Part::Run {
+                        group: of,
+                        indices,
+                        depth: at,
+                    },
+                )) = self.parts.last_mut()
+                    && (*of, *at, indices.end) == (group, depth, index)
+                {
+                    indices.end += 1;
+                    self.len += 1;
+                    return;
+                }
+                let indices = index..index + 1;
+                Part::Run { group, indices, depth }
+            }
+            line => Part::One(line),
+        };
+        self.parts.push((self.len, part));
+        self.len += 1;
+    }
+
+    fn push_run(&mut self, group: usize, indices: Range<usize>) {
+        let count = indices.len();
+        let depth = 0;
+        self.parts.push((self.len, Part::Run { group, indices, depth }));
+        self.len += count;
+    }
 }
 
 impl Lines {
     /// The lines of things with `filter` in their name or kind. While there is a filter, nothing is closed.
-    pub fn of(&mut self, outline: &Arc<Outline>, filter: &str, folding: &Folding) -> Arc<Vec<Line>> {
+    pub fn of(&mut self, outline: &Arc<Outline>, filter: &str, folding: &Folding) -> Arc<LineList> {
         let is_known = self.made_of.as_ref().is_some_and(|(known, filtered, folded)| {
-            Arc::ptr_eq(known, outline) && filtered == filter && folded == folding
+            known.as_ptr() == Arc::as_ptr(outline) && filtered == filter && folded == folding
         });
         if !is_known {
             self.lines = Arc::new(lines(outline, filter, folding));
-            self.made_of = Some((outline.clone(), filter.to_owned(), folding.clone()));
+            self.made_of = Some((Arc::downgrade(outline), filter.to_owned(), folding.clone()));
         }
         self.lines.clone()
     }
@@ -85,13 +187,24 @@ fn is_frame(item: &Item) -> bool {
     item.kind == GROUP && item.name.ends_with('/')
 }
 
-fn lines(outline: &Outline, filter: &str, folding: &Folding) -> Vec<Line> {
+fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
     let wanted = filter.trim().to_lowercase();
     let matches = |item: &Item| {
         wanted.is_empty() || item.name.to_lowercase().contains(&wanted) || item.kind.contains(wanted.as_str())
     };
-    let mut lines = Vec::new();
+    let mut lines = LineList::default();
     for (group, (name, items)) in outline.groups().into_iter().enumerate() {
+        let is_plain = |item: &Item| item.inside_of.is_none() && !item.name.contains('/');
+        if wanted.is_empty() && !items.is_empty() && items.iter().all(is_plain) {
+            lines.push(Line::Heading {
+                name,
+                count: items.len(),
+            });
+            if !folding.closed.contains(name) {
+                lines.push_run(group, 0..items.len());
+            }
+            continue;
+        }
         let found: Vec<usize> = (0..items.len()).filter(|&index| matches(&items[index])).collect();
         if found.is_empty() {
             continue;
@@ -140,7 +253,7 @@ struct Writer<'a> {
     inside: HashMap<Entity, Vec<usize>>,
     /// The folding. None: everything is open.
     folding: Option<&'a Folding>,
-    lines: &'a mut Vec<Line>,
+    lines: &'a mut LineList,
 }
 
 enum Entry<'a> {
@@ -260,7 +373,7 @@ mod tests {
                 group, index, depth, ..
             } => format!("{depth} {}", leaf(&outline.groups()[*group].1[*index].name)),
         };
-        lines(outline, filter, folding).iter().map(text).collect()
+        lines(outline, filter, folding).iter().map(|line| text(&line)).collect()
     }
 
     #[test]
@@ -316,6 +429,28 @@ mod tests {
         assert_eq!(text(&outline, "", &folding)[1..3], ["0 cloth", "1 weave"]);
         // A match is found wherever it is.
         assert_eq!(text(&outline, "weave", &Folding::default()), ["Materials 1", "0 weave"]);
+    }
+
+    #[test]
+    fn plain_things_are_ranges_among_folders_and_headings() {
+        let shapes = (0..40).map(|number| item(number, if number == 20 { "room/door" } else { "wall" }));
+        let outline = Outline {
+            shapes: shapes.collect(),
+            lights: vec![item(50, "lamp")],
+            ..Outline::default()
+        };
+        let list = lines(&outline, "", &Folding::default());
+        assert_eq!((list.len(), list.parts.len()), (44, 7));
+        assert!(list.get(44).is_none());
+        for (place, line) in list.iter().enumerate() {
+            if let Line::Item { group, index, .. } = *line {
+                assert_eq!(list.place_of(|g, i| (g, i) == (group, index)), Some(place));
+            }
+        }
+        assert_eq!(
+            text(&outline, "", &Folding::default())[20..24],
+            ["0 wall", "[room 1]", "1 door", "0 wall"]
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::model::{Item, Model, Outline};
 use crate::app::editor::panels::drag_start::is_drag_of;
-use lines::{Folding, Line, folders_of, leaf};
+use lines::{Folding, Line, LineList, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
 
@@ -47,8 +47,8 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     // Only the visible lines are laid out.
     area.show_rows(ui, height, lines.len(), |ui, range| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for line in &lines[range] {
-            match line {
+        for line in range.filter_map(|place| lines.get(place)) {
+            match &*line {
                 Line::Heading { name, count } => heading(ui, name, *count, height, state, commands),
                 Line::Folder {
                     path,
@@ -94,7 +94,7 @@ fn follow_selection(
     height: f32,
     ui: &Ui,
     state: &mut OutlinerState,
-) -> (Arc<Vec<Line>>, Option<f32>) {
+) -> (Arc<LineList>, Option<f32>) {
     let is_new = state.shown_active != active;
     state.shown_active = active;
     let item = active.filter(|_| is_new).and_then(|entity| item_of(outline, entity));
@@ -115,8 +115,8 @@ fn follow_selection(
     }
     let lines = state.lines.of(outline, &state.filter, &state.folding);
     let offset = item.and_then(|item| {
-        let is_its = |line: &Line| matches!(line, Line::Item { group, index, .. } if outline.groups()[*group].1[*index].entity == item.entity);
-        let place = lines.iter().position(is_its)?;
+        let groups = outline.groups();
+        let place = lines.place_of(|group, index| groups[group].1[index].entity == item.entity)?;
         let line = height + ui.spacing().item_spacing.y;
         let seen = ui.available_height();
         let top = place as f32 * line;

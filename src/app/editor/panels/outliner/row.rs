@@ -3,7 +3,7 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText, pos2, vec2};
 
-use super::lines::{Line, leaf};
+use super::lines::{Line, LineList, leaf};
 use super::marks::{self, BUTTON, eye, mark, padlock};
 use super::state::{OutlinerState, Renaming, how};
 use crate::app::editor::command::Command;
@@ -83,7 +83,7 @@ pub(super) struct Row<'a> {
     pub has_inside: bool,
     pub is_material: bool,
     /// All visible lines, for ranges.
-    pub lines: &'a [Line],
+    pub lines: &'a LineList,
     pub model: &'a Model,
     pub height: f32,
 }
@@ -190,8 +190,8 @@ impl Row<'_> {
         let items: Vec<Entity> = self
             .lines
             .iter()
-            .filter_map(|line| match line {
-                Line::Item { group, index, .. } => Some(groups[*group].1[*index].entity),
+            .filter_map(|line| match *line {
+                Line::Item { group, index, .. } => Some(groups[group].1[index].entity),
                 _ => None,
             })
             .collect();

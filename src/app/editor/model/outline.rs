@@ -1,0 +1,316 @@
+//! Keeps the list of all things up to date: of those that have changed the lines are replaced, and the others stay.
+
+use std::sync::Arc;
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::gather::{Naming, NamingItem, shape_kind};
+use super::{EditorModel, Item, Outline};
+use crate::scene::changes::Changes;
+use crate::scene::{
+    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, SceneId, SecondNestedIn, Sensor, Shape,
+    UsesMaterial,
+};
+
+/// The whole list is made anew if more things than these have changed.
+const MOST_EDITED: usize = 4096;
+
+#[derive(SystemParam)]
+pub(crate) struct OutlineNews<'w, 's> {
+    names: Changes<'w, 's, Name>,
+    ids: Changes<'w, 's, SceneId>,
+    orders: Changes<'w, 's, DocumentOrder>,
+    shapes: Changes<'w, 's, Shape>,
+    materials: Changes<'w, 's, Material>,
+    emitters: Changes<'w, 's, Emitter>,
+    uses: Changes<'w, 's, UsesMaterial>,
+    first_outer: Changes<'w, 's, FirstNestedIn>,
+    second_outer: Changes<'w, 's, SecondNestedIn>,
+    added: Query<'w, 's, Entity, Or<(Added<AreaLight>, Added<Sensor>, Added<Hidden>, Added<Locked>)>>,
+    removed_shapes: RemovedComponents<'w, 's, Shape>,
+    removed_materials: RemovedComponents<'w, 's, Material>,
+    removed_emitters: RemovedComponents<'w, 's, Emitter>,
+    removed_lights: RemovedComponents<'w, 's, AreaLight>,
+    removed_sensors: RemovedComponents<'w, 's, Sensor>,
+    shown: RemovedComponents<'w, 's, Hidden>,
+    unlocked: RemovedComponents<'w, 's, Locked>,
+    bare: RemovedComponents<'w, 's, UsesMaterial>,
+    nameless: (RemovedComponents<'w, 's, SceneId>, RemovedComponents<'w, 's, Name>),
+    taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
+    taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
+}
+
+impl OutlineNews<'_, '_> {
+    fn read(&mut self) -> EntityHashSet {
+        let mut changed: EntityHashSet = self.added.iter().collect();
+        let mut note = |entity| {
+            changed.insert(entity);
+        };
+        self.names.for_each(&mut note);
+        self.ids.for_each(&mut note);
+        self.orders.for_each(&mut note);
+        self.shapes.for_each(&mut note);
+        self.materials.for_each(&mut note);
+        self.emitters.for_each(&mut note);
+        self.uses.for_each(&mut note);
+        self.first_outer.for_each(&mut note);
+        self.second_outer.for_each(&mut note);
+        changed.extend(self.removed_shapes.read());
+        changed.extend(self.removed_materials.read());
+        changed.extend(self.removed_emitters.read());
+        changed.extend(self.removed_lights.read());
+        changed.extend(self.removed_sensors.read());
+        changed.extend(self.shown.read());
+        changed.extend(self.unlocked.read());
+        changed.extend(self.bare.read());
+        changed.extend(self.nameless.0.read());
+        changed.extend(self.nameless.1.read());
+        changed.extend(self.taken_out.read());
+        changed.extend(self.taken_out_second.read());
+        changed
+    }
+}
+
+#[derive(SystemParam)]
+pub(crate) struct Things<'w, 's> {
+    shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
+    materials: Query<'w, 's, (Naming, &'static Material)>,
+    emitters: Query<'w, 's, (Naming, &'static Emitter)>,
+    sensors: Query<'w, 's, (Naming, &'static Sensor)>,
+    orders: Query<'w, 's, &'static DocumentOrder>,
+}
+
+/// An item with its place in the order of the file.
+type Placed = (u32, Item);
+
+/// The item of a shape among the lights, where the kind says more than the material.
+fn shining(naming: &NamingItem) -> Placed {
+    let (order, item) = naming.item("area");
+    (order, Item { uses: None, ..item })
+}
+
+impl Things<'_, '_> {
+    fn all(&self) -> Outline {
+        let lights = self
+            .shapes
+            .iter()
+            .filter(|(_, _, emits)| *emits)
+            .map(|(naming, ..)| shining(&naming))
+            .chain(
+                self.emitters
+                    .iter()
+                    .map(|(naming, emitter)| naming.item(emitter.info().label)),
+            );
+        Outline {
+            lights: sorted(lights),
+            shapes: sorted(
+                self.shapes
+                    .iter()
+                    .map(|(naming, shape, _)| naming.item(shape_kind(shape))),
+            ),
+            materials: sorted(
+                self.materials
+                    .iter()
+                    .map(|(naming, material)| naming.item(material.info().label)),
+            ),
+            sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
+        }
+    }
+
+    /// Replaces the lines of the things that have changed; the result is [`Self::all`].
+    fn update(&self, outline: &mut Outline, changed: &EntityHashSet) {
+        let shape = |entity| self.shapes.get(entity).ok();
+        let lit = |entity| shape(entity).filter(|(_, _, emits)| *emits);
+        let light = |entity| {
+            let emitter = || Some(self.emitters.get(entity).ok()?).map(|(naming, it)| naming.item(it.info().label));
+            lit(entity).map(|(naming, ..)| shining(&naming)).or_else(emitter)
+        };
+        let material = |entity| self.materials.get(entity).ok();
+        self.replace(&mut outline.lights, changed, light);
+        self.replace(&mut outline.shapes, changed, |entity| {
+            shape(entity).map(|(naming, shape, _)| naming.item(shape_kind(shape)))
+        });
+        self.replace(&mut outline.materials, changed, |entity| {
+            material(entity).map(|(naming, material)| naming.item(material.info().label))
+        });
+        self.replace(&mut outline.sensors, changed, |entity| {
+            self.sensors.get(entity).ok().map(|(naming, _)| naming.item("camera"))
+        });
+    }
+
+    /// The place of a thing that is listed.
+    fn key(&self, entity: Entity) -> (u32, Entity) {
+        (self.orders.get(entity).map_or(u32::MAX, |order| order.0), entity)
+    }
+
+    fn replace(&self, list: &mut Vec<Item>, changed: &EntityHashSet, now: impl Fn(Entity) -> Option<Placed>) {
+        let listed = list
+            .iter()
+            .enumerate()
+            .filter(|(_, item)| changed.contains(&item.entity));
+        let listed: Vec<usize> = listed.map(|(place, _)| place).collect();
+        let mut new: Vec<Placed> = changed.iter().filter_map(|&entity| now(entity)).collect();
+        // Most edits leave things where they are.
+        let stays = |place: &usize| {
+            let here = self.key(list[*place].entity);
+            let is_after = |before: &Item| changed.contains(&before.entity) || self.key(before.entity) < here;
+            let is_before = |after: &Item| changed.contains(&after.entity) || here < self.key(after.entity);
+            (place.checked_sub(1).and_then(|before| list.get(before))).is_none_or(is_after)
+                && list.get(place + 1).is_none_or(is_before)
+        };
+        if let [place] = listed[..]
+            && let [(_, item)] = &new[..]
+            && item.entity == list[place].entity
+            && stays(&place)
+        {
+            list[place] = item.clone();
+            return;
+        }
+        remove(list, &listed);
+        new.sort_by_key(|(order, item)| (*order, item.entity));
+        let placed = new.into_iter().map(|(order, item)| {
+            let key = (order, item.entity);
+            (list.partition_point(|other| self.key(other.entity) < key), item)
+        });
+        let placed: Vec<(usize, Item)> = placed.collect();
+        insert(list, placed);
+    }
+}
+
+/// Moving all that comes after is quicker than a new list, up to this number of places.
+const FEW: usize = 8;
+
+/// Takes out what is at these places, ascending.
+fn remove(list: &mut Vec<Item>, places: &[usize]) {
+    if places.len() <= FEW {
+        places.iter().rev().for_each(|&place| drop(list.remove(place)));
+        return;
+    }
+    let mut gone = places.iter().peekable();
+    let mut place = 0..;
+    list.retain(|_| {
+        let place = place.next();
+        gone.next_if(|&&gone| Some(gone) == place).is_none()
+    });
+}
+
+/// Puts items in before those at these places of the list as it is, ascending.
+fn insert(list: &mut Vec<Item>, items: Vec<(usize, Item)>) {
+    if items.len() <= FEW {
+        for (place, item) in items.into_iter().rev() {
+            list.insert(place, item);
+        }
+        return;
+    }
+    let mut merged = Vec::with_capacity(list.len() + items.len());
+    let mut old = std::mem::take(list).into_iter();
+    let mut taken = 0;
+    for (place, item) in items {
+        merged.extend(old.by_ref().take(place - taken));
+        taken = place;
+        merged.push(item);
+    }
+    merged.extend(old);
+    *list = merged;
+}
+
+/// The items in the order of the file; those that were made here come last.
+fn sorted(items: impl Iterator<Item = Placed>) -> Vec<Item> {
+    let mut items: Vec<Placed> = items.collect();
+    items.sort_by_key(|(order, item)| (*order, item.entity));
+    items.into_iter().map(|(_, item)| item).collect()
+}
+
+pub(crate) fn gather_outline(mut model: ResMut<EditorModel>, mut news: OutlineNews, things: Things) {
+    let changed = news.read();
+    if changed.is_empty() {
+        return;
+    }
+    if changed.len() > MOST_EDITED {
+        model.0.outline = Arc::new(things.all());
+    } else {
+        things.update(Arc::make_mut(&mut model.0.outline), &changed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ShapeKind, ToWorld};
+
+    fn shape(kind: ShapeKind) -> Shape {
+        Shape {
+            kind,
+            flip_normals: false,
+        }
+    }
+
+    /// A few things that do not come in any order.
+    fn numbers() -> impl FnMut(usize) -> usize {
+        let mut state = 1u64;
+        move |end| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % end
+        }
+    }
+
+    #[test]
+    fn edits_leave_the_list_that_would_be_made_anew() {
+        #[derive(Resource)]
+        struct Anew(Outline);
+        let mut world = World::new();
+        world.init_resource::<EditorModel>();
+        world.insert_resource(Anew(Outline::default()));
+        let gather = world.register_system(gather_outline);
+        let anew = world.register_system(|things: Things, mut anew: ResMut<Anew>| anew.0 = things.all());
+        let paint = world.spawn((DocumentOrder(0), Material::default())).id();
+        let mut number = numbers();
+        let mut entities: Vec<Entity> = Vec::new();
+        for step in 0..400 {
+            for _ in 0..1 + step % 20 {
+                let order = DocumentOrder(number(1000) as u32);
+                if entities.len() < 50 || number(4) == 0 {
+                    let kinds = [ShapeKind::Cube, ShapeKind::Disk];
+                    let thing = (order, Name::new(format!("thing {step}")), ToWorld::default());
+                    let entity = match number(4) {
+                        0 => world.spawn((thing, Material::default())).id(),
+                        1 => world.spawn((thing, Sensor::default())).id(),
+                        _ => world.spawn((thing, shape(kinds[number(2)].clone()))).id(),
+                    };
+                    entities.push(entity);
+                    continue;
+                }
+                let place = number(entities.len());
+                let mut it = world.entity_mut(entities[place]);
+                match number(11) {
+                    0 => {
+                        it.despawn();
+                        entities.swap_remove(place);
+                    }
+                    1 => drop(it.insert(order)),
+                    2 => drop(it.insert(SceneId(format!("id {step}")))),
+                    3 => drop(it.remove::<(SceneId, Name)>()),
+                    4 => drop(it.insert(Hidden)),
+                    5 => drop(it.remove::<Hidden>()),
+                    6 if it.contains::<Shape>() => drop(it.insert(AreaLight::default())),
+                    7 => drop(it.remove::<AreaLight>()),
+                    8 => drop(it.remove::<Shape>()),
+                    9 => drop(it.insert(UsesMaterial(paint))),
+                    10 => drop(it.remove::<UsesMaterial>()),
+                    _ => drop(it.insert(Name::new(format!("name {step}")))),
+                }
+            }
+            world.run_system(gather).expect("it runs");
+            world.run_system(anew).expect("it runs");
+            assert_eq!(
+                *world.resource::<EditorModel>().0.outline,
+                world.resource::<Anew>().0,
+                "step {step}"
+            );
+        }
+    }
+}
