@@ -1,22 +1,19 @@
 //! Measures how quickly the window responds: frame times, and the time from a command to the first changed pixels in the texture.
 
+mod acts;
+
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
-use super::script::assign;
-use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
+use crate::app::editor::command::selection::Extend;
 use crate::app::editor::picture::frame_times::{Frame, FrameTimes, median};
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::picture::texture::Picture;
-use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::CommandQueue;
-use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
-use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial};
 
 /// The measurement that the command line asks for: this many edits of each kind, one after the other.
 #[derive(Resource)]
@@ -40,6 +37,8 @@ enum Phase {
         since: Instant,
         job: u64,
         revision: u64,
+        /// The frames that have ended since.
+        frames: u32,
     },
 }
 
@@ -52,20 +51,30 @@ const REST: Duration = Duration::from_millis(400);
 enum Act {
     /// The command that performs the measured act for the given time; None if the scene has nothing to apply it to.
     Command(fn(&mut World, usize) -> Option<Command>),
+    /// The same for one shape, which the command selects first.
+    OnShape(fn(Entity, usize) -> Command),
+    /// The same for what shows in the panels alone.
+    InPanels(fn(Entity, usize) -> Command),
     /// Reads the file of the largest mesh again, as if it had changed: a new mesh and a new acceleration structure.
     ReadMesh,
 }
 
 /// The kinds of edits that are measured, with the rest before each: without a rest the picture counts as moving, see
 /// [`crate::app::editor::picture::motion`].
-const KINDS: [(&str, Act, Duration); 8] = [
-    ("fly", Act::Command(fly), REST),
-    ("fly on and on", Act::Command(fly), Duration::ZERO),
-    ("drag a mesh", Act::Command(drag), REST),
-    ("drag it on and on", Act::Command(drag), Duration::ZERO),
-    ("material slider", Act::Command(change_material), REST),
-    ("light slider", Act::Command(change_light), REST),
-    ("undo and redo", Act::Command(undo), REST),
+const KINDS: [(&str, Act, Duration); 14] = [
+    ("fly", Act::Command(acts::fly), REST),
+    ("fly on and on", Act::Command(acts::fly), Duration::ZERO),
+    ("drag a mesh", Act::Command(acts::drag), REST),
+    ("drag it on and on", Act::Command(acts::drag), Duration::ZERO),
+    ("material slider", Act::Command(acts::change_material), REST),
+    ("light slider", Act::Command(acts::change_light), REST),
+    ("select", Act::InPanels(acts::select), REST),
+    ("rename", Act::InPanels(acts::rename), REST),
+    ("hide", Act::OnShape(acts::hide), REST),
+    ("duplicate", Act::OnShape(|_, _| Command::Duplicate), REST),
+    ("add", Act::Command(acts::add), REST),
+    ("delete", Act::OnShape(|_, _| Command::Delete), REST),
+    ("undo and redo", Act::Command(acts::undo), REST),
     ("read a mesh again", Act::ReadMesh, REST),
 ];
 
@@ -79,8 +88,21 @@ impl Act {
                 world.resource_mut::<CommandQueue>().0.extend(command);
                 is_possible
             }
-            Self::ReadMesh => read_mesh(world).is_some(),
+            Self::OnShape(command) | Self::InPanels(command) => {
+                let Some(shape) = acts::middle_shape(world, time) else {
+                    return false;
+                };
+                let commands = [Command::Select(vec![shape], Extend::Replace), command(shape, time)];
+                world.resource_mut::<CommandQueue>().0.extend(commands);
+                true
+            }
+            Self::ReadMesh => acts::read_mesh(world).is_some(),
         }
+    }
+
+    /// Whether it changes the picture.
+    fn shows_in_picture(&self) -> bool {
+        !matches!(self, Self::InPanels(_))
     }
 }
 
@@ -124,6 +146,7 @@ pub fn act_for_probe(world: &mut World) {
                 since: Instant::now(),
                 job: world.resource::<RenderFilm>().job,
                 revision: world.resource::<Picture>().revision,
+                frames: 0,
             };
         } else {
             say(format_args!("{name}: the scene has nothing for it"));
@@ -133,7 +156,7 @@ pub fn act_for_probe(world: &mut World) {
     world.insert_resource(probe);
 }
 
-/// Stops the clock when the new picture's first pixels are in the texture.
+/// Stops the clock when the new picture's first pixels are in the texture, or when the panels have shown what is new in them.
 pub fn watch_probe(
     mut probe: ResMut<LatencyProbe>,
     film: Res<RenderFilm>,
@@ -142,16 +165,30 @@ pub fn watch_probe(
     status: Res<RenderStatus>,
 ) {
     probe.frames.push(frames.last_frame());
-    let Phase::Waiting { since, job, revision } = probe.phase else {
+    let in_picture = KINDS.get(probe.kind).is_some_and(|(_, act, _)| act.shows_in_picture());
+    let Phase::Waiting {
+        since,
+        job,
+        revision,
+        frames: ended,
+    } = &mut probe.phase
+    else {
         return;
     };
+    let (since, ended_before) = (*since, *ended);
+    let is_shown = match in_picture {
+        true => film.job != *job && picture.revision != *revision,
+        // The panels are of the frame after the one in which a command is applied.
+        false => ended_before > 0,
+    };
+    *ended += 1;
     if since.elapsed() > PATIENCE {
         // The value was there already: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
         probe.skipped = !probe.skipped;
         return;
     }
-    if film.job == job || picture.revision == revision {
+    if !is_shown {
         return;
     }
     probe.results.push(1e3 * since.elapsed().as_secs_f32());
@@ -161,8 +198,9 @@ pub fn watch_probe(
     }
     let of = |values: &[f32], q| median(values.to_vec(), q).unwrap_or(f32::NAN);
     say(format_args!(
-        "{}: command to first changed pixel: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} times, {}x{} pixels",
+        "{}: command to first changed {}: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} times, {}x{} pixels",
         KINDS[probe.kind].0,
+        if in_picture { "pixel" } else { "panel" },
         of(&probe.results, 0.5),
         of(&probe.results, 0.95),
         of(&probe.results, 1.0),
@@ -188,103 +226,4 @@ pub fn watch_probe(
 /// Prints a line. A closed pipe is no reason to fail.
 fn say(line: std::fmt::Arguments) {
     let _ = writeln!(std::io::stdout(), "{line}");
-}
-
-/// The sign, -1 and 1 in turn, so that the scene stays about what it was.
-fn sign(time: usize) -> f32 {
-    if time.is_multiple_of(2) { 1.0 } else { -1.0 }
-}
-
-fn fly(world: &mut World, time: usize) -> Option<Command> {
-    let pose = view_pose(world)?;
-    let turned = Affine3A {
-        matrix3: pose.matrix3 * bevy::math::Mat3A::from_axis_angle(Vec3::Y, 0.01 * sign(time)),
-        translation: pose.translation,
-    };
-    Some(Command::MoveView(turned))
-}
-
-/// The mesh of the most triangles, by a hundredth of the scene.
-fn drag(world: &mut World, time: usize) -> Option<Command> {
-    let (entity, pose) = largest_mesh(world)?;
-    let by = 0.01 * world.resource::<ViewSettings>().navigation.scene_size * sign(time);
-    Some(Command::Transform(vec![(
-        entity,
-        Affine3A::from_translation(Vec3::X * by) * pose,
-    )]))
-}
-
-fn read_mesh(world: &mut World) -> Option<()> {
-    let (entity, _) = largest_mesh(world)?;
-    let path = world.get::<MeshHandle>(entity)?.0.path()?.clone();
-    world.resource::<AssetServer>().reload(path);
-    Some(())
-}
-
-fn largest_mesh(world: &mut World) -> Option<(Entity, Affine3A)> {
-    let mut shapes = world.query::<(Entity, &ToWorld, &Shape, Option<&MeshHandle>)>();
-    let meshes = world.get_resource::<Assets<TriangleMesh>>();
-    let triangles = |shape: &Shape, handle: Option<&MeshHandle>| {
-        let ShapeKind::Mesh(file) = &shape.kind else {
-            return None;
-        };
-        let data = meshes?.get(&handle?.0)?.data(file.shape_index)?;
-        Some(data.triangles.len())
-    };
-    let largest = shapes
-        .iter(world)
-        .max_by_key(|(_, _, shape, handle)| triangles(shape, *handle));
-    largest.map(|(entity, pose, ..)| (entity, pose.0))
-}
-
-/// Changes the first colour that can be set in the material of that mesh, or in any material.
-fn change_material(world: &mut World, time: usize) -> Option<Command> {
-    let of_mesh = largest_mesh(world).and_then(|(entity, _)| world.get::<UsesMaterial>(entity).map(|uses| uses.0));
-    let mut all: Vec<Entity> = of_mesh.into_iter().collect();
-    all.extend(world.query_filtered::<Entity, With<Material>>().iter(world));
-    let color = format!("{}", 0.5 + 0.1 * sign(time));
-    all.into_iter().find_map(|entity| {
-        let mut material = world.get::<Material>(entity)?.clone();
-        let names = [
-            "reflectance",
-            "base_color",
-            "diffuse_reflectance",
-            "specular_reflectance",
-        ];
-        names
-            .iter()
-            .find(|name| assign::material(&mut material, name, &color).is_ok())?;
-        Some(Command::SetMaterial(entity, Box::new(material)))
-    })
-}
-
-fn change_light(world: &mut World, time: usize) -> Option<Command> {
-    let color = format!("{}", 5.0 + sign(time));
-    let mut lights = world.query::<(Entity, &AreaLight)>();
-    if let Some((entity, light)) = lights.iter(world).next() {
-        let mut light = light.clone();
-        assign::area_light(&mut light, "radiance", &color).ok()?;
-        return Some(Command::SetAreaLight(entity, Some(light)));
-    }
-    let mut emitters = world.query::<(Entity, &Emitter)>();
-    emitters.iter(world).find_map(|(entity, emitter)| {
-        let mut emitter = emitter.clone();
-        let names = ["radiance", "intensity", "irradiance", "scale"];
-        names
-            .iter()
-            .find(|name| assign::emitter(&mut emitter, name, &color).is_ok())?;
-        Some(Command::SetEmitter(entity, emitter))
-    })
-}
-
-/// Undoes the edits that are left in the history.
-fn undo(world: &mut World, time: usize) -> Option<Command> {
-    if world.resource::<History>().len() == (0, 0) {
-        return None;
-    }
-    Some(if time.is_multiple_of(2) {
-        Command::Undo
-    } else {
-        Command::Redo
-    })
 }
