@@ -6,8 +6,8 @@
 use bevy::prelude::*;
 
 use super::{
-    AreaLight, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Locked, Material, MemberOf,
-    Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Locked, Material,
+    MemberOf, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 macro_rules! object_state {
@@ -32,6 +32,32 @@ macro_rules! object_state {
             /// Gives the entity these components and no others of these types; writes only what differs.
             pub fn write(&self, world: &mut World, entity: Entity) {
                 $(write_component(world, entity, &self.$field);)*
+            }
+
+            /// Gives a new entity these components, and what the file said of it. Most are inserted together, because each insertion moves the entity.
+            pub fn write_new(mut self, world: &mut World, entity: Entity, authored: Option<Authored>) {
+                let Ok(mut new) = world.get_entity_mut(entity) else {
+                    return;
+                };
+                if let (Some(shape), Some(pose), Some(order), Some(name)) =
+                    (&self.shape, self.to_world, self.order, &self.name)
+                {
+                    let common = (shape.clone(), pose, order, name.clone());
+                    match (self.id.take(), authored) {
+                        (Some(id), Some(authored)) => new.insert((common, id, authored)),
+                        (Some(id), None) => new.insert((common, id)),
+                        (None, Some(authored)) => new.insert((common, authored)),
+                        (None, None) => new.insert(common),
+                    };
+                    (self.shape, self.to_world, self.order, self.name) = (None, None, None, None);
+                } else if let Some(authored) = authored {
+                    new.insert(authored);
+                }
+                $(
+                    if let Some(value) = self.$field {
+                        new.insert(value);
+                    }
+                )*
             }
 
             /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which

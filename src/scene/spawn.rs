@@ -59,20 +59,22 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         ..FileBase::default()
     };
     let mut new_ids = HashMap::new();
+    // Where nothing has an id, nothing has to give way.
+    let has_ids = world.query::<&SceneId>().iter(world).next().is_some();
     for thing in Thing::all(scene) {
         let entity = thing.entity(&entities);
         let theirs = thing.state(scene, &entities);
-        let ours = ObjectState::of(world, entity);
         let known = recognised.before(thing);
-        let known = known.filter(|known| known.entity(&base.entities) == entity);
-        let now = match known {
-            None => {
-                summary.added += 1;
+        let Some(known) = known.filter(|known| known.entity(&base.entities) == entity) else {
+            summary.added += 1;
+            if has_ids {
                 new_ids.extend(theirs.id.clone().map(|id| (id, entity)));
-                theirs.clone()
             }
-            Some(known) => taken_over(&base, known, &theirs, &ours, &mut summary),
+            theirs.write_new(world, entity, thing.identity(scene).authored.clone());
+            continue;
         };
+        let ours = ObjectState::of(world, entity);
+        let now = taken_over(&base, known, &theirs, &ours, &mut summary);
         let now = ObjectState {
             order: if keeps_order { ours.order } else { theirs.order },
             ..now
@@ -80,13 +82,16 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         now.write(world, entity);
         set_authored(world, entity, thing.identity(scene).authored.as_ref());
         // What was edited since the last reading stays an edit.
-        let here = match known {
-            Some(known) if ours == now => base.state_then(known),
-            _ => now,
+        let here = match ours == now {
+            true => base.state_then(known),
+            false => now,
         };
         new_base.remember(entity, here, &theirs);
     }
-    let claimed: HashSet<Entity> = entities.all().collect();
+    let claimed: HashSet<Entity> = match base.entities.all().next() {
+        Some(_) => entities.all().collect(),
+        None => HashSet::new(),
+    };
     let is_gone: HashSet<Entity> = base.entities.all().filter(|entity| !claimed.contains(entity)).collect();
     let gone = Thing::all(&base.scene).filter(|thing| is_gone.contains(&thing.entity(&base.entities)));
     for thing in gone {
