@@ -3,15 +3,14 @@
 use std::collections::{HashMap, HashSet};
 
 use bevy::prelude::*;
-use smol_str::SmolStr;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::names::each_name;
 use super::write::gather::describe_entities;
 use super::{
-    Authored, AuthoredScene, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, Material, MemberOf, SceneId,
-    SecondNested, ShapeGroup, ToWorld, UsesMaterial,
+    DeclaredIn, DocumentOrder, FirstNested, InstanceOf, Material, MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld,
+    UsesMaterial,
 };
-use crate::document::Object;
 
 /// The entities that [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -57,31 +56,11 @@ pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
 
 /// The names of all that is in the scene.
 pub fn names(world: &mut World) -> HashSet<String> {
-    // Names of the file also count: textures and plugins that became no entities have ids as well.
     let mut names = HashSet::new();
-    let origin = world
-        .get_resource::<AuthoredScene>()
-        .and_then(|scene| scene.origin.clone());
-    if let Some(origin) = origin {
-        collect_ids(&origin.root, &mut names);
-    }
-    let mut known = world.query::<&Authored>();
-    for authored in known.iter(world) {
-        if let Some(id) = &authored.object.id {
-            names.remove(id.as_str());
-        }
-    }
-    let mut query = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
-    for (id, name) in query.iter(world) {
-        names.extend(id.map(|id| id.0.clone()));
-        names.extend(name.map(|name| name.as_str().to_owned()));
-    }
+    each_name(world, |name| {
+        names.insert(name.to_owned());
+    });
     names
-}
-
-fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
-    ids.extend(object.id.as_ref().map(SmolStr::to_string));
-    object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
 /// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along. What shapes use of materials that are
@@ -365,6 +344,7 @@ fn places(is_used: &[bool]) -> Vec<Option<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::names::{free_name_for, is_taken};
 
     #[test]
     fn names_that_are_taken_get_the_next_number() {
@@ -373,5 +353,43 @@ mod tests {
         assert_eq!(free_name(&taken(&["ball"]), "ball"), "ball-2");
         assert_eq!(free_name(&taken(&["ball", "ball-2"]), "ball-2"), "ball-3");
         assert_eq!(free_name(&taken(&["a-b"]), "a-b"), "a-b-2");
+    }
+
+    /// Both ways to find a free name agree.
+    #[test]
+    fn free_names_are_those_of_the_whole_list() {
+        let known = [
+            "ball",
+            "ball-2",
+            "ball-04",
+            "a-b",
+            "x-0",
+            "x-1",
+            "y-+7",
+            "y-8",
+            "z-4294967294",
+            "z-4294967295",
+        ];
+        for wanted in [
+            "ball",
+            "ball-2",
+            "ball-04",
+            "ball-4",
+            "a",
+            "a-b",
+            "x",
+            "x-0",
+            "y-+7",
+            "z-4294967294",
+            "",
+        ] {
+            let mut world = World::new();
+            for (name, order) in known.iter().zip(0..) {
+                world.spawn((DocumentOrder(order), SceneId((*name).to_owned())));
+            }
+            let expected = free_name(&names(&mut world), wanted);
+            assert_eq!(free_name_for(&mut world, wanted), expected, "{wanted}");
+            assert_eq!(is_taken(&mut world, wanted), known.contains(&wanted));
+        }
     }
 }

@@ -20,7 +20,8 @@ use crate::app::editor::words::files::{ENVIRONMENTS, extension};
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
-use crate::scene::insert::{free_name, insert, names, next_order};
+use crate::scene::insert::{insert, next_order};
+use crate::scene::names::free_name_for;
 use crate::scene::{
     ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneAccess,
     SceneDescription, SceneId, Sensor, Shape, ShapeKind, Solid, SquarePath, ToWorld, Trust, read,
@@ -77,7 +78,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     };
     let order = DocumentOrder(next_order(edit.world));
     let name = addition.name.as_deref().unwrap_or(addition.kind.name());
-    let name = free_name(&names(edit.world), name);
+    let name = free_name_for(edit.world, name);
     let called = (order, SceneId(name.clone()), Name::new(name));
     let shape = |kind| Shape {
         kind,
@@ -298,7 +299,7 @@ fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
         .unwrap_or_default()
         .to_string_lossy()
         .replace(['.', '$'], "-");
-    let name = free_name(&names(edit.world), if stem.is_empty() { "mesh" } else { &stem });
+    let name = free_name_for(edit.world, if stem.is_empty() { "mesh" } else { &stem });
     let mesh = ShapeKind::Mesh(MeshFile {
         path,
         format,
@@ -363,7 +364,7 @@ fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Ent
         }
         return known;
     }
-    let name = free_name(&names(edit.world), name);
+    let name = free_name_for(edit.world, name);
     let order = DocumentOrder(next_order(edit.world));
     edit.spawn((order, SceneId(name.clone()), Name::new(name), emitter, ToWorld(pose)))
 }

@@ -12,7 +12,8 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
 use crate::document::paths::settle;
-use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::insert::next_order;
+use crate::scene::names::free_name_for;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, LengthUnit, Locked,
     Material, MemberOf, SamplerSettings, SceneId, Sensor, ToWorld, UsesMaterial,
@@ -115,7 +116,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::GiveMaterial { shape } => {
             need_surface(edit, shape)?;
             let order = DocumentOrder(next_order(edit.world));
-            let name = free_name(&names(edit.world), "material");
+            let name = free_name_for(edit.world, "material");
             let material = edit.spawn((Material::default(), order, SceneId(name.clone()), Name::new(name)));
             edit.set(shape, UsesMaterial(material));
         }

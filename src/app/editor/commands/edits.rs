@@ -9,7 +9,7 @@ use super::things::{call, check_name, delete, selected};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
-use crate::scene::insert::names;
+use crate::scene::names::is_taken;
 use crate::scene::{DocumentOrder, Emitter, Hidden, MemberOf, SceneId, Shape, ShapeGroup};
 
 pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
@@ -50,7 +50,7 @@ pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), Command
         .world
         .get::<Name>(entity)
         .is_some_and(|known| known.as_str() == name);
-    if !is_own && names(edit.world).contains(name) {
+    if !is_own && is_taken(edit.world, name) {
         return Err(format!("There is something called \"{name}\" already.").into());
     }
     call(edit, entity, name);

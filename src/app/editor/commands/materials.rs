@@ -9,7 +9,8 @@ use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::session::history::Edit;
 use crate::engine::PackedScene;
-use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::insert::next_order;
+use crate::scene::names::free_name_for;
 use crate::scene::{
     DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape, UsesMaterial,
 };
@@ -202,7 +203,7 @@ fn remove_unused(edit: &mut Edit, material: Entity) {
 
 fn spawn(edit: &mut Edit, name: &str) -> Entity {
     let order = DocumentOrder(next_order(edit.world));
-    let name = free_name(&names(edit.world), name);
+    let name = free_name_for(edit.world, name);
     edit.spawn((Material::default(), order, Name::new(name)))
 }
 

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
-use crate::scene::insert::{free_name, names};
+use crate::scene::names::free_name_for;
 use crate::scene::{
     AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, LengthUnit, ObjectChange,
     ObjectState, Placements, SamplerSettings, SceneId, Side, ToWorld,
@@ -429,17 +429,33 @@ fn stand(world: &mut World, at: Standpoint) {
 /// Gives ids anew after undo and redo. Saving and reloading give ids that the history does not know of: a thing that comes back with the id of
 /// another one gets a free one, since no file may have an id twice.
 fn separate_ids(world: &mut World, changes: &[Change]) {
-    let restored = changes.iter().filter(|change| change.change.is_about_id());
-    for entity in restored.map(|change| change.entity) {
-        let Some(id) = world.get::<SceneId>(entity).cloned() else {
-            continue;
-        };
-        let mut others = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
-        if others
-            .iter(world)
-            .any(|(other, other_id)| other != entity && *other_id == id)
-        {
-            let free = free_name(&names(world), &id.0);
+    let mut restored: HashMap<SceneId, Vec<Entity>> = HashMap::new();
+    for change in changes.iter().filter(|change| change.change.is_about_id()) {
+        if let Some(id) = world.get::<SceneId>(change.entity) {
+            restored.entry(id.clone()).or_default().push(change.entity);
+        }
+    }
+    if restored.is_empty() {
+        return;
+    }
+    let mut all = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
+    let mut owners: HashMap<&SceneId, usize> = HashMap::new();
+    for (_, id) in all.iter(world) {
+        if let Some((id, _)) = restored.get_key_value(id) {
+            *owners.entry(id).or_default() += 1;
+        }
+    }
+    let is_shared = |id: &SceneId| owners.get(id).is_some_and(|&owners| owners > 1);
+    let shared = changes.iter().filter_map(|change| {
+        let (id, entities) = restored.get_key_value(world.get::<SceneId>(change.entity)?)?;
+        (is_shared(id) && entities.contains(&change.entity)).then(|| (change.entity, id.clone()))
+    });
+    let shared: Vec<(Entity, SceneId)> = shared.collect();
+    for (entity, id) in shared {
+        // Of several that come back one may keep it.
+        let mut all = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
+        if all.iter(world).any(|(other, its)| other != entity && *its == id) {
+            let free = free_name_for(world, &id.0);
             world
                 .entity_mut(entity)
                 .insert((SceneId(free.clone()), Name::new(free)));
