@@ -293,7 +293,9 @@ impl Bvh {
                 }
             }
         }
-        if let Some(index) = reached.iter().position(|&reached| !reached) {
+        // Edits leave nodes behind from which all is gone.
+        let is_lost = |index: &usize| !reached[*index] && self.nodes[*index].slots_used() > 0;
+        if let Some(index) = (0..self.nodes.len()).find(is_lost) {
             return Err(format!("node {index} is not reached"));
         }
         if self.listed() != held {

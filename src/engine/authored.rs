@@ -11,8 +11,8 @@ use super::pack::texture::TexturePacker;
 use crate::light::WeightedSource;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
-    IntegratorSettings, Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested,
-    Sensor, Shape, ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+    IntegratorSettings, Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SceneStatus,
+    SecondNested, Sensor, Shape, ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 use crate::shading::DielectricModel;
 
@@ -91,6 +91,7 @@ pub(super) struct Authored<'w, 's> {
     pub pictures: Res<'w, Pictures>,
     pub texture_maps: Res<'w, Assets<TextureMap>>,
     pub asset_server: Option<Res<'w, AssetServer>>,
+    pub status: Res<'w, SceneStatus>,
 }
 
 impl Authored<'_, '_> {

@@ -16,6 +16,9 @@ use crate::scene::{
     ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 
+/// All shapes are packed if more than these have changed.
+const MOST_TOUCHED: usize = 4096;
+
 /// The shapes that may have changed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Touched {
@@ -35,6 +38,9 @@ impl Touched {
     fn add(&mut self, entities: impl IntoIterator<Item = Entity>) {
         if let Self::These(shapes) = self {
             shapes.extend(entities);
+            if shapes.len() > MOST_TOUCHED {
+                *self = Self::All;
+            }
         }
     }
 }

@@ -160,6 +160,9 @@ pub(super) fn extract_scene(
     deferred: Res<DeferredDrop>,
     authored: Authored,
 ) {
+    if authored.status.is_opening {
+        return;
+    }
     if cache.poll() {
         dirty.instances = Touched::All;
     }

@@ -18,9 +18,6 @@ use super::status::BvhStatus;
 use crate::accel::{Blas, Instance, Primitive, ShapeEdits};
 use crate::scene::{InstanceOf, MemberOf, MeshHandle, Shape, ShapeKind};
 
-/// All shapes are packed if more than these have changed.
-const MOST_EDITED: usize = 4096;
-
 /// A shape that has changed, as it is now.
 struct Edited {
     packed: Option<(Instance, InstanceRecord)>,
@@ -132,7 +129,7 @@ impl Extracted {
         policy: &BuildPolicy,
     ) -> Option<Vec<bool>> {
         let is_settled = self.meshes_loading == 0 && cache.builds_running() == 0 && self.method == policy.method;
-        if !is_settled || changed.len() > MOST_EDITED || !self.scene.geometry.is_edited_in_place() {
+        if !is_settled || !self.scene.geometry.is_edited_in_place() {
             return None;
         }
         let in_world = self.layout.in_world;

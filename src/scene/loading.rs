@@ -12,8 +12,10 @@ use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::file_base::FileBase;
+use super::opening::{Arrived, Opening};
 use super::read::settle;
 use super::scene_file::{Asked, SceneFile};
+use super::spawn::Spawning;
 use super::write::{KnownTexts, are_as_read};
 use super::{
     KeepSource, OpenScene, ReloadSummary, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn,
@@ -93,6 +95,11 @@ pub(super) fn apply_scenes(
     for event in failed.read(world.resource::<Messages<AssetLoadFailedEvent<SceneAsset>>>()) {
         readings.failed.insert(event.id, cause(&event.error));
     }
+    if let Some(opening) = world.remove_resource::<Opening>() {
+        go_on_opening(world, opening);
+        // What is read meanwhile waits until the scene is there.
+        return;
+    }
     let file = world.resource::<SceneFile>();
     let asked = file.asked.as_ref().map(|asked| asked.handle.id());
     let own = file.handle.as_ref().map(Handle::id).filter(|own| Some(*own) != asked);
@@ -151,12 +158,38 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
         world.resource::<SceneAccess>().take_over();
     }
     let fresh = asked.as_ref().is_some_and(|asked| !asked.keeps_edits);
-    let reload = if fresh {
-        spawn::spawn_fresh(world, &asset.description);
-        ReloadSummary::default()
+    if fresh {
+        let spawning = Spawning::begin(world, asset.description.clone());
+        let opening = Opening::new(spawning, (id, asset, asked));
+        go_on_opening(world, opening);
     } else {
-        spawn::update(world, &asset.description)
-    };
+        let reload = spawn::update(world, &asset.description);
+        taken_in(world, (id, asset, asked), None, reload);
+    }
+}
+
+/// Goes on with the scene that is being opened for as long as a frame may take.
+fn go_on_opening(world: &mut World, mut opening: Opening) {
+    match opening.go_on(world) {
+        false => {
+            world.resource_mut::<SceneStatus>().is_opening = true;
+            world.insert_resource(opening);
+        }
+        true => {
+            world.resource_mut::<SceneStatus>().is_opening = false;
+            let (spawning, arrived) = opening.into_parts();
+            taken_in(world, arrived, Some(spawning), ReloadSummary::default());
+        }
+    }
+}
+
+/// Notes what has been read of which file, once the entities are there. `spawned`: a scene that was newly opened.
+fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, reload: ReloadSummary) {
+    let (id, asset, asked) = arrived;
+    let fresh = spawned.is_some();
+    if let Some(spawned) = spawned {
+        spawned.finish(world);
+    }
     if let Some(mut known) = world.get_resource_mut::<KnownTexts>() {
         known.forget();
     }

@@ -26,6 +26,7 @@ mod meshes;
 pub(crate) mod names;
 pub mod object_change;
 mod object_state;
+mod opening;
 mod parameter_info;
 pub(crate) mod parameters;
 pub mod picture_check;
@@ -70,6 +71,7 @@ pub use material::{
 };
 pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
+pub use opening::OpeningPace;
 pub(crate) use parameter_info::ParameterInfo;
 pub use parameters::{
     Absorption, ConductorIor, Cone, Distribution, FieldOfView, Ior, PlaceAndTime, PrincipledIndex, Roughness,

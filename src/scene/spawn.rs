@@ -15,31 +15,95 @@ use super::insert::{free_name, names};
 use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorSettings, LengthUnit, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn,
-    Sensor, Shape, ShapeGroup, ToWorld,
+    IntegratorSettings, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn, Sensor, Shape,
+    ShapeGroup, ToWorld,
 };
 
 /// Spawns the scene in place of the one that is there.
 pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
-    let old: Vec<Entity> = world
-        .query_filtered::<Entity, Or<(
+    let mut spawning = Spawning::begin(world, scene.clone());
+    while !spawning.step(world) {}
+    spawning.finish(world);
+}
+
+/// A scene that takes the place of the one that is there, step by step.
+pub(super) struct Spawning {
+    scene: Arc<SceneDescription>,
+    /// What is left of the scene before.
+    old: Vec<Entity>,
+    /// The entities of the new scene, once the old ones are gone.
+    entities: Option<Entities>,
+    /// The things whose entities have no components yet.
+    rest: Box<dyn Iterator<Item = Thing> + Send + Sync>,
+}
+
+impl Spawning {
+    /// The things that one step takes away or makes, a millisecond's work.
+    pub const STEP: usize = 256;
+
+    pub fn begin(world: &mut World, scene: Arc<SceneDescription>) -> Self {
+        let mut old = world.query_filtered::<Entity, Or<(
             With<Sensor>,
             With<Material>,
             With<ShapeGroup>,
             With<Shape>,
             With<Emitter>,
             With<Authored>,
-        )>>()
-        .iter(world)
-        .collect();
-    for entity in old {
-        world.despawn(entity);
+        )>>();
+        Self {
+            old: old.iter(world).collect(),
+            entities: None,
+            rest: Box::new(Thing::all(&scene)),
+            scene,
+        }
     }
-    world.insert_resource(FileBase::default());
-    world.insert_resource(ActiveSensor::default());
-    world.insert_resource(FreeView::default());
-    world.insert_resource(LengthUnit::default());
-    update(world, scene);
+
+    /// True once everything is there.
+    pub fn step(&mut self, world: &mut World) -> bool {
+        let left = self.old.len().saturating_sub(Self::STEP);
+        if !self.old.is_empty() {
+            for entity in self.old.drain(left..) {
+                world.despawn(entity);
+            }
+            return false;
+        }
+        let entities = self.entities.get_or_insert_with(|| {
+            world.insert_resource(FileBase::default());
+            world.insert_resource(ActiveSensor::default());
+            world.insert_resource(FreeView::default());
+            let recognised = Recognised::new(&SceneDescription::default(), &self.scene);
+            recognised.entities(&Entities::default(), |_| world.spawn_empty().id())
+        });
+        let mut made = 0;
+        for thing in self.rest.by_ref().take(Self::STEP) {
+            let authored = thing.identity(&self.scene).authored.clone();
+            let state = thing.state(&self.scene, entities);
+            state.write_new(world, thing.entity(entities), authored);
+            made += 1;
+        }
+        made < Self::STEP
+    }
+
+    /// Does what is left to do once everything is there.
+    pub fn finish(self, world: &mut World) {
+        let entities = self.entities.unwrap_or_default();
+        update_cameras(world, &entities.sensors);
+        world.insert_resource(FileBase {
+            scene: self.scene.clone(),
+            entities,
+            ..FileBase::default()
+        });
+        take_over_remains(world, &self.scene);
+        world.insert_resource(self.scene.unit);
+    }
+}
+
+/// The parts of the scene that became no entity, and its integrator.
+fn take_over_remains(world: &mut World, scene: &SceneDescription) {
+    if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
+        world.insert_resource(scene.remains.clone());
+    }
+    update_integrator(world, &scene.integrator);
 }
 
 /// Updates the entities to the description, without what was edited since it was last read or written.
@@ -118,11 +182,8 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         // A user who moves the camera in the file wants to see from there.
         world.insert_resource(FreeView::default());
     }
-    if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
-        world.insert_resource(scene.remains.clone());
-    }
     summary.replaced += usize::from(is_integrator_edited_twice(world, &scene.integrator));
-    update_integrator(world, &scene.integrator);
+    take_over_remains(world, scene);
     if base.scene.unit != scene.unit {
         world.insert_resource(scene.unit);
     }

@@ -77,6 +77,8 @@ pub struct SceneStatus {
     pub file_is_broken: bool,
     /// The progress of the scene that was requested last.
     pub state: SceneState,
+    /// Whether the entities of a scene that is being opened are being made, of which only some are there.
+    pub is_opening: bool,
     /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
     /// The mesh files that could not be read, each once. The shapes that name them are not in the picture, or have the last mesh that could be

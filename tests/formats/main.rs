@@ -10,6 +10,7 @@ mod emitters;
 mod gltf;
 mod groups;
 mod hot_reload;
+mod opening;
 mod saving;
 mod scene;
 mod sensors;

@@ -21,6 +21,7 @@ pub mod window;
 pub mod words;
 
 use std::path::Path;
+use std::time::Duration;
 
 use bevy::asset::AssetEventSystems;
 use bevy::input::InputSystems;
@@ -30,7 +31,7 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryCont
 use crate::app::terminal;
 use crate::engine::{EngineSystems, PackedScene};
 use crate::memory;
-use crate::scene::{OpenScene, SceneAccess, SceneSystems};
+use crate::scene::{OpenScene, OpeningPace, SceneAccess, SceneSystems};
 use automation::monkey::Monkey;
 use command::resolution::Resolution;
 use command::shell::Sheet;
@@ -44,6 +45,9 @@ use session::view_settings::ViewSettings;
 use viewport::gather::ViewportScene;
 use viewport::state::ViewportState;
 use window::widgets::Widgets;
+
+/// The part of a frame that may go into making the entities of a scene that is opened.
+const LONGEST_OPENING: Duration = Duration::from_millis(20);
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.
 pub(crate) struct EditorPlugin(pub WindowOptions);
@@ -131,6 +135,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<picture::frame_times::FrameTimes>()
             .insert_resource(picture::pacing::Pacing::new(options.undrawn))
             .insert_resource(picture::denoiser::Denoiser::new())
+            .insert_resource(OpeningPace(Some(LONGEST_OPENING)))
             .insert_resource(SceneDefines(options.defines.clone()))
             .insert_resource(WantedCamera {
                 name: options.camera.clone(),

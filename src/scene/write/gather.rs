@@ -1,7 +1,6 @@
 //! The description of the entities as they are now.
 
-use std::collections::HashMap;
-
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use crate::scene::description::{
@@ -110,7 +109,7 @@ pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entitie
     let mut groups_query = world.query_filtered::<Common, With<ShapeGroup>>();
     let shapes = in_order(shapes_query.iter(world), |item| item.0);
     let groups = in_order(groups_query.iter(world), |item| *item);
-    let group_of: HashMap<Entity, usize> = groups.iter().enumerate().map(|(i, item)| (item.0, i)).collect();
+    let group_of: EntityHashMap<usize> = groups.iter().enumerate().map(|(i, item)| (item.0, i)).collect();
     let materials = in_order(materials_query.iter(world), |item| item.0);
     let entities = Entities {
         sensors: sensor_entities,
@@ -119,8 +118,8 @@ pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entitie
         shapes: shapes.iter().map(|item| item.0.0).collect(),
         emitters: emitter_entities,
     };
-    let material_of: HashMap<Entity, usize> = materials.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
-    let shape_of: HashMap<Entity, usize> = shapes.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
+    let material_of: EntityHashMap<usize> = materials.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
+    let shape_of: EntityHashMap<usize> = shapes.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
     let place_of = |declared: Option<&DeclaredIn>| {
         let owner = declared.map(|declared| declared.0);
         let in_shape = owner.and_then(|owner| shape_of.get(&owner).copied());

@@ -57,13 +57,22 @@ use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{InputStamp, PackedScene, RenderControl, RenderFilm, WakeUp};
 use crate::scene::write::OnChange;
-use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
+use crate::scene::{
+    ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
+};
 pub(crate) use files::keep_image;
 use titles::Title;
 use world::{control, set_resource};
 
 /// Applies this frame's commands in order.
 pub(crate) fn apply_commands(world: &mut World) {
+    if world
+        .get_resource::<SceneStatus>()
+        .is_some_and(|status| status.is_opening)
+    {
+        // Only a part of the scene is there.
+        return;
+    }
     let commands = std::mem::take(&mut world.resource_mut::<CommandQueue>().0);
     let commands = keep_for_later(world, commands);
     if commands.is_empty() {

@@ -15,7 +15,7 @@ use crate::scene::{
 };
 
 /// The whole list is made anew if more things than these have changed.
-const MOST_EDITED: usize = 4096;
+const MOST_EDITED: usize = 16_384;
 
 #[derive(SystemParam)]
 pub(crate) struct OutlineNews<'w, 's> {
