@@ -113,6 +113,7 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
                     settings: GizmoSettings::default(),
                     targets: &[],
                     length_step: STEP,
+                    grid: Default::default(),
                     up: Vec3::Y,
                     unit: Default::default(),
                     packed: &packed,
