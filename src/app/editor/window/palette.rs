@@ -265,7 +265,7 @@ mod tests {
             found("undo")[..3],
             ["Undo Ctrl+Z", "undo.xml open scene", "undone sphere mesh"]
         );
-        assert_eq!(found("wall")[0], "left wall mesh");
+        assert_eq!(found("left wall")[0], "left wall mesh");
         assert_eq!(found("ctrl+d")[0], "Duplicate Ctrl+D");
         assert_eq!(found("corn").len(), 2);
         assert!(found("no such thing at all").is_empty());
