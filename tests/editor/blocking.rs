@@ -118,7 +118,6 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
                     unit: Default::default(),
                     packed: &packed,
                     bound: &NO_BINDINGS,
-                    grid: Default::default(),
                 },
                 denoiser: DenoiserState::Idle,
                 preset: Default::default(),
