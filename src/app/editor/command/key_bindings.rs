@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use super::shortcut::Shortcut;
 
@@ -42,13 +43,24 @@ impl Serialize for KeyBindings {
     }
 }
 
-/// Texts that name no key are left out: a keyboard of a later version is no reason to give up all preferences.
+/// Texts that name no key and entries that are no texts are left out: a keyboard of a later version is no reason to give up all preferences.
 impl<'de> Deserialize<'de> for KeyBindings {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let texts = BTreeMap::<String, Vec<String>>::deserialize(deserializer)?;
-        let keys = |texts: Vec<String>| texts.iter().filter_map(|text| Shortcut::parse(text)).collect();
+        let value = Value::deserialize(deserializer)?;
+        let entries = value.as_object().into_iter().flatten();
+        let keys = |value: &Value| {
+            let texts = match value {
+                Value::Array(texts) => texts.as_slice(),
+                Value::String(_) => std::slice::from_ref(value),
+                _ => return None,
+            };
+            let texts = texts.iter().filter_map(Value::as_str);
+            Some(texts.filter_map(Shortcut::parse).collect())
+        };
         Ok(Self(
-            texts.into_iter().map(|(name, texts)| (name, keys(texts))).collect(),
+            entries
+                .filter_map(|(name, value)| Some((name.clone(), keys(value)?)))
+                .collect(),
         ))
     }
 }
@@ -72,5 +84,8 @@ mod tests {
         let bindings: KeyBindings = serde_json::from_str(r#"{"save":["Hyper+Q","F2"]}"#).expect("a map");
         let f2 = Shortcut::parse("F2").expect("a key");
         assert_eq!(bindings.of("save"), Some(&[f2][..]));
+        let bindings: KeyBindings = serde_json::from_str(r#"{"save":"F2","undo":7,"redo":[7]}"#).expect("a map");
+        assert_eq!(bindings.of("save"), Some(&[f2][..]));
+        assert_eq!((bindings.of("undo"), bindings.of("redo")), (None, Some(&[][..])));
     }
 }

@@ -16,6 +16,7 @@ pub mod gizmo_settings;
 pub mod grid_settings;
 pub mod inspected_paths;
 pub mod key_bindings;
+mod lenient;
 pub mod light_mix;
 pub mod material_tree;
 pub mod navigation_preset;

@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 use super::gizmo_settings::Steps;
 use super::grid_settings::GridSettings;
 use super::key_bindings::KeyBindings;
+use super::lenient::or_default;
 use super::navigation_preset::NavigationPreset;
 use super::resolution::{Enlarging, Resolution};
 use super::snapping::Snapping;
@@ -67,6 +68,7 @@ pub struct Preferences {
     /// The version of the file's format.
     pub version: u32,
     /// The colours of the window.
+    #[serde(deserialize_with = "or_default")]
     pub theme: ThemeChoice,
     /// The scale of texts and controls, beside that of the system.
     pub ui_scale: f32,
@@ -78,12 +80,14 @@ pub struct Preferences {
     /// The keys that the user has chosen.
     pub keys: KeyBindings,
     /// How the mouse moves the view.
+    #[serde(deserialize_with = "or_default")]
     pub navigation: NavigationPreset,
     /// The speed of flying, as a factor of the usual speed.
     pub speed: f32,
     /// The steps of the gizmo.
     pub steps: Steps,
     /// What moves snap to.
+    #[serde(deserialize_with = "or_default")]
     pub snapping: Snapping,
     /// The grid on the ground and the axes of the world.
     pub grid: GridSettings,
@@ -92,8 +96,10 @@ pub struct Preferences {
     /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
     /// The pixels of the film that are traced.
+    #[serde(deserialize_with = "or_default")]
     pub resolution: Resolution,
     /// The look of a picture that has fewer pixels than its place.
+    #[serde(deserialize_with = "or_default")]
     pub enlarging: Enlarging,
     /// Whether the status line shows what developers look at: latency, frame times, nodes.
     pub developer_figures: bool,
@@ -110,6 +116,7 @@ pub struct Preferences {
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// The size and place of the window when it was closed.
+    #[serde(deserialize_with = "or_default")]
     pub window: Option<WindowPlace>,
     /// The docked panels, as the layout writes itself.
     pub layout: Value,
@@ -158,6 +165,7 @@ fn hard_clip() -> ToneMap {
 /// Tone maps as their names; what is called otherwise is the hard clip.
 mod tone_map_by_name {
     use serde::{Deserialize, Deserializer, Serializer};
+    use serde_json::Value;
 
     use super::{ToneMap, hard_clip};
 
@@ -166,8 +174,8 @@ mod tone_map_by_name {
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ToneMap, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        let known = ToneMap::ALL.into_iter().find(|map| map.name() == name);
+        let value = Value::deserialize(deserializer)?;
+        let known = ToneMap::ALL.into_iter().find(|map| value == map.name());
         Ok(known.unwrap_or_else(hard_clip))
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::lenient::or_default;
+
 /// The places to which a move goes while it snaps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -52,6 +54,7 @@ impl SnapTo {
 #[serde(default)]
 pub struct Snapping {
     /// The places.
+    #[serde(deserialize_with = "or_default")]
     pub to: SnapTo,
     /// Whether moves snap without Control, and do not with it.
     pub always: bool,

@@ -252,11 +252,32 @@ mod tests {
     }
 
     #[test]
+    fn a_word_of_a_later_version_costs_no_other_preference() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for text in [
+            r#""theme": "sepia""#,
+            r#""navigation": "of tomorrow""#,
+            r#""resolution": "eighth""#,
+            r#""enlarging": 7"#,
+            r#""snapping": {"to": "centres", "always": true}"#,
+            r#""window": {"size": "large"}"#,
+            r#""tone_map": null"#,
+            r#""keys": {"save": "F6", "undo": 7}"#,
+            r#""keys": null"#,
+        ] {
+            written(folder.path(), &format!(r#"{{{text}, "speed": 2.5}}"#));
+            let (file, preferences) = PreferencesFile::open(Some(folder.path()));
+            assert_eq!((preferences.speed, file.problem), (2.5, None), "{text}");
+            assert_eq!(preferences.snapping.always, text.contains("always"));
+        }
+    }
+
+    #[test]
     fn a_broken_file_is_set_aside_and_said() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         for (text, name) in [
             ("{\"theme\": \"dark\"", "preferences.json.bad"),
-            ("{\"theme\": 7}", "preferences.json.bad-2"),
+            ("{\"speed\": \"fast\"}", "preferences.json.bad-2"),
         ] {
             let path = written(folder.path(), text);
             let (mut file, preferences) = PreferencesFile::open(Some(folder.path()));
