@@ -12,10 +12,13 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shell::ShellCommand;
 
-/// The direction of flight to the left, up and forward, each -1, 0 or 1.
+/// The direction of flight to the left, up and forward, each -1, 0 or 1. Keys with modifiers, which preferences may name, do not fly.
 pub(crate) fn fly_direction(input: &InputState, bound: &KeyBindings) -> Vec3 {
     let axes = FLIGHT.map(|ways| {
-        let [plus, minus] = ways.map(|way| way.keys(bound).iter().any(|held| input.key_down(held.key)));
+        let [plus, minus] = ways.map(|way| {
+            let mut keys = way.keys(bound).iter().filter(|key| way.can_have(key));
+            keys.any(|held| input.key_down(held.key))
+        });
         f32::from(plus) - f32::from(minus)
     });
     Vec3::from_array(axes)
@@ -111,6 +114,7 @@ mod tests {
     use crate::app::editor::command::gizmo_settings::GizmoSettings;
     use crate::app::editor::command::key_bindings::NO_BINDINGS;
     use crate::app::editor::command::selection::Selection;
+    use crate::app::editor::command::shortcut::Shortcut;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
         KeyboardInput {
@@ -142,6 +146,17 @@ mod tests {
             flying: false,
         };
         shortcuts(&presses, &context)
+    }
+
+    #[test]
+    fn keys_with_modifiers_do_not_fly() {
+        let mut bound = KeyBindings::default();
+        for (text, up) in [("G", 1.0), ("Ctrl+G", 0.0)] {
+            bound.set("fly-up", Shortcut::parse(text).into_iter().collect());
+            let mut input = InputState::default();
+            input.keys_down.insert(Key::G);
+            assert_eq!(fly_direction(&input, &bound), Vec3::Y * up, "{text}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::look;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::actions::Group;
-use crate::app::editor::input::actions::bindings::{Bindable, bind, bindables, owner, reserved};
+use crate::app::editor::input::actions::bindings::{Bindable, bind, bindables, owners, reserved};
 use crate::app::editor::input::press::Press;
 
 /// The width of the columns of names and of keys, in points.
@@ -29,11 +29,11 @@ pub struct KeyList {
 enum Answer {
     /// The key has a fixed meaning.
     Refused { key: Shortcut, what: &'static str },
-    /// The key is that of another action.
+    /// The key is that of other actions.
     Taken {
         name: &'static str,
         key: Shortcut,
-        other: &'static str,
+        others: Vec<&'static str>,
     },
 }
 
@@ -92,11 +92,12 @@ fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut Key
     };
     if let Some(what) = reserved(&key) {
         state.answer = Some(Answer::Refused { key, what });
-    } else if let Some(other) = owner(&key, name, edited) {
-        let other = other.label;
-        state.answer = Some(Answer::Taken { name, key, other });
-    } else {
-        bind(edited, name, key);
+        return;
+    }
+    let others: Vec<&str> = owners(&key, name, edited).iter().map(|other| other.label).collect();
+    match others.is_empty() {
+        true => bind(edited, name, key),
+        false => state.answer = Some(Answer::Taken { name, key, others }),
     }
 }
 
@@ -115,11 +116,12 @@ fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
         Answer::Refused { key, what } => {
             ui.colored_label(warning, format!("{} always {what}.", key.text()));
         }
-        Answer::Taken { name, key, other } => {
+        Answer::Taken { name, key, others } => {
+            let others: Vec<String> = others.iter().map(|other| format!("\u{201c}{other}\u{201d}")).collect();
             ui.horizontal(|ui| {
                 ui.colored_label(
                     warning,
-                    format!("{} is the key of \u{201c}{other}\u{201d}.", key.text()),
+                    format!("{} is the key of {}.", key.text(), others.join(" and ")),
                 );
                 if ui
                     .add(look::primary(ui, "Swap"))

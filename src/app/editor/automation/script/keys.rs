@@ -20,8 +20,26 @@ pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Res
             if let Some(what) = reserved(&key) {
                 return Err(format!("{} always {what}", key.text()).into());
             }
+            if !own.can_have(&key) {
+                let key = key.text();
+                return Err(
+                    format!("{key} cannot fly: a key that flies has no modifiers and is not of the keypad").into(),
+                );
+            }
             bind(&mut preferences.keys, own.name, key);
         }
     }
     Ok(Command::Shell(ShellCommand::SetPreferences(Box::new(preferences))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_that_fly_have_no_modifiers() {
+        assert!(choose(None, "fly-up", "G").is_ok() && choose(None, "hide", "Ctrl+G").is_ok());
+        let refused = choose(None, "fly-up", "Ctrl+G").expect_err("a modifier");
+        assert!(refused.to_string().starts_with("Ctrl+G cannot fly"), "{refused}");
+    }
 }

@@ -68,6 +68,11 @@ impl Bindable {
     pub fn is_held(&self) -> bool {
         self.group.is_none()
     }
+
+    /// Whether this can be its key: nothing but a key alone can be held to fly.
+    pub fn can_have(&self, key: &Shortcut) -> bool {
+        !self.is_held() || *key == Shortcut::plain(key.key)
+    }
 }
 
 impl Action {
@@ -102,20 +107,22 @@ pub fn bindables() -> impl Iterator<Item = Bindable> {
     FLIGHT.into_iter().flatten().chain(ACTIONS.iter().map(Action::bindable))
 }
 
-/// What the key does already, but for `name`.
-pub fn owner(key: &Shortcut, name: &str, bound: &KeyBindings) -> Option<Bindable> {
-    // Shift means fast to a key that flies.
-    let is_flight =
-        |other: &Shortcut, held: bool| held && other.key == key.key && !key.numpad && !key.command && !key.alt;
-    let is_held = bindables().any(|own| own.name == name && own.is_held());
-    bindables().find(|other| {
-        let meets = |its: &Shortcut| {
-            its == key
-                || is_flight(its, other.is_held())
-                || (is_held && its.key == key.key && !its.numpad && !its.command && !its.alt)
-        };
-        other.name != name && other.keys(bound).iter().any(meets)
-    })
+/// Whether one press can be meant for both keys. The flags tell whether a key flies, to which Shift means fast.
+fn meet((key, flies): (&Shortcut, bool), (other, other_flies): (&Shortcut, bool)) -> bool {
+    let can_fly = |key: &Shortcut| !key.numpad && !key.command && !key.alt;
+    key == other || key.key == other.key && (flies && can_fly(other) || other_flies && can_fly(key))
+}
+
+/// What the key does already, but for `name`; what has this very key comes first. A key that flies can meet two keys.
+pub fn owners(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<Bindable> {
+    let flies = bindables().any(|own| own.name == name && own.is_held());
+    let meets = |other: &Bindable| {
+        let mut keys = other.keys(bound).iter();
+        other.name != name && keys.any(|its| meet((its, other.is_held()), (key, flies)))
+    };
+    let mut found: Vec<Bindable> = bindables().filter(meets).collect();
+    found.sort_by_key(|other| !other.keys(bound).contains(key));
+    found
 }
 
 /// What a key does that cannot be chosen.
@@ -126,20 +133,26 @@ pub fn reserved(key: &Shortcut) -> Option<&'static str> {
     found.map(|(_, what)| *what)
 }
 
-/// Gives `name` the key alone. If the key was that of another action, that one gets the first key that `name` had.
+/// Gives `name` the key alone: all others give up the keys that meet it. The first of them gets the first key that `name` had, if that is free then.
 pub fn bind(bound: &mut KeyBindings, name: &str, key: Shortcut) {
-    let before = bindables()
-        .find(|own| own.name == name)
-        .and_then(|own| own.keys(bound).first().copied());
-    if let Some(other) = owner(&key, name, bound) {
-        let mut keys: Vec<Shortcut> = other.keys(bound).to_vec();
-        keys.retain(|its| its.key != key.key || its.numpad != key.numpad || its.command != key.command);
-        // Nothing but a key alone can be held to fly.
-        keys.extend(before.filter(|before| !other.is_held() || *before == Shortcut::plain(before.key)));
-        set(bound, &other, keys);
+    let Some(own) = bindables().find(|own| own.name == name) else {
+        return;
+    };
+    let before = own.keys(bound).first().copied();
+    let others = owners(&key, name, bound);
+    for other in &others {
+        let mut keys = other.keys(bound).to_vec();
+        keys.retain(|its| !meet((its, other.is_held()), (&key, own.is_held())));
+        set(bound, other, keys);
     }
-    if let Some(own) = bindables().find(|own| own.name == name) {
-        set(bound, &own, vec![key]);
+    set(bound, &own, vec![key]);
+    if let (Some(first), Some(before)) = (others.first(), before)
+        && first.can_have(&before)
+        && owners(&before, first.name, bound).is_empty()
+    {
+        let mut keys = first.keys(bound).to_vec();
+        keys.push(before);
+        set(bound, first, keys);
     }
 }
 
@@ -164,6 +177,10 @@ mod tests {
         found.keys(bound).iter().map(Shortcut::text).collect()
     }
 
+    fn names(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<&'static str> {
+        owners(key, name, bound).iter().map(|other| other.name).collect()
+    }
+
     #[test]
     fn no_name_and_no_key_means_two_things() {
         for own in bindables() {
@@ -174,8 +191,7 @@ mod tests {
                 own.name
             );
             for its in own.usual {
-                let other = owner(its, own.name, &KeyBindings::default()).map(|other| other.name);
-                assert_eq!(other, None, "{}", own.name);
+                assert_eq!(names(its, own.name, &KeyBindings::default()), [""; 0], "{}", own.name);
                 assert_eq!(reserved(its), None, "{}", own.name);
             }
         }
@@ -196,18 +212,32 @@ mod tests {
     }
 
     #[test]
+    fn a_key_that_flies_is_given_up_by_all_that_it_would_meet() {
+        for (letter, gizmo) in [("G", "gizmo-move"), ("R", "gizmo-rotate")] {
+            let mut bound = KeyBindings::default();
+            assert_eq!(names(&key(letter), "fly-up", &bound)[0], gizmo);
+            bind(&mut bound, "fly-up", key(letter));
+            assert_eq!(names(&key(letter), "fly-up", &bound), [""; 0]);
+            assert_eq!(keys("fly-up", &bound), [letter]);
+            assert_eq!(keys(gizmo, &bound), ["E"]);
+        }
+        // The key of the other is left alone where nothing meets it, whatever its letter.
+        let mut bound = KeyBindings::default();
+        bound.set("hide", vec![key("Alt+F6"), key("F6")]);
+        bind(&mut bound, "redo", key("F6"));
+        assert_eq!(keys("hide", &bound), ["Alt+F6", "Ctrl+Shift+Z"]);
+    }
+
+    #[test]
     fn keys_that_fly_are_those_of_flying_also_with_shift() {
         let bound = KeyBindings::default();
-        let flies = |text: &str| owner(&key(text), "hide", &bound).map(|other| other.name);
-        assert_eq!(flies("W"), Some("fly-ahead"));
-        assert_eq!(flies("Shift+W"), Some("fly-ahead"));
-        assert_eq!(flies("Ctrl+W"), None);
+        let flies = |text: &str| names(&key(text), "hide", &bound);
+        assert_eq!(flies("W"), ["fly-ahead"]);
+        assert_eq!(flies("Shift+W"), ["fly-ahead"]);
+        assert_eq!(flies("Ctrl+W"), [""; 0]);
         // A letter with Control is free for flying, one alone is not.
-        assert_eq!(
-            owner(&key("N"), "fly-up", &bound).map(|other| other.name),
-            Some("denoise")
-        );
-        assert_eq!(owner(&key("O"), "fly-up", &bound).map(|other| other.name), None);
+        assert_eq!(names(&key("N"), "fly-up", &bound), ["denoise"]);
+        assert_eq!(names(&key("O"), "fly-up", &bound), [""; 0]);
     }
 
     #[test]

@@ -406,7 +406,8 @@ pub const ACTIONS: &[Action] = &[
         Group::View,
         "isolate",
         "Show the selection alone, or all",
-        &[plain(Key::Slash)],
+        // Many keyboards have the slash above a digit.
+        &[plain(Key::Slash), shift(Key::Slash)],
         |context| match context.isolated {
             true => Some(Command::Isolate(Vec::new())),
             false => context.with_selection(Command::Isolate(context.selection.entities().to_vec())),
