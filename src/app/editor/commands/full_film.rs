@@ -23,7 +23,10 @@ use crate::memory;
 
 pub fn set_resolution(world: &mut World, resolution: Resolution) {
     world.resource_mut::<ViewSettings>().resolution = resolution;
-    control(world, |control| control.full_until_change = false);
+    // An image that is waited for keeps its demand, which notices changes of the scene.
+    if resolution != Resolution::Full || !world.contains_resource::<AwaitedImage>() {
+        control(world, |control| control.full_until_change = false);
+    }
 }
 
 /// Whether the picture has fewer pixels than it has when traced in full.
@@ -56,6 +59,12 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
     if status.state == RenderState::Idle {
         return Err("There is no picture to render.".into());
     }
+    if request.save_to.is_some()
+        && let Some(image) = world.get_resource::<AwaitedImage>()
+    {
+        let file = image.file_name();
+        return Err(format!("The full film is still rendered for {file}: save the next image after it.").into());
+    }
     if world.resource::<RenderControl>().paused && is_smaller(world) {
         return Err("Rendering is paused: the full film needs it to go on.".into());
     }
@@ -75,7 +84,6 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         }
     }
     if let Some(path) = request.save_to {
-        end(world, Err("another image was to be saved".to_owned()));
         let shows_denoised = world.get_resource::<Denoiser>();
         let image = AwaitedImage {
             path,
@@ -122,9 +130,8 @@ pub fn follow_awaited_image(world: &mut World) {
         world.resource_mut::<Toasts>().error(Topic::Saving, &message, None);
         return end(world, Err(message));
     }
-    // The setting may ask for the full film as well, which needs no demand.
-    let is_asked_for = world.resource::<RenderControl>().full_until_change || !is_smaller(world);
-    if !is_asked_for {
+    // The engine takes the demand back when the scene or the view changes, whether the setting asks for the full film as well or not.
+    if !world.resource::<RenderControl>().full_until_change {
         let reason = "the scene, the view or the resolution was changed before the full film was there";
         let message = format!("{file} was not saved: {reason}.");
         world.resource_mut::<Toasts>().reject(&message);

@@ -75,6 +75,8 @@ pub fn follow_scene(
             history.clear();
             // All of these belong to the scene before.
             requests.save_question = None;
+            requests.full_film_question = None;
+            requests.imported.clear();
             settings.bookmarks = Default::default();
             settings.rulers.clear();
             settings.seeing = Seeing {

@@ -44,6 +44,8 @@ pub struct ViewsFile {
     last: Option<StoredView>,
     /// Whether scenes may begin with the view that they were left with.
     returns: bool,
+    /// The scene did not begin with the view that it was left with, and was not looked at freely since then: that view stays in the file.
+    keeps_last: bool,
     /// The next scene begins with a camera that was asked for.
     begins_at_camera: bool,
 }
@@ -85,7 +87,7 @@ impl ViewsFile {
             self.store(self.written)
         };
         (self.scene, self.written) = (None, StoredViews::default());
-        (self.last, self.last_written) = (None, None);
+        (self.last, self.last_written, self.keeps_last) = (None, None, false);
         outcome
     }
 
@@ -154,6 +156,8 @@ pub fn follow_views(
             if file.scene != scene {
                 file.scene = scene;
                 file.written = StoredViews::default();
+                // Nothing of it is in the file under this name.
+                (file.last_written, file.keeps_last) = (None, false);
             }
         }
         _ => {}
@@ -189,6 +193,8 @@ pub fn return_to_view(
         free_view.pose = Some(view.pose);
         free_view.lens = sensor.lens.for_projection(view.orthographic);
         toasts.info("The view is where it was left; View > Cameras has that of the file");
+    } else {
+        file.keeps_last = view.is_some();
     }
 }
 
@@ -203,12 +209,15 @@ pub fn note_view(
     let file = file.bypass_change_detection();
     let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
     let is_free = free_view.pose.is_some() || free_view.lens.is_some();
-    file.last = sensor
-        .filter(|_| is_free && file.scene.is_some())
-        .map(|(sensor, pose)| StoredView {
-            pose: free_view.pose.unwrap_or(pose.0),
-            orthographic: free_view.lens.unwrap_or(sensor.lens) == Lens::Orthographic,
-        });
+    file.keeps_last &= !is_free;
+    if !file.keeps_last {
+        file.last = sensor
+            .filter(|_| is_free && file.scene.is_some())
+            .map(|(sensor, pose)| StoredView {
+                pose: free_view.pose.unwrap_or(pose.0),
+                orthographic: free_view.lens.unwrap_or(sensor.lens) == Lens::Orthographic,
+            });
+    }
     if exits.read().next().is_some()
         && let Err(error) = file.leave()
     {
@@ -312,9 +321,42 @@ mod tests {
                 assert_eq!(free, FreeView::default());
             }
             world.run_system_cached(note_view).expect("runs");
-            let expected = (returns && prefers).then_some(view);
-            assert_eq!(world.resource::<ViewsFile>().last, expected);
+            assert_eq!(world.resource::<ViewsFile>().last, Some(view));
+            // The view of the camera is not remembered in its place until the user has looked around.
+            let other = FreeView {
+                pose: Some(Affine3A::IDENTITY),
+                ..FreeView::default()
+            };
+            for (free, expected) in [(other, Some(Affine3A::IDENTITY)), (FreeView::default(), None)] {
+                world.insert_resource(free);
+                world.run_system_cached(note_view).expect("runs");
+                let last = world.resource::<ViewsFile>().last;
+                assert_eq!(last.map(|view| view.pose), expected);
+            }
         }
+    }
+
+    #[test]
+    fn a_scene_that_is_saved_under_another_name_has_its_view_there() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut world = opened(true, true);
+        let last = views(60.0)[2];
+        world.insert_resource(ViewsFile {
+            path: Some(folder.path().join(FILE)),
+            scene: Some("/a.xml".into()),
+            last,
+            last_written: last,
+            ..ViewsFile::default()
+        });
+        world.init_resource::<ViewSettings>();
+        let mut status = world.resource_mut::<SceneStatus>();
+        status.path = Some("/b.xml".into());
+        status.fresh_load = false;
+        world.run_system_cached(follow_views).expect("runs");
+        let mut file = world.resource_mut::<ViewsFile>();
+        file.leave().expect("a writable folder");
+        file.open(Path::new("/b.xml"));
+        assert_eq!(file.last, last);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::app::editor::command::resolution::{FullFilm, Resolution};
 use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
+use crate::files::{LARGEST_NOTE, read};
 use crate::memory;
 use crate::render::film;
 use crate::scene::{self, EmitterKind, ScenePlugin};
@@ -85,7 +86,8 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     begin_to_save(&mut app, &path);
     let samples = app.world().resource::<AwaitedImage>().samples;
     update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
-    let saved = image::open(&path).expect("a picture").to_rgb8();
+    let bytes = read(&path, LARGEST_NOTE).expect("a file");
+    let saved = image::load_from_memory(&bytes).expect("a picture").to_rgb8();
     assert_eq!(saved.dimensions(), (120, 80));
     assert!(saved.pixels().all(|pixel| pixel.0 == [255; 3]));
     let control = app.world().resource::<RenderControl>();
@@ -128,6 +130,37 @@ fn a_change_in_between_saves_nothing_and_says_so() {
         );
         assert_eq!(app.world().resource::<RenderControl>().exact_samples, None);
     }
+}
+
+#[test]
+fn the_full_film_as_a_setting_hides_no_change() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.png");
+    let mut app = app();
+    begin_to_save(&mut app, &path);
+    // So many are not there before the end of the test.
+    const MANY: u32 = 1_000_000_000;
+    app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
+    app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
+    update_until(&mut app, |world| size(world) == (120, 80));
+    apply(app.world_mut(), Command::SetResolution(Resolution::Full)).expect("set");
+    app.world_mut().resource_mut::<RenderControl>().view_size = None;
+    update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 3);
+    assert!(app.world().contains_resource::<AwaitedImage>());
+    // There is one at a time.
+    let other = folder.path().join("other.png");
+    let request = FullFilm {
+        save_to: Some(other),
+        is_confirmed: false,
+    };
+    let refused = apply(app.world_mut(), Command::RenderFull(request)).expect_err("one at a time");
+    assert!(refused.to_string().contains("sky.png"), "{refused}");
+    assert!(app.world().contains_resource::<AwaitedImage>());
+    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+    for _ in 0..3 {
+        app.update();
+    }
+    assert!(!app.world().contains_resource::<AwaitedImage>() && !path.exists());
 }
 
 /// A world whose picture is a small one of a film with this number of pixels on each side.
