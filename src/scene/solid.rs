@@ -1,7 +1,9 @@
 //! Building parts that are given by a few numbers: walls with openings, stairs, prisms. Each stands on the plane z = 0 of its own space.
 //!
 //! These plugins are extensions of the format. The numbers are what a file holds; meshes are made from them ([`super::assets::solid_mesh`]), also
-//! for `convert --portable`.
+//! when `convert` writes a scene for other programs.
+
+use std::ops::RangeInclusive;
 
 use bevy::math::Vec3;
 use bevy::reflect::Reflect;
@@ -100,9 +102,7 @@ pub enum SolidValue<'s> {
     Openings(&'s mut Vec<Opening>),
 }
 
-/// The most openings of a wall, so that the mesh of a mistyped file stays small.
-const MOST_OPENINGS: usize = 64;
-
+/// A length with the limits of the panel; files may have smaller ones ([`file_range`]).
 const fn length(name: &'static str, label: &'static str, about: &'static str) -> ParameterInfo {
     ParameterInfo::new(name, label, about, "a length above 0").within(1e-4..=f32::MAX)
 }
@@ -149,6 +149,8 @@ impl Default for Solid {
 impl Solid {
     /// The names of all plugins.
     pub const PLUGINS: [&'static str; 3] = ["wall", "stairs", "prism"];
+    /// The most openings of a wall, so that the mesh of a mistyped file stays small.
+    pub const MOST_OPENINGS: usize = 64;
 
     /// What a plugin of this name is when its file gives no parameter; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
@@ -269,6 +271,13 @@ impl Solid {
     }
 }
 
+/// The values that a file may give a length: what is above 0 for the panel may be as small as numbers are, as tiny scenes need.
+pub(crate) fn file_range(info: &ParameterInfo) -> RangeInclusive<f32> {
+    let start = *info.range.start();
+    let least = if start > 0.0 { f32::MIN_POSITIVE } else { start };
+    least..=*info.range.end()
+}
+
 /// The text of openings in a file: four numbers for each (from, sill, width, height), with `;` between the openings.
 pub fn openings_text(openings: &[Opening]) -> String {
     let text = |opening: &Opening| {
@@ -303,8 +312,11 @@ pub fn parse_openings(text: &str) -> Result<Vec<Opening>, String> {
         });
     }
     match openings.len() {
-        0..=MOST_OPENINGS => Ok(openings),
-        count => Err(format!("expected at most {MOST_OPENINGS} openings, found {count}")),
+        0..=Solid::MOST_OPENINGS => Ok(openings),
+        count => Err(format!(
+            "expected at most {} openings, found {count}",
+            Solid::MOST_OPENINGS
+        )),
     }
 }
 

@@ -163,3 +163,32 @@ fn written_meshes_are_read_back_bit_for_bit() {
     assert!(read.positions == mesh.positions && read.normals == mesh.normals);
     assert!(read.uvs == mesh.uvs && read.triangles == mesh.triangles);
 }
+
+#[test]
+fn faces_of_all_sizes_have_normals() {
+    for size in [1e-20, 1.0, 1e20] {
+        let holes = [hole(0.5 * size, 0.0, size, 2.0 * size)];
+        for (name, mesh, triangles) in [
+            ("wall", wall(4.0 * size, 2.5 * size, 0.2 * size, &holes), None),
+            ("stairs", stairs(size, 4.0 * size, 2.5 * size, 3), None),
+            ("prism", prism(size, size, size, 6), Some(20)),
+        ] {
+            assert!(!mesh.triangles.is_empty(), "{name} {size}");
+            assert!(
+                triangles.is_none_or(|count| mesh.triangles.len() == count),
+                "{name} {size}"
+            );
+            for normal in &mesh.normals {
+                assert!((normal.length() - 1.0).abs() < 1e-6, "{name} {size}: {normal}");
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_no_lengths_make_no_wall() {
+    for length in [-1.0, f32::NAN] {
+        let mesh = wall(length, 1.0, 0.1, &[hole(0.0, 0.0, 1.0, 1.0)]);
+        assert!(mesh.triangles.is_empty(), "{length}");
+    }
+}

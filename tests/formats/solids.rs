@@ -142,6 +142,44 @@ fn other_programs_get_meshes() {
 }
 
 #[test]
+fn a_wall_without_triangles_is_left_out_for_other_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = ["old.xml", "new.xml"].map(|name| folder.path().join(name));
+    let covered = FLAT.replace("0.5 0 0.9 2.1;", "-1 -1 9 9;").replace(
+        "<float name=\"length\" value=\"5\"/>",
+        "<bsdf type=\"diffuse\" id=\"plaster\"/>",
+    );
+    let covered = covered.replace("<bsdf type=\"diffuse\"/>", "<ref id=\"plaster\"/>");
+    std::fs::write(&old, covered).unwrap();
+    let (scene, messages) = describe(&old);
+    assert_eq!((scene.shapes.len(), messages.as_slice()), (3, &[][..]));
+    write_anew(&scene, &new, Extensions::Keep).unwrap();
+    let (portable, messages) = describe(&new);
+    assert_eq!((portable.shapes.len(), messages.as_slice()), (2, &[][..]));
+    // What the wall declared is still there for others.
+    let material = portable.shapes[1]
+        .material
+        .map(|index| portable.materials[index].identity.id.as_deref());
+    assert_eq!(material, Some(Some("plaster")));
+}
+
+#[test]
+fn parts_of_tiny_scenes_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("main.xml");
+    std::fs::write(&path, FLAT).unwrap();
+    let (mut scene, _) = describe(&path);
+    for shape in &mut scene.shapes {
+        if let ShapeKind::Solid(part) = &mut shape.shape.kind {
+            *part = part.clone().scaled(1e-20);
+        }
+    }
+    save_description(&scene, &path).unwrap();
+    let (again, messages) = describe(&path);
+    assert_eq!((solids(&again), messages), (solids(&scene), vec![]));
+}
+
+#[test]
 fn one_sees_through_the_openings_of_a_wall() {
     let mut document = document::parse_str(FLAT, Path::new("/a.xml"), &[]);
     let scene = read(&mut document);

@@ -1,6 +1,6 @@
 //! Collects flat polygons as a mesh.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::geometry::mesh::MeshData;
 use crate::geometry::polygon::triangulate;
@@ -23,14 +23,16 @@ impl Facets {
     /// Adds a flat polygon, counter-clockwise as seen from outside. One without area adds nothing.
     pub fn polygon(&mut self, corners: &[Vec3]) {
         let [first, ..] = corners else { return };
-        // Newell's normal holds for polygons that are not convex, too.
+        // Newell's normal holds for polygons that are not convex, too. Single precision does not hold the squares of all lengths.
         let turned = corners.iter().zip(corners.iter().cycle().skip(1));
-        let area: Vec3 = turned.map(|(a, b)| (*a - *first).cross(*b - *first)).sum();
-        if area.try_normalize().is_none() {
+        let from_first = |corner: &Vec3| corner.as_dvec3() - first.as_dvec3();
+        let area: DVec3 = turned.map(|(a, b)| from_first(a).cross(from_first(b))).sum();
+        let size = area.length();
+        if !(size > 0.0 && size.is_finite()) {
             return;
         }
         // Unlike the product with a reciprocal, this is exactly 1 along an axis.
-        let normal = area / area.length();
+        let normal = (area / size).as_vec3();
         let (u, v) = directions(normal);
         let base = self.mesh.positions.len() as u32;
         for corner in corners {

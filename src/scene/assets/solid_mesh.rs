@@ -1,7 +1,7 @@
 //! The meshes of building parts.
 
 use crate::geometry::mesh::MeshData;
-use crate::geometry::solid::{self, Hole, ply};
+use crate::geometry::solid::{self, Hole};
 use crate::scene::Solid;
 
 /// The mesh of a building part in its own space: closed, with flat normals outward.
@@ -37,9 +37,4 @@ pub fn solid_mesh(part: &Solid) -> MeshData {
             sides,
         } => solid::prism(*radius, *top_radius, *height, *sides),
     }
-}
-
-/// The mesh as PLY text, for programs that do not know building parts.
-pub(in crate::scene) fn solid_ply(part: &Solid) -> String {
-    ply::to_ply(&solid_mesh(part))
 }

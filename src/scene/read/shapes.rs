@@ -11,7 +11,7 @@ use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
-use crate::scene::solid::parse_openings;
+use crate::scene::solid::{file_range, parse_openings};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.
@@ -107,7 +107,7 @@ impl<'a> SceneReader<'a> {
         let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
         if is_instance {
             shapes = reader.children(Category::Shape);
-        } else {
+        } else if has_surface {
             bsdfs = reader.children(Category::Bsdf);
             emitters = reader.children(Category::Emitter);
         }
@@ -201,7 +201,7 @@ impl<'a> SceneReader<'a> {
 fn read_solid(reader: &mut Reader) -> Solid {
     let mut solid = Solid::of_plugin(&reader.object().plugin).unwrap_or_default();
     solid.visit_mut(&mut |info, value| match value {
-        SolidValue::Length(length) => *length = reader.float_in(info.name, info.range.clone()).unwrap_or(*length),
+        SolidValue::Length(length) => *length = reader.float_in(info.name, file_range(info)).unwrap_or(*length),
         SolidValue::Count(count) => {
             let range = *info.range.start() as i64..=*info.range.end() as i64;
             *count = reader.integer_in(info.name, range).map_or(*count, |given| given as u32);

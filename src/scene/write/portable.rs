@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::document::{Category, Child, Object, TransformOp, Value};
-use crate::scene::assets::solid_mesh::solid_ply;
+use crate::geometry::solid::ply::to_ply;
+use crate::scene::assets::solid_mesh::solid_mesh;
 use crate::scene::read::is_frame;
 use crate::scene::solid::parse_openings;
 use crate::scene::{Solid, SolidValue};
@@ -29,17 +30,26 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
     let mut files = BesideFiles {
         stem: &stem,
         list: Vec::new(),
+        materials: Vec::new(),
     };
+    if extensions == Extensions::Approximate {
+        // What is in a group stands where it is by itself.
+        let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
+        root.children.retain(|child| !is_frame(child));
+    }
     translate_inside(root, &mut files, extensions);
+    root.children.splice(0..0, std::mem::take(&mut files.materials));
     let files = files.list.into_iter();
     files.map(|(name, text)| (target.with_file_name(name), text)).collect()
 }
 
-/// The meshes that are written beside the scene, each content once.
+/// The meshes that are written beside the scene, each content once, and what goes to the top level.
 struct BesideFiles<'s> {
     /// The name of the scene, with which all their names begin.
     stem: &'s str,
     list: Vec<(String, String)>,
+    /// The materials with ids inside of parts that are left out: others may refer to them.
+    materials: Vec<Child>,
 }
 
 impl BesideFiles<'_> {
@@ -55,13 +65,8 @@ impl BesideFiles<'_> {
 }
 
 fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Extensions) {
-    if extensions == Extensions::Approximate {
-        // What is in a group stands where it is by itself.
-        let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
-        object.children.retain(|child| !is_frame(child));
-    }
-    for child in &mut object.children {
-        let Child::Object(inner) = child else { continue };
+    object.children.retain_mut(|child| {
+        let Child::Object(inner) = child else { return true };
         let inner = Arc::make_mut(inner);
         translate_inside(inner, files, extensions);
         match (inner.category, inner.plugin.as_str()) {
@@ -80,16 +85,18 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
             }
             (Category::Shape, plugin) => {
                 if let Some(part) = Solid::of_plugin(plugin) {
-                    solid(inner, part, files);
+                    return solid(inner, part, files);
                 }
             }
             _ => {}
         }
-    }
+        true
+    });
 }
 
-/// The mesh that the numbers of a building part stand for.
-fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) {
+/// The mesh that the numbers of a building part stand for. False if it has no triangles, as a wall that openings cover wholly: the part is to be
+/// left out then, because files without triangles are refused.
+fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool {
     let mut names = Vec::new();
     part.visit_mut(&mut |info, given| {
         names.push(info.name);
@@ -104,12 +111,20 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) {
         }
     });
     let plugin = part.plugin();
-    let name = files.name_of(solid_ply(&part), |number| format!("{plugin}-{number}.ply"));
+    let mesh = solid_mesh(&part);
+    if mesh.triangles.is_empty() {
+        let has_id = |child: &Child| matches!(child, Child::Object(inner) if inner.id.is_some());
+        let children = std::mem::take(&mut object.children);
+        files.materials.extend(children.into_iter().filter(has_id));
+        return false;
+    }
+    let name = files.name_of(to_ply(&mesh), |number| format!("{plugin}-{number}.ply"));
     object.plugin = "ply".into();
     object
         .properties
         .retain(|property| !names.contains(&property.name.as_str()));
     *object = object.clone().with("filename", Value::String(name));
+    true
 }
 
 /// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the mirrored

@@ -116,7 +116,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let part = part.clone().scaled(solid_scale(&part, size, addition.size.is_some()));
             let [low, high] = part.corners();
             let middle = Vec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.0);
-            let pose = ToWorld(at(foot) * facing(up) * at(-middle));
+            let pose = ToWorld(at(foot) * facing(up) * Affine3A::from_translation(-middle));
             edit.spawn((called, shape(ShapeKind::Solid(part)), pose))
         }
         AdditionKind::AreaLight => {

@@ -9,7 +9,7 @@ use crate::app::editor::command::blocking::block::Block;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::scene::insert::{free_name, names, next_order};
-use crate::scene::{DocumentOrder, SceneId, Shape, ShapeKind, Solid, ToWorld};
+use crate::scene::{DocumentOrder, Hidden, MemberOf, SceneId, Shape, ShapeKind, Solid, ToWorld};
 
 pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
     check_name(block.name.as_deref().unwrap_or_default())?;
@@ -30,6 +30,11 @@ pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
 }
 
 pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) -> Result<(), CommandError> {
+    if let ShapeKind::Solid(Solid::Wall { openings, .. }) = &shape.kind
+        && openings.len() > Solid::MOST_OPENINGS
+    {
+        return Err(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS).into());
+    }
     transform(edit, vec![(entity, pose)])?;
     replace(edit, entity, shape)
 }
@@ -39,7 +44,8 @@ fn reach_around_corners(world: &mut World, block: &mut Block) {
     let Some(direction) = (block.to - block.from).try_normalize() else {
         return;
     };
-    let mut shapes = world.query::<(&Shape, &ToWorld)>();
+    // Members of groups are not where their poses say, and hidden walls are not seen.
+    let mut shapes = world.query_filtered::<(&Shape, &ToWorld), (Without<MemberOf>, Without<Hidden>)>();
     let ends: Vec<(Vec3, f32)> = shapes
         .iter(world)
         .filter_map(|(shape, ToWorld(pose))| match shape.kind {

@@ -1,6 +1,6 @@
 //! The rows of building parts: their numbers, and the openings of walls.
 
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{Button, Ui};
 
 use super::fields::{self, NumberStyle};
 use super::lengths;
@@ -14,7 +14,11 @@ pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     let wall_height = high.z;
     let mut changed = false;
     part.visit_mut(&mut |info, value| match value {
-        SolidValue::Length(length) => changed |= lengths::length(ui, info, length, speed, info.range.clone()),
+        SolidValue::Length(length) => {
+            // What is smaller already stays as it is.
+            let range = info.range.start().min(*length)..=*info.range.end();
+            changed |= lengths::length(ui, info, length, speed, range);
+        }
         SolidValue::Count(count) => {
             let range = *info.range.start() as u32..=*info.range.end() as u32;
             changed |= fields::integer(ui, info, count, range);
@@ -40,7 +44,8 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
                 [opening.from, opening.sill] = numbers;
                 changed = true;
             }
-            let size = ["Wide", "High"].map(|letter| style(letter, speed, 1e-4..=f32::MAX));
+            let least = opening.width.min(opening.height).min(1e-4);
+            let size = ["Wide", "High"].map(|letter| style(letter, speed, least..=f32::MAX));
             let mut numbers = [opening.width, opening.height];
             if fields::numbers(ui, &format!("{name} size"), &mut numbers, size) {
                 [opening.width, opening.height] = numbers;
@@ -55,9 +60,13 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
         openings.remove(number);
         changed = true;
     }
+    let has_room = openings.len() < Solid::MOST_OPENINGS;
     ui.horizontal(|ui| {
         for (name, new) in [("Add door", Opening::DOOR), ("Add window", Opening::WINDOW)] {
-            if ui.button(name).clicked() {
+            let button = ui.add_enabled(has_room, Button::new(name));
+            let button =
+                button.on_disabled_hover_text(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS));
+            if button.clicked() {
                 let new = new.in_wall(wall_height);
                 let after = openings.iter().map(|opening| opening.from + opening.width);
                 let from = after.fold(0.0, f32::max) + new.from;

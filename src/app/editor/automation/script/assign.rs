@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::scene::parameters::{ABSORPTION_SCALE, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
-use crate::scene::solid::parse_openings;
+use crate::scene::solid::{file_range, parse_openings};
 use crate::scene::{
     Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
     ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture,
@@ -277,7 +277,7 @@ impl Assign<'_> {
 impl Assign<'_> {
     fn solid(&mut self, info: &'static ParameterInfo, value: SolidValue) {
         match value {
-            SolidValue::Length(length) => self.bounded(info.name, length, info.range.clone()),
+            SolidValue::Length(length) => self.bounded(info.name, length, file_range(info)),
             SolidValue::Count(count) => self.value(info.name, count, |text| {
                 parse_integer_within(text, &info.range).map(|number| number as u32)
             }),

@@ -98,11 +98,13 @@ pub fn pushed(kind: &ShapeKind, pose: &Affine3A, face: Face, by: f32) -> Option<
     let [low, high] = extent(kind)?;
     let before = (high - low)[face.axis];
     let (_, unit) = face.outward(pose);
-    let more = (by / unit).max((LEAST - 1.0) * before);
-    if !face.can_move(kind) || !more.is_finite() {
+    let asked = by / unit;
+    let more = asked.max((LEAST - 1.0) * before);
+    let after = before + more;
+    // A file can hold no smaller or larger extents.
+    if !face.can_move(kind) || !asked.is_finite() || !after.is_normal() {
         return None;
     }
-    let after = before + more;
     // The place in its own space that becomes the origin of the new one.
     let mut origin = Vec3::ZERO;
     let axis = face.axis;
@@ -235,5 +237,10 @@ mod tests {
         let (kind, pose) = pushed(&ShapeKind::Cube, &pose, Face { axis: 0, is_far: true }, -100.0).expect("a box");
         let [low, high] = bounds(&kind, &pose);
         assert!(high.x > low.x && high.x < low.x + 0.1);
+        let face = Face { axis: 0, is_far: true };
+        let wall = ShapeKind::Solid(Solid::default());
+        for by in [f32::NAN, f32::INFINITY] {
+            assert_eq!(pushed(&wall, &pose, face, by), None);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of commands on a world without a window.
 
+mod blocking;
 mod files;
 mod full_film;
 mod grouping;
