@@ -140,6 +140,12 @@ impl Defines {
         }
     }
 
+    /// Whether a name is used by a `$name`, or stands for a value that `is_usual` does not hold for.
+    pub fn has_other_use(&self, name: &str, is_usual: impl Fn(&str) -> bool) -> bool {
+        let define = self.by_name.get(name);
+        define.is_some_and(|define| define.used || !is_usual(&define.value))
+    }
+
     /// Names from the command line that nothing used, in order, each with the nearest name of a `<default>`.
     pub fn unused(&self) -> Vec<(&str, Option<String>)> {
         let given = self.by_name.iter().filter(|(_, define)| define.from_command_line);

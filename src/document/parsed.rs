@@ -29,6 +29,9 @@ pub struct Document {
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
+    /// Whether the text uses `$length_unit`, or has a `<default>` of that name that is no unit. Then the unit of the scene must be neither added nor
+    /// removed.
+    pub uses_unit_name: bool,
     /// Whether the document was made from a file of another format. Spans then tell where things come from, but there is no such text.
     pub imported: bool,
     /// Permits the files that the scene may read.
@@ -46,6 +49,7 @@ impl Document {
             crowds: Vec::new(),
             search_folders: Vec::new(),
             includes: Vec::new(),
+            uses_unit_name: false,
             imported: false,
             access: Access::everywhere(),
             diagnostics: Diagnostics::default(),

@@ -11,5 +11,10 @@ const NAMES: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
 
 /// Whether a `default` directly inside of `object` says the unit of the scene.
 pub(super) fn is_unit(object: &Object, name: &str, value: &str) -> bool {
-    object.category == Category::Scene && name == UNIT && NAMES.contains(&value)
+    object.category == Category::Scene && name == UNIT && is_unit_name(value)
+}
+
+/// Whether a value of the `default` is a unit.
+pub(super) fn is_unit_name(value: &str) -> bool {
+    NAMES.contains(&value)
 }

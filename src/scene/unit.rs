@@ -1,6 +1,6 @@
 //! The unit of length of a scene: the meaning of a unit of the world, for what is typed and shown. It changes nothing of the picture.
 //!
-//! The file says it as `<default name="unit" value="cm"/>`, which other readers of the format take for a name that nothing uses.
+//! The file says it as `<default name="length_unit" value="cm"/>`, which other readers of the format take for a name that nothing uses.
 
 use bevy::prelude::*;
 

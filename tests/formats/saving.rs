@@ -800,4 +800,13 @@ fn a_default_of_that_name_may_be_something_else() {
         (LengthUnit::None, 0.01)
     );
     assert_eq!(folder.edited(|_| {}), text);
+    // The name can stand for one thing only.
+    assert_eq!(folder.edited(|scene| scene.unit = LengthUnit::Centimetre), text);
+
+    let used = text.replace("'0.01'", "'cm'").replace(
+        "<float name='near_clip' value='$length_unit'/>",
+        "<string name='note' value='in $length_unit'/>",
+    );
+    let folder = Folder::with(&[("main.xml", &used)]);
+    assert_eq!(folder.edited(|scene| scene.unit = LengthUnit::None), used);
 }

@@ -19,6 +19,7 @@ use super::define::Defines;
 use super::dialect;
 use super::links::link;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
+use super::unit::{UNIT, is_unit_name};
 use super::unpack::{keep_known, pack_rest};
 use super::{Category, Document, Object, Severity};
 use crate::files::Access;
@@ -81,12 +82,14 @@ impl Parser {
             let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");
             self.diagnostics.push(Severity::Warning, None, message, help);
         }
+        let uses_unit_name = self.defines.has_other_use(UNIT, is_unit_name);
         Document {
             path: path.to_owned(),
             root: Arc::new(root),
             crowds,
             search_folders: self.search_folders,
             includes: self.includes,
+            uses_unit_name,
             imported: false,
             access: self.access,
             diagnostics: self.diagnostics,

@@ -342,7 +342,12 @@ impl<'s> Writer<'s> {
         parts.sort_by_key(|(order, _)| *order);
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);
-        write_unit(scene.unit, &mut root.properties);
+        let uses_name = scene
+            .remains
+            .origin
+            .as_ref()
+            .is_some_and(|origin| origin.uses_unit_name);
+        write_unit(scene.unit, uses_name, &mut root.properties);
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
     }
@@ -448,16 +453,19 @@ impl<'s> Writer<'s> {
     }
 }
 
-/// Has the scene's properties say its unit. One that they said already keeps its place in the file.
-fn write_unit(unit: LengthUnit, properties: &mut Vec<Property>) {
+/// Has the scene's properties say its unit. One that they said already keeps its place in the file. If the file uses the name otherwise
+/// (`uses_name`), it cannot be added or removed.
+fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>) {
     let known = properties.iter().position(|property| property.name == UNIT);
     let value = Value::String(unit.name().to_owned());
     match (known, unit) {
+        (Some(_), LengthUnit::None) if uses_name => {}
         (Some(known), LengthUnit::None) => {
             properties.remove(known);
         }
         (Some(known), _) => properties[known].value = value,
         (None, LengthUnit::None) => {}
+        (None, _) if uses_name => {}
         (None, _) => properties.push(Property {
             name: UNIT.into(),
             value,
