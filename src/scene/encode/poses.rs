@@ -11,6 +11,9 @@ const RECOMPOSED: f32 = 1e-5;
 /// some units in the last place.
 const SHORTENED: f32 = 4e-7;
 
+/// The most that shortening may move a camera, relative to its distance from the origin.
+const MOVED: f64 = 1e-6;
+
 /// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
 fn shortened(step: &TransformOp) -> TransformOp {
     match *step {
@@ -128,10 +131,13 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
                 },
             }
         };
+        let moved = |made: &Affine3A| Vec3::from(made.translation).as_dvec3().distance(origin.as_dvec3());
         let is_alike = |step: &TransformOp| {
             let made = step.affine();
             made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED)
                 && made.translation.abs_diff_eq(map.translation, SHORTENED * distance)
+                // The places of a tiny scene are lost beside the distance to the target.
+                && moved(&made) <= MOVED * origin.as_dvec3().length()
         };
         [6, 7]
             .map(plain)
@@ -181,6 +187,20 @@ mod tests {
             assert!(number.to_string().len() < 9, "{number}");
         }
         assert_eq!((origin, target), (Vec3::new(3.0, 2.0, -4.0), Vec3::ZERO));
+    }
+
+    #[test]
+    fn a_camera_of_a_tiny_scene_keeps_its_place() {
+        let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
+        for size in [1e-3, 1e-6, 1e-12] {
+            let place = size * Vec3::new(1.234_567, -0.345_678_9, 2.618_034);
+            let made = as_look_at(&Affine3A::from_rotation_translation(turn, place)).map(|step| step.affine());
+            let moved = made.map(|made| Vec3::from(made.translation).distance(place));
+            assert!(
+                moved.is_some_and(|moved| moved <= 1e-6 * place.length()),
+                "{size} {moved:?}"
+            );
+        }
     }
 
     #[test]
