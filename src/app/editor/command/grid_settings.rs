@@ -42,7 +42,8 @@ impl GridSettings {
     /// power of ten at which lines are 10 points apart or more.
     pub fn step_at(&self, units_per_point: f32) -> f32 {
         let suits = || {
-            let least = f64::from(NARROWEST * units_per_point).clamp(1e-6, 1e6);
+            // NaN, which a view without a depth may give, is taken for the least.
+            let least = f64::from((NARROWEST * units_per_point).max(1e-6)).min(1e6);
             // A power of ten that is almost reached counts, so that rounding does not decide.
             10f64.powf((least.log10() - 1e-4).ceil()) as f32
         };
@@ -61,7 +62,10 @@ mod tests {
             let found = grid.step_at(units_per_point);
             assert!((found / step - 1.0).abs() < 1e-5, "{units_per_point}: {found}");
         }
-        assert!(grid.step_at(f32::NAN).is_nan() || grid.step_at(0.0) > 0.0);
+        for unknown in [f32::NAN, 0.0] {
+            let step = grid.step_at(unknown);
+            assert!(step.is_finite() && step > 0.0, "{unknown}: {step}");
+        }
         let chosen = GridSettings {
             step: Some(0.25),
             ..grid

@@ -7,6 +7,7 @@ use super::parse::{count as count_of, unknown};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::seeing::AXES;
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
@@ -76,8 +77,8 @@ pub fn series(words: &[&str]) -> Result<Command, ScriptError> {
     }))
 }
 
-fn axis_of(name: &str) -> Result<usize, ScriptError> {
-    const AXES: [&str; 3] = ["X", "Y", "Z"];
+/// The number of an axis, in capitals or not.
+pub(super) fn axis_of(name: &str) -> Result<usize, ScriptError> {
     let found = AXES.iter().position(|axis| axis.eq_ignore_ascii_case(name));
     found.ok_or_else(|| unknown("axis", name, AXES))
 }

@@ -4,11 +4,12 @@ use bevy::prelude::*;
 
 use super::assign::within;
 use super::error::ScriptError;
+use super::placing::axis_of;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
-use crate::app::editor::command::seeing::{AXES, CutOpen};
+use crate::app::editor::command::seeing::CutOpen;
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
 
@@ -83,8 +84,7 @@ pub fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
         Some(name) => (false, name),
         None => (true, axis),
     };
-    let number = AXES.iter().position(|known| known.eq_ignore_ascii_case(name));
-    let axis = number.ok_or_else(|| format!("expected an axis such as `y` or `-y`, found `{axis}`"))?;
+    let axis = axis_of(name)?;
     Ok(Some(CutOpen { axis, at, above }))
 }
 
