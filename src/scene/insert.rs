@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::folders::FreeFolders;
 use super::names::each_name;
 use super::write::gather::describe_entities;
 use super::{
@@ -63,23 +64,28 @@ pub fn names(world: &mut World) -> HashSet<String> {
     names
 }
 
-/// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along. What shapes use of materials that are
+/// Adds everything but settings. Ids that are taken get numbers, and so do folders of groups, with all that is in them; of sensors their films come along. What shapes use of materials that are
 /// there already, equal and of the same id, is not added again.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let mut order = next_order(world);
     let mut taken = names(world);
     let mut inserted = Inserted::default();
+    let mut folders = FreeFolders::default();
+    let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
+    let frames = frames.filter_map(|frame| frame.identity.id.as_deref()?.strip_suffix('/'));
+    folders.find(&taken, frames.map(str::to_owned));
+    let in_folder = |name: &str| folders.in_copy(name).unwrap_or_else(|| name.to_owned());
     let mut spawn = |world: &mut World, identity: &Identity| {
         let entity = world.spawn(DocumentOrder(order)).id();
         order = order.saturating_add(1);
         let name = match &identity.id {
             Some(id) => {
-                let id = free_name(&taken, id);
+                let id = free_name(&taken, &in_folder(id));
                 world.entity_mut(entity).insert(SceneId(id.clone()));
                 id
             }
-            None => identity.name.to_string(),
+            None => in_folder(&identity.name),
         };
         taken.insert(name.clone());
         world.entity_mut(entity).insert(Name::new(name));

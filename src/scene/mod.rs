@@ -14,6 +14,7 @@ pub mod emitter;
 pub mod encode;
 mod file_base;
 mod file_value;
+pub(crate) mod folders;
 mod framing;
 pub mod group;
 pub mod identity;

@@ -26,6 +26,12 @@ pub fn unit_of_scene(extent: f32) -> f64 {
     unit_below(OF_SCENE * extent)
 }
 
+/// The unit of places that follow from others, such as those of things that are aligned, a hundredth of [`unit_of_scene`]: a gap of a whole unit
+/// would be seen.
+pub fn fine_unit(extent: f32) -> f64 {
+    1e-2 * unit_of_scene(extent)
+}
+
 /// The multiple of `unit` that is nearest; never a negative zero.
 pub fn rounded(number: f32, unit: f64) -> f32 {
     let multiple = (f64::from(number) / unit).round() * unit;

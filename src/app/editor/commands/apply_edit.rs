@@ -9,7 +9,7 @@ use super::{adding, arranging, blocking, copying, fitting, grouping, materials, 
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
-use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::history::{Edit, StepKind};
 use crate::app::editor::session::trust;
 use crate::document::paths::settle;
 use crate::scene::insert::next_order;
@@ -79,10 +79,14 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             edit.set(sensor, ToWorld(pose));
             edit.world.insert_resource(FreeView::default());
         }
-        Command::Nudge(direction) => placing::nudge(edit, direction)?,
+        Command::Nudge(direction) => {
+            edit.kind = StepKind::Move;
+            placing::nudge(edit, direction)?;
+        }
         Command::Drop => placing::drop(edit)?,
         Command::SnapToGrid => placing::onto_grid(edit)?,
         Command::Transform(poses) => {
+            edit.kind = StepKind::Move;
             let poses = grouping::with_members(edit, poses);
             transform(edit, poses)?;
         }

@@ -16,9 +16,6 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::scene::{Shape, ToWorld, world_bounds};
 
-/// The share of the precision of the scene to which things are aligned: a gap of a whole unit would be seen.
-const FINER: f64 = 1e-2;
-
 /// Brings one side of all things in line, along an axis from 0 to 2.
 pub fn align(edit: &mut Edit, axis: usize, side: Side, to: Reference) -> Result<(), CommandError> {
     let things = extents(edit, axis)?;
@@ -122,7 +119,7 @@ fn extent(world: &World, thing: Entity, solids: &[Solid], direction: Vec3) -> Op
 
 fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(&Unit, f32)>) -> Result<(), CommandError> {
     let extent = edit.world.resource::<ViewSettings>().navigation.scene_size;
-    let unit = FINER * rounding::unit_of_scene(extent);
+    let unit = rounding::fine_unit(extent);
     let each = moves
         .into_iter()
         .flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));

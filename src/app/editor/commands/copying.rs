@@ -11,8 +11,9 @@ use crate::app::editor::command::Direction;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
-use crate::app::editor::session::history::{Edit, History};
+use crate::app::editor::session::history::{Edit, History, StepKind};
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::scene::folders::FreeFolders;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     AreaLight, DocumentOrder, InstanceOf, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind, ToWorld,
@@ -22,16 +23,13 @@ use crate::scene::{
 #[derive(Component, Clone, Copy, Debug)]
 pub struct CopyOf(Entity);
 
-/// The share of the precision of the scene to which places in a series are rounded.
-const FINER: f64 = 1e-2;
-
 /// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside its original, as far as
 /// suits its size. If what is selected was copied just before, and perhaps moved since, the copies continue that series.
 pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let before = |entity: &Entity| before_in_series(edit.world, *entity);
     let series: Option<Vec<Affine3A>> = selected.iter().map(before).collect();
-    let series = series.filter(|_| was_just_copied(edit.world.resource::<History>()));
+    let series = series.filter(|_| edit.world.resource::<History>().was_just_copied());
     let aside = beside(edit.world, &selected);
     let unit = unit(edit.world);
     let mut copier = Copier::new(edit);
@@ -48,6 +46,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
         };
         copies.push(copier.copy(edit, original, pose)?);
     }
+    edit.kind = StepKind::Copy;
     edit.world.insert_resource(Selection::of(copies));
     Ok(())
 }
@@ -67,7 +66,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
         return Err(format!("These would be {copies} copies; {LONGEST_SERIES} is the most.").into());
     }
     if series.instances && selected.iter().any(|entity| !is_instance(edit.world, *entity)) {
-        selected = vec![as_instance(edit, &selected)?];
+        selected = vec![as_instance(edit)?];
     }
     let unit = unit(edit.world);
     let mut copier = Copier::new(edit);
@@ -107,7 +106,7 @@ fn along(series: &Series, number: u32, pose: &Affine3A, unit: f64) -> Affine3A {
 }
 
 fn unit(world: &World) -> f64 {
-    FINER * rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size)
+    rounding::fine_unit(world.resource::<ViewSettings>().navigation.scene_size)
 }
 
 fn moved(pose: &Affine3A, by: Vec3) -> Affine3A {
@@ -144,14 +143,6 @@ fn before_in_series(world: &World, entity: Entity) -> Option<Affine3A> {
     ObjectState::is_in_scene(world, original).then_some(pose.0)
 }
 
-/// Whether the last step made copies, but for moves since.
-fn was_just_copied(history: &History) -> bool {
-    let (done, _) = history.labels();
-    let is_move = |label: &&&str| ["Move", "Rotate", "Scale"].iter().any(|verb| label.starts_with(verb));
-    let last = done.iter().rev().find(|label| !is_move(label));
-    last.is_some_and(|label| label.starts_with("Duplicate"))
-}
-
 /// The move to the right, as the picture shows it, to beside things of this size: the next multiple of the step.
 fn beside(world: &World, things: &[Entity]) -> Vec3 {
     let step = placing::step(world, Direction::Right);
@@ -172,22 +163,29 @@ fn is_instance(world: &World, entity: Entity) -> bool {
         .is_some_and(|shape| shape.kind == ShapeKind::Instance)
 }
 
-/// Puts shapes into a group of their own and an instance of it in their place. The group's origin is that of the active one.
-fn as_instance(edit: &mut Edit, shapes: &[Entity]) -> Result<Entity, CommandError> {
+/// Puts the selected shapes into a group of instances and an instance of it in their place. The origin is that of the active one. A folder's transform
+/// is no shape: it is deleted, and what it moves becomes part of the instance.
+fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
+    let all = grouping::units(edit)?.into_iter().flat_map(|unit| unit.all);
+    let all = all.filter(|entity| edit.world.get::<ToWorld>(*entity).is_some());
+    let (frames, shapes): (Vec<Entity>, Vec<Entity>) = all.partition(|entity| grouping::is_frame(edit.world, *entity));
     let can_be = |entity: &Entity| {
         edit.world.get::<Shape>(*entity).is_some()
             && edit.world.get::<AreaLight>(*entity).is_none()
             && edit.world.get::<MemberOf>(*entity).is_none()
             && !is_instance(edit.world, *entity)
     };
-    if !shapes.iter().all(can_be) {
+    if shapes.is_empty() || !shapes.iter().all(can_be) {
         return Err("Only shapes that do not shine can become instances.".into());
     }
-    let active = shapes.last().copied();
+    let active = things::selected(edit)?.last().copied();
     let origin = active.and_then(|active| edit.world.get::<ToWorld>(active));
     let origin = origin.map_or(Vec3::ZERO, |pose| Vec3::from(pose.0.translation));
     let name = active.and_then(|active| edit.world.get::<Name>(active));
-    let name = name.map_or_else(|| "shape".to_owned(), |name| name.as_str().to_owned());
+    let name = name.map_or("shape", |name| name.trim_end_matches('/')).to_owned();
+    for frame in frames {
+        edit.delete(frame);
+    }
     let mut taken = names(edit.world);
     let mut free = |wanted: String| {
         let free = free_name(&taken, &wanted);
@@ -198,10 +196,10 @@ fn as_instance(edit: &mut Edit, shapes: &[Entity]) -> Result<Entity, CommandErro
     let order = next_order(edit.world);
     let group = edit.spawn((ShapeGroup, group_name, DocumentOrder(order)));
     for shape in shapes {
-        if let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(*shape).copied() {
-            edit.set(*shape, ToWorld(moved(&pose, -origin)));
+        if let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(shape).copied() {
+            edit.set(shape, ToWorld(moved(&pose, -origin)));
         }
-        edit.set(*shape, MemberOf(group));
+        edit.set(shape, MemberOf(group));
     }
     let instance = Shape {
         kind: ShapeKind::Instance,
@@ -217,8 +215,8 @@ struct Copier {
     taken: HashSet<String>,
     /// The name that the last copy of a name got, from which the next one is found quickly.
     latest: HashMap<String, String>,
-    /// The folders of groups that are copied, each with that of its copy.
-    folders: Vec<(String, String)>,
+    /// The folders of groups that are copied.
+    folders: FreeFolders,
     order: u32,
 }
 
@@ -227,29 +225,18 @@ impl Copier {
         Self {
             taken: names(edit.world),
             latest: HashMap::new(),
-            folders: Vec::new(),
+            folders: FreeFolders::default(),
             order: next_order(edit.world),
         }
     }
 
     /// Finds folders for copies of the groups among these things.
-    fn find_folders(&mut self, edit: &mut Edit, originals: &[Entity]) {
+    fn find_folders(&mut self, edit: &Edit, originals: &[Entity]) {
         let frames = originals
             .iter()
             .filter(|entity| grouping::is_frame(edit.world, **entity));
-        let mut copied: Vec<String> = frames.map(|frame| grouping::path(edit.world, *frame)).collect();
-        if copied.is_empty() {
-            return;
-        }
-        // Groups come before those inside them, which stay within their copies.
-        copied.sort();
-        let mut taken = grouping::folders(edit.world);
-        let folders = copied.into_iter().map(|folder| {
-            let free = free_name(&taken, &folder);
-            taken.insert(free.clone());
-            (folder, free)
-        });
-        self.folders = folders.collect();
+        let copied = frames.map(|frame| grouping::path(edit.world, *frame));
+        self.folders.find(&self.taken, copied);
     }
 
     fn copy(&mut self, edit: &mut Edit, original: Entity, pose: Affine3A) -> Result<Entity, CommandError> {
@@ -258,12 +245,7 @@ impl Copier {
             return Err("So many instances cannot be doubled.".into());
         }
         let name = state.name.as_ref().map_or("copy", |name| name.as_str());
-        let in_copy = self.folders.iter().find_map(|(folder, copy)| {
-            let rest = name
-                .strip_prefix(folder.as_str())
-                .filter(|rest| rest.starts_with('/'))?;
-            Some(format!("{copy}{rest}"))
-        });
+        let in_copy = self.folders.in_copy(name);
         let name = in_copy.as_deref().unwrap_or(name);
         let latest = self.latest.get(name).map_or(name, String::as_str);
         let free = free_name(&self.taken, latest);

@@ -3,7 +3,7 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{spot, things};
+use super::{grouping, spot, things};
 use crate::app::editor::camera::{picking, rounding};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
@@ -14,7 +14,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
-use crate::scene::{ObjectState, Shape, ShapeKind, ToWorld};
+use crate::scene::{ObjectState, Sensor, Shape, ShapeKind, ToWorld};
 
 /// The longest side of what is fitted, as a share of the height of what is seen where it stands.
 const SHARE: f32 = 1.0 / 3.0;
@@ -23,13 +23,17 @@ const DIGITS: i32 = 2;
 
 /// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is seen in its middle.
 pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandError> {
+    let units = grouping::units_of(edit.world, entities.to_vec());
+    let mut all: Vec<Entity> = units.into_iter().flat_map(|unit| unit.all).collect();
+    // A camera in a group stays as large as it is.
+    all.retain(|entity| edit.world.get::<Sensor>(*entity).is_none());
     let packed = edit.world.resource::<PackedScene>();
-    let bounds = picking::bounds_of_each(packed, entities).into_iter().flatten();
+    let bounds = picking::bounds_of_each(packed, &all).into_iter().flatten();
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     if bounds.is_empty() {
         return Err("It is not in the picture yet.".into());
     }
-    let (seen, height) = spot::seen(edit.world, entities).ok_or("There is no picture.")?;
+    let (seen, height) = spot::seen(edit.world, &all).ok_or("There is no picture.")?;
     let ViewSettings { navigation, .. } = edit.world.resource::<ViewSettings>();
     let (up, scene_size) = (navigation.up, navigation.scene_size);
     let longest = bounds.extent().max_element();
@@ -37,7 +41,7 @@ pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandEr
     let foot = bounds.center() - up * (0.5 * bounds.extent().dot(up.abs()));
     let goal = spot::rounded_place(seen, factor * longest);
     let unit = rounding::unit_below(1e-3 * factor * longest).min(rounding::unit_of_scene(scene_size));
-    let poses = entities.iter().filter_map(|entity| {
+    let poses = all.iter().filter_map(|entity| {
         let pose = edit.world.get::<ToWorld>(*entity)?.0;
         let place = goal + factor * (Vec3::from(pose.translation) - foot);
         Some((

@@ -1,7 +1,7 @@
 //! Groups: folders of things, in folders if need be, with a transform of their own. A folder is the part of names before a slash. Its transform is
 //! that of a thing without a surface that is called as the folder, with a slash behind it; moving that moves everything in the folder.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -13,18 +13,16 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::scene::folders::folders_of;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{DocumentOrder, Locked, MemberOf, Placements, SceneId, Shape, ShapeKind, ToWorld};
-
-/// The share of the precision of the scene to which members of a group that is moved are rounded.
-const FINER: f64 = 1e-2;
 
 /// Puts what is selected into a new group, inside the group that all of it is in. The group is the active thing then.
 pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     let members = selected(edit)?;
     let outer = common_folder(edit.world, &members);
     let wanted = joined(outer.as_deref(), "group");
-    let folder = free_name(&folders(edit.world), &wanted);
+    let folder = free_name(&folders_of(&names(edit.world)), &wanted);
     let middle = middle(edit.world, &members);
     put_into(edit, members.clone(), Some(&folder))?;
     let Some(middle) = middle else {
@@ -64,11 +62,10 @@ pub fn ungroup(edit: &mut Edit) -> Result<(), CommandError> {
     for (frame, folder) in outermost {
         let outer = folder.rsplit_once('/').map(|(outer, _)| outer.to_owned());
         let inside = named_within(edit.world, &folder);
-        let direct = inside.into_iter().filter(|entity| *entity != frame);
-        let direct: Vec<Entity> = direct.collect();
         edit.delete(frame);
-        put_into_from(edit, &direct, &folder, outer.as_deref());
-        freed.extend(direct);
+        let inside: Vec<Entity> = inside.into_iter().filter(|entity| *entity != frame).collect();
+        take_out(edit, &inside, &folder, outer.as_deref());
+        freed.extend(inside);
     }
     edit.world.insert_resource(Selection::of(freed));
     Ok(())
@@ -117,18 +114,29 @@ pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> R
     Ok(())
 }
 
-/// Moves things from one folder to another, with what names say of folders below.
-fn put_into_from(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
-    let mut taken = names(edit.world);
+/// Takes things out of a folder that is given up. Folders inside it stay as they are, but for a number if there is such a folder already.
+fn take_out(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
+    let mut folders = BTreeSet::new();
+    let mut direct = Vec::new();
     for thing in things {
         let name = name_of(edit.world, *thing);
         let Some(rest) = name.strip_prefix(from).and_then(|rest| rest.strip_prefix('/')) else {
             continue;
         };
-        let free = free_name(&taken, &joined(to, rest));
-        call(edit, *thing, &free);
+        match rest.split_once('/') {
+            Some((folder, _)) => _ = folders.insert(folder.to_owned()),
+            None => direct.push((*thing, name.clone(), joined(to, rest))),
+        }
+    }
+    let mut taken = names(edit.world);
+    for (thing, name, wanted) in direct {
+        let free = free_name(&taken, &wanted);
+        call(edit, thing, &free);
         taken.remove(&name);
         taken.insert(free);
+    }
+    for folder in folders {
+        rename_folder(edit, &joined(Some(from), &folder), &joined(to, &folder));
     }
 }
 
@@ -137,7 +145,10 @@ pub fn rename_folder(edit: &mut Edit, from: &str, to: &str) {
     if from == to {
         return;
     }
-    let to = free_name(&folders(edit.world), to);
+    let own = format!("{from}/");
+    let mut others = names(edit.world);
+    others.retain(|name| !name.starts_with(&own));
+    let to = free_name(&folders_of(&others), to);
     for thing in named_within(edit.world, from) {
         let name = name_of(edit.world, thing);
         if let Some(rest) = name.strip_prefix(from) {
@@ -151,7 +162,7 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
     let frames = poses.iter().filter(|(entity, _)| is_frame(edit.world, *entity));
     let frames: Vec<(Entity, Affine3A)> = frames.copied().collect();
     let extent = edit.world.resource::<ViewSettings>().navigation.scene_size;
-    let unit = FINER * rounding::unit_of_scene(extent);
+    let unit = rounding::fine_unit(extent);
     for (frame, now) in frames {
         let Some(ToWorld(before)) = edit.world.get::<ToWorld>(frame).copied() else {
             continue;
@@ -159,6 +170,7 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
         let change = now * before.inverse();
         let known: HashSet<Entity> = poses.iter().map(|(entity, _)| *entity).collect();
         let is_move = now.matrix3 == before.matrix3;
+        let by = rounding::sum_of_places(now.translation.into(), (-before.translation).into());
         for member in members(edit.world, frame) {
             let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(member).copied() else {
                 continue;
@@ -166,14 +178,12 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
             if known.contains(&member) || !change.is_finite() {
                 continue;
             }
-            let moved = match is_move {
-                true => Affine3A {
-                    translation: pose.translation + (now.translation - before.translation),
-                    ..pose
-                },
-                false => change * pose,
+            let moved = if is_move { pose } else { change * pose };
+            let place = match is_move {
+                true => rounding::moved(pose.translation.into(), by, unit),
+                false => rounding::rounded_place(moved.translation.into(), unit),
             };
-            let translation = rounding::rounded_place(moved.translation.into(), unit).into();
+            let translation = place.into();
             poses.push((member, Affine3A { translation, ..moved }));
         }
     }
@@ -191,15 +201,20 @@ pub struct Unit {
 /// The selected groups and the things beside them, in the order of the selection.
 pub fn units(edit: &mut Edit) -> Result<Vec<Unit>, CommandError> {
     let selected = selected(edit)?;
-    let mut frames: Vec<Entity> = Vec::new();
-    frames.extend(selected.iter().filter(|entity| is_frame(edit.world, **entity)));
+    Ok(units_of(edit.world, selected))
+}
+
+/// The groups among these things, with all that is in them, and the things beside them.
+pub fn units_of(world: &mut World, things: Vec<Entity>) -> Vec<Unit> {
+    let frames = things.iter().copied().filter(|entity| is_frame(world, *entity));
+    let frames: Vec<Entity> = frames.collect();
     let insides: Vec<HashSet<Entity>> = frames
         .iter()
-        .map(|frame| members(edit.world, *frame).into_iter().collect())
+        .map(|frame| members(world, *frame).into_iter().collect())
         .collect();
     // Also groups in groups are part of something else.
     let is_part = |entity: &Entity| insides.iter().any(|inside| inside.contains(entity));
-    let leads = selected.into_iter().filter(|entity| !is_part(entity));
+    let leads = things.into_iter().filter(|entity| !is_part(entity));
     let units = leads.map(|lead| {
         let inside = frames
             .iter()
@@ -210,7 +225,7 @@ pub fn units(edit: &mut Edit) -> Result<Vec<Unit>, CommandError> {
         all.push(lead);
         Unit { lead, all }
     });
-    Ok(units.collect())
+    units.collect()
 }
 
 /// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group itself is the active one then.
@@ -257,24 +272,13 @@ pub fn members(world: &mut World, frame: Entity) -> Vec<Entity> {
 }
 
 /// The things in a folder and in folders inside it, in the order of the file.
-fn named_within(world: &mut World, folder: &str) -> Vec<Entity> {
+pub fn named_within(world: &mut World, folder: &str) -> Vec<Entity> {
     let start = format!("{folder}/");
     let mut things = world.query::<(&DocumentOrder, Entity, &Name)>();
     let found = things.iter(world).filter(|(.., name)| name.starts_with(&start));
     let mut found: Vec<(DocumentOrder, Entity)> = found.map(|(order, entity, _)| (*order, entity)).collect();
     found.sort();
     found.into_iter().map(|(_, entity)| entity).collect()
-}
-
-/// The paths of all folders that names have.
-pub fn folders(world: &mut World) -> HashSet<String> {
-    let names = names(world);
-    let paths = |name: &String| {
-        name.match_indices('/')
-            .map(|(end, _)| name[..end].to_owned())
-            .collect::<Vec<_>>()
-    };
-    names.iter().flat_map(paths).collect()
 }
 
 /// The innermost folder that all of these are in.

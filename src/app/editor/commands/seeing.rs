@@ -1,8 +1,11 @@
 //! Applies commands for what the view leaves out, and tells the renderer.
 
+use std::collections::HashSet;
+
 use bevy::math::Vec3;
 use bevy::prelude::*;
 
+use super::grouping;
 use super::view;
 use super::world::control;
 use crate::app::editor::camera::picking;
@@ -53,11 +56,21 @@ pub fn cut_open(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Shows these shapes alone; all of them, if there are none among the entities.
+/// Shows these shapes, and those in these groups, alone; all shapes, if there are none among the entities.
 pub fn isolate(world: &mut World, entities: Vec<Entity>) -> Result<(), CommandError> {
     let asked = entities.len();
-    let shapes: Vec<Entity> = entities
+    let mut wanted: Vec<Entity> = Vec::new();
+    for entity in entities {
+        wanted.push(entity);
+        if grouping::is_frame(world, entity) {
+            let folder = grouping::path(world, entity);
+            wanted.extend(grouping::named_within(world, &folder));
+        }
+    }
+    let mut known = HashSet::new();
+    let shapes: Vec<Entity> = wanted
         .into_iter()
+        .filter(|entity| known.insert(*entity) && !grouping::is_frame(world, *entity))
         .filter(|entity| world.get::<Shape>(*entity).is_some() || world.get::<InstanceOf>(*entity).is_some())
         .filter(|entity| world.get::<MemberOf>(*entity).is_none())
         .collect();

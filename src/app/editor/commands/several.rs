@@ -1,9 +1,12 @@
 //! An edit of the active thing done to all that is selected: everything of the same sort gets the same change.
 
+use std::collections::HashSet;
+
 use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
+use super::grouping;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
 use crate::app::editor::command::material_tree::materials_inside;
@@ -19,14 +22,6 @@ const DEEPEST: usize = 4;
 /// Applies to all other selected things what the command is going to do to its thing.
 pub fn carry_to_others(edit: &mut Edit, command: &Command) {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
-    // What is in a group moves with it anyway.
-    if let Command::Transform(poses) = command
-        && poses
-            .iter()
-            .any(|(entity, _)| edit.world.get::<Shape>(*entity).is_some_and(Shape::is_frame))
-    {
-        return;
-    }
     let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
     match command {
         Command::SetShape(entity, after) => {
@@ -85,7 +80,8 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
         }
         Command::Transform(poses) => {
             if let [(entity, after)] = poses[..] {
-                transform(edit, entity, after, others(entity));
+                let others = moved_by_themselves(edit.world, entity, others(entity).collect());
+                transform(edit, entity, after, others);
             }
         }
         // The others are about everything selected anyway.
@@ -112,7 +108,7 @@ fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialRefle
 }
 
 /// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and scaled about its own place.
-fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iterator<Item = Entity>) {
+fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entity>) {
     let Some(before) = edit.world.get::<ToWorld>(entity).map(|pose| pose.0) else {
         return;
     };
@@ -125,6 +121,7 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
     } else {
         Mat3A::IDENTITY
     };
+    let mut poses = Vec::new();
     for other in others {
         let stays = edit.world.get::<Locked>(other).is_some() || edit.world.get::<Placements>(other).is_some();
         let Some(mut pose) = edit.world.get::<ToWorld>(other).map(|pose| pose.0).filter(|_| !stays) else {
@@ -138,8 +135,28 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
                 pose.translation[axis] = after.translation[axis];
             }
         }
-        edit.set(other, ToWorld(pose * own.inverse()));
+        poses.push((other, pose * own.inverse()));
     }
+    for (other, pose) in grouping::with_members(edit, poses) {
+        edit.set(other, ToWorld(pose));
+    }
+}
+
+/// The others without what moves with one of the groups among them anyway, and without groups that the thing itself is in.
+fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) -> Vec<Entity> {
+    let all = others.iter().copied().chain([thing]);
+    let frames: Vec<Entity> = all.filter(|entity| grouping::is_frame(world, *entity)).collect();
+    let mut left_out = HashSet::new();
+    for frame in frames {
+        let folder = grouping::path(world, frame);
+        let mut inside = grouping::named_within(world, &folder);
+        inside.retain(|entity| *entity != frame);
+        match inside.contains(&thing) {
+            true => _ = left_out.insert(frame),
+            false => left_out.extend(inside),
+        }
+    }
+    others.into_iter().filter(|other| !left_out.contains(other)).collect()
 }
 
 fn middle(world: &World, entity: Entity) -> Affine3A {

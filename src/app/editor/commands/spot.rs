@@ -128,7 +128,7 @@ pub fn seen(world: &World, except: &[Entity]) -> Option<(Vec3, f32)> {
     let camera = &packed.view.as_ref()?.camera;
     let ground = Ground::of(packed, up);
     let is_passed = |entity: Entity| except.contains(&entity);
-    let ahead = picking::surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), is_passed);
+    let ahead = picking::seen_surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), is_passed);
     let place = match ahead {
         Some(surface) if surface.normal.dot(up) > STEEPEST => surface.position,
         Some(surface) => {

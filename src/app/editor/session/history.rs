@@ -80,6 +80,18 @@ struct Change {
     change: ObjectChange,
 }
 
+/// The kind of a step, as far as another edit depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepKind {
+    /// It made copies, which the next copies may continue.
+    Copy,
+    /// It moved, turned or scaled things.
+    Move,
+    /// Anything else.
+    #[default]
+    Other,
+}
+
 /// One step of the history.
 #[derive(Clone, Debug)]
 pub struct Entry {
@@ -94,6 +106,7 @@ pub struct Entry {
     mix: Option<[LightMix; 2]>,
     /// The key for merging: steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
+    kind: StepKind,
     number: u64,
     /// An estimate of its memory.
     bytes: usize,
@@ -135,6 +148,12 @@ impl History {
         let done = self.done.iter().map(|entry| entry.label.as_str());
         let undone = self.undone.iter().rev().map(|entry| entry.label.as_str());
         (done.collect(), undone.collect())
+    }
+
+    /// Whether the last step made copies, but for moves since.
+    pub(crate) fn was_just_copied(&self) -> bool {
+        let mut kinds = self.done.iter().rev().map(|entry| entry.kind);
+        kinds.find(|kind| *kind != StepKind::Move) == Some(StepKind::Copy)
     }
 
     /// The number of steps behind and ahead.
@@ -296,6 +315,8 @@ impl Entry {
 pub struct Edit<'w> {
     /// The world. What is not recorded must only be read.
     pub world: &'w mut World,
+    /// The kind of the step that this becomes.
+    pub kind: StepKind,
     before: Vec<(Entity, ObjectState)>,
     /// The index of each entity in `before`.
     places: HashMap<Entity, usize>,
@@ -308,6 +329,7 @@ pub struct Edit<'w> {
 impl<'w> Edit<'w> {
     pub(crate) fn begin(world: &'w mut World) -> Self {
         Self {
+            kind: StepKind::default(),
             before: Vec::new(),
             places: HashMap::new(),
             settings: SettingsState::of(world),
@@ -405,6 +427,7 @@ impl<'w> Edit<'w> {
             standpoint: (now != self.standpoint).then_some([self.standpoint, now]),
             mix: (mix != self.mix).then_some([self.mix, mix]),
             merge,
+            kind: self.kind,
             number: 0,
             bytes: 0,
         };

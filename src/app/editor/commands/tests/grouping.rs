@@ -134,6 +134,134 @@ fn a_copy_of_a_group_is_a_group() {
 }
 
 #[test]
+fn a_copy_of_a_group_can_be_pasted() {
+    let mut world = bare_world();
+    pair(&mut world);
+    say(&mut world, Command::Copy);
+    let text = world.resource_mut::<Requests>().clipboard.take().expect("a text");
+    say(&mut world, Command::Paste(text.clone()));
+    let names = |world: &World| {
+        let pasted = world.resource::<Selection>().entities().iter();
+        pasted.map(|it| name(world, *it)).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&world), ["group-2/left", "group-2/right", "group-2/"]);
+    let mut elsewhere = bare_world();
+    say(&mut elsewhere, Command::Paste(text));
+    assert_eq!(names(&elsewhere), ["group/left", "group/right", "group/"]);
+}
+
+#[test]
+fn a_group_that_comes_out_of_another_stays_whole() {
+    let mut world = bare_world();
+    let outside = pair(&mut world);
+    let inside = pair(&mut world);
+    let left = ball(&mut world, "ball", 9.0);
+    let house = [inside[0], inside[1], inside[2], left];
+    select(&mut world, &house);
+    say(&mut world, Command::Group);
+    let frame = active(&world);
+    say(&mut world, Command::Rename(frame, "house".into()));
+    say(&mut world, Command::Rename(inside[2], "house/group".into()));
+    ball(&mut world, "ball", 12.0);
+    let names = |world: &World, things: &[Entity]| things.iter().map(|it| name(world, *it)).collect::<Vec<_>>();
+    let before = names(&world, &house);
+    assert_eq!(before[2..], ["house/group/", "house/ball"]);
+    select(&mut world, &[frame]);
+    say(&mut world, Command::Ungroup);
+    let freed = names(&world, &house);
+    assert!(
+        freed[0].starts_with("group-2/") && freed[1].starts_with("group-2/"),
+        "{freed:?}"
+    );
+    assert_eq!(freed[2..], ["group-2/", "ball-2"]);
+    assert_eq!(names(&world, &outside), ["group/left", "group/right", "group/"]);
+    // A group inside one of the same name takes its place.
+    say(&mut world, Command::Undo);
+    say(&mut world, Command::Rename(inside[2], "house/house".into()));
+    select(&mut world, &[frame]);
+    say(&mut world, Command::Ungroup);
+    assert_eq!(names(&world, &house)[2..], ["house/", "ball-2"]);
+}
+
+#[test]
+fn a_number_that_is_typed_is_for_all_that_is_selected() {
+    let mut world = bare_world();
+    let alone = ball(&mut world, "alone", 8.0);
+    let [left, right, group] = pair(&mut world);
+    let xs = |world: &World| [alone, left, right, group].map(|it| pose(world, it).translation.x);
+    for (active, others) in [(group, [alone, left, right]), (alone, [left, right, group])] {
+        select(&mut world, &[others[0], others[1], others[2], active]);
+        let mut after = pose(&world, active);
+        after.translation.x = 5.0;
+        let typed = Command::Transform(vec![(active, after)]);
+        say(&mut world, Command::OnSelection(Box::new(typed)));
+        assert_eq!(xs(&world), [5.0, 3.0, 7.0, 5.0]);
+        say(&mut world, Command::Undo);
+        assert_eq!(xs(&world), [8.0, -1.0, 3.0, 1.0]);
+    }
+}
+
+#[test]
+fn members_keep_the_coordinates_along_which_a_group_does_not_move() {
+    let mut world = bare_world();
+    let [left, _, group] = pair(&mut world);
+    let odd = Vec3::new(-1.0, 0.123_456_79, 1.0 / 3.0);
+    say(
+        &mut world,
+        Command::Transform(vec![(left, Affine3A::from_translation(odd))]),
+    );
+    let moved = Affine3A::from_translation(Vec3::X) * pose(&world, group);
+    say(&mut world, Command::Transform(vec![(group, moved)]));
+    let place = Vec3::from(pose(&world, left).translation);
+    assert_eq!(place, Vec3::new(0.0, odd.y, odd.z));
+}
+
+#[test]
+fn a_group_becomes_instances_of_what_is_in_it() {
+    use crate::app::editor::command::arrange::{Series, Way};
+    use crate::scene::MemberOf;
+    let mut world = bare_world();
+    let [left, right, group] = pair(&mut world);
+    let series = |instances| {
+        Command::MakeSeries(Series {
+            count: 3,
+            way: Way::Along(Vec3::Z),
+            instances,
+        })
+    };
+    say(&mut world, series(false));
+    let copies: Vec<String> = world.resource::<Selection>().entities()[3..]
+        .iter()
+        .map(|it| name(&world, *it))
+        .collect();
+    assert_eq!(copies[2..4], ["group-2/", "group-3/left"]);
+    say(&mut world, Command::Undo);
+    select(&mut world, &[group]);
+    say(&mut world, series(true));
+    assert!(!ObjectState::is_in_scene(&world, group));
+    assert!([left, right].iter().all(|it| world.get::<MemberOf>(*it).is_some()));
+    let instances = world.resource::<Selection>().entities().to_vec();
+    assert_eq!((instances.len(), &*name(&world, instances[0])), (3, "group-instance"));
+    say(&mut world, Command::Undo);
+    assert!(ObjectState::is_in_scene(&world, group) && world.get::<MemberOf>(left).is_none());
+}
+
+#[test]
+fn a_group_is_shown_alone_with_what_is_in_it() {
+    let mut world = bare_world();
+    let [left, right, group] = pair(&mut world);
+    say(&mut world, Command::Isolate(vec![group]));
+    assert_eq!(world.resource::<RenderControl>().sight.only, [left, right]);
+    say(&mut world, Command::Ungroup);
+    let empty = Shape {
+        kind: ShapeKind::Frame,
+        ..Shape::default()
+    };
+    let empty = world.spawn((empty, DocumentOrder(99), Name::new("empty/"))).id();
+    assert!(apply(&mut world, Command::Isolate(vec![empty])).is_err());
+}
+
+#[test]
 fn a_group_has_no_surface_and_is_in_the_file() {
     let mut world = bare_world();
     let [.., group] = pair(&mut world);
