@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Mat3, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
@@ -21,6 +22,7 @@ use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
+use sunroom::app::editor::viewport::axes_widget;
 use sunroom::app::editor::viewport::blocking::hand::BlockTarget;
 use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
@@ -39,6 +41,8 @@ struct Window {
     commands: Vec<Command>,
     state: ViewportState,
     camera: Camera,
+    /// Whether the shape under the pointer has been looked up.
+    is_known: bool,
 }
 
 const SIZE: egui::Vec2 = vec2(800.0, 600.0);
@@ -84,6 +88,7 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
         commands: Vec::new(),
         state: ViewportState::default(),
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
+        is_known: true,
     };
     let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), packed(has_box));
     let (things, selection) = (Outline::default(), Selection::default());
@@ -121,7 +126,7 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
                 },
                 denoiser: DenoiserState::Idle,
                 preset: Default::default(),
-                block: has_box.then_some(&target),
+                block: (has_box && window.is_known).then_some(&target),
                 locked: &locked,
                 things: &things,
                 packed: &packed,
@@ -376,4 +381,51 @@ fn other_buttons_and_clicks_beside_shapes_are_as_without_the_tool() {
             .iter()
             .any(|command| matches!(command, Command::MoveView(_)))
     );
+}
+
+#[test]
+fn one_number_is_for_both_sides_of_a_base() {
+    let mut harness = window(Tool::Draw(BlockKind::Box), false);
+    click(&mut harness, Vec3::new(-1.0, 0.0, 2.0));
+    go(&mut harness, Vec3::new(0.5, 0.0, 1.0));
+    keys(&mut harness, &[Key::Num2, Key::Enter]);
+    keys(&mut harness, &[Key::Num1, Key::Enter]);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let [low, high] = extent(&block.shape().expect("a box"));
+    assert!(low.abs_diff_eq(Vec3::new(-1.0, 0.0, 0.0), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(1.0, 1.0, 2.0), 1e-5), "{high}");
+}
+
+#[test]
+fn what_is_pressed_over_the_picture_draws_nothing_under_it() {
+    let panel = egui::Rect::from_min_size(Pos2::ZERO, SIZE);
+    for place in [None, Some(axes_widget::place(panel).center())] {
+        let mut harness = window(Tool::Draw(BlockKind::Floor), false);
+        let place = place.unwrap_or_else(|| harness.get_by_label("Rotate").rect().center());
+        let button = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        harness.event(egui::Event::PointerMoved(place));
+        harness.run_steps(2);
+        harness.event(button(place, true));
+        harness.run_steps(2);
+        go(&mut harness, Vec3::new(0.5, 0.0, 1.0));
+        let to = at(&harness, Vec3::new(0.5, 0.0, 1.0));
+        harness.event(button(to, false));
+        harness.run_steps(2);
+        assert_eq!(built(&harness), []);
+    }
+}
+
+#[test]
+fn the_view_does_not_turn_while_a_pressed_shape_is_looked_up() {
+    let mut harness = window(Tool::Push, true);
+    harness.state_mut().is_known = false;
+    drag(&mut harness, Vec3::new(0.5, 2.0, 0.0), Vec3::new(0.5, 3.1, 0.0));
+    assert_eq!(harness.state().commands, []);
 }

@@ -83,7 +83,7 @@ impl PointerState {
         let pointer = ui
             .input(|input| input.pointer.latest_pos())
             .unwrap_or(screen.picture.center());
-        let is_over = is_free && response.contains_pointer();
+        let is_over = is_free && is_over(ui, response);
         if ui.input(|input| !input.pointer.any_down() && !input.pointer.any_released()) {
             self.hold = None;
         }
@@ -154,7 +154,8 @@ impl PointerState {
         if ui.input(|input| !input.pointer.any_down()) {
             self.let_go(ui);
         }
-        self.wheel(ui, is_over, pointer, screen, model, pose, commands);
+        let turns_wheel = is_free && response.contains_pointer();
+        self.wheel(ui, turns_wheel, pointer, screen, model, pose, commands);
         let hovered = (is_over && self.hold.is_none())
             .then(|| under(pointer, screen, model))
             .flatten();
@@ -247,6 +248,15 @@ impl PointerState {
             thin_frame(painter, rect, 200);
         }
     }
+}
+
+/// Whether a press would be one on the picture, and not on something that is drawn over it, such as a button.
+pub(super) fn is_over(ui: &Ui, response: &Response) -> bool {
+    let is_its_own = ui.ctx().viewport(|viewport| {
+        let hits = [&viewport.hits.click, &viewport.hits.drag];
+        hits.into_iter().flatten().all(|hit| hit.id == response.id)
+    });
+    is_its_own && response.contains_pointer()
 }
 
 fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Hold {

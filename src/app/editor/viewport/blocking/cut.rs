@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::Painter;
 
-use super::hand::{BlockingModel, Hand, length_text};
+use super::hand::{BlockingModel, Hand};
 use super::marks;
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
@@ -34,8 +34,9 @@ pub(super) fn paint(
     kind: OpeningKind,
     seen: Option<&SeenSurface>,
     model: &BlockingModel,
+    step: f32,
 ) {
-    let Some(cut) = under(kind, seen, model, model.step) else {
+    let Some(cut) = under(kind, seen, model, step) else {
         return;
     };
     let corners = cut.corners();
@@ -46,7 +47,7 @@ pub(super) fn paint(
     for (a, b) in near.iter().zip(far) {
         marks::segment(painter, screen, *a, *b);
     }
-    let (from, sill) = (length_text(cut.opening.from), length_text(cut.opening.sill));
+    let (from, sill) = (model.unit.text(cut.opening.from), model.unit.text(cut.opening.sill));
     marks::text(painter, screen, near[0], &format!("{from} from the start, {sill} up"));
 }
 

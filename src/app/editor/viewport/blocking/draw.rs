@@ -4,7 +4,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Painter, Pos2};
 
-use super::hand::{BlockingModel, Hand, along_line, is_drag, length_text};
+use super::hand::{BlockingModel, Hand, along_line, is_drag};
 use super::marks;
 use super::spot::{self, Spot};
 use crate::app::editor::camera::picking::SeenSurface;
@@ -13,6 +13,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, EDGES, Plane, corners};
 use crate::app::editor::command::blocking::{BlockKind, snapped};
 use crate::app::editor::viewport::gizmo::typed::Typed;
+use crate::scene::LengthUnit;
 
 /// The state of the tool that draws.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,7 +81,7 @@ impl DrawState {
         commands: &mut Vec<Command>,
     ) -> bool {
         let was_busy = self.is_busy();
-        self.track(screen, model, hand);
+        self.track(kind, screen, model, hand);
         match self.phase {
             None => {
                 self.spot = Spot::under(hand.pointer, seen, screen, model.up, model.step, hand.step);
@@ -114,7 +115,7 @@ impl DrawState {
     }
 
     /// Brings the phase up to date with the pointer and the typed numbers.
-    fn track(&mut self, screen: &Screen, model: &BlockingModel, hand: &Hand) {
+    fn track(&mut self, kind: BlockKind, screen: &Screen, model: &BlockingModel, hand: &Hand) {
         let numbers = self.typed.lengths(model.unit);
         match &mut self.phase {
             Some(Phase::Base { from, to, .. }) => {
@@ -122,8 +123,9 @@ impl DrawState {
                 if let Some(under) = under {
                     *to = spot::rounded(under, &from.plane, model.step, hand.step);
                 }
-                if let (Some(numbers), Some(under)) = (numbers, under) {
-                    *to = by_numbers(from, under, &numbers);
+                if let Some(numbers) = numbers {
+                    // Above the horizon the direction stays as it was.
+                    *to = by_numbers(kind, from, under.unwrap_or(*to), &numbers);
                 }
             }
             Some(Phase::Height {
@@ -154,7 +156,7 @@ impl DrawState {
         hand: &Hand,
         commands: &mut Vec<Command>,
     ) {
-        self.track(screen, model, hand);
+        self.track(kind, screen, model, hand);
         let block = self.block(kind, model.step);
         self.typed = Typed::default();
         let Some(block) = block.filter(|block| block.shape().is_some()) else {
@@ -205,7 +207,8 @@ impl DrawState {
         })
     }
 
-    pub fn paint(&self, painter: &Painter, screen: &Screen, kind: BlockKind, step: f32) {
+    pub fn paint(&self, painter: &Painter, screen: &Screen, kind: BlockKind, model: &BlockingModel) {
+        let step = model.step;
         let (from, to, is_base) = match &self.phase {
             None => {
                 if let Some(spot) = &self.spot {
@@ -232,16 +235,16 @@ impl DrawState {
                 marks::segment(painter, screen, corners[a], corners[b]);
             }
         }
-        marks::text(painter, screen, to, &self.caption(kind, from, to, is_base));
+        marks::text(painter, screen, to, &self.caption(kind, from, to, is_base, model.unit));
     }
 
     /// The size so far, and what has been typed.
-    fn caption(&self, kind: BlockKind, from: &Spot, to: Vec3, is_base: bool) -> String {
+    fn caption(&self, kind: BlockKind, from: &Spot, to: Vec3, is_base: bool, unit: LengthUnit) -> String {
         let size = match (&self.phase, is_base) {
-            (Some(Phase::Height { height, .. }), false) => format!("height {}", length_text(*height)),
-            _ if kind == BlockKind::Wall => length_text(from.place.distance(to)),
+            (Some(Phase::Height { height, .. }), false) => format!("height {}", unit.text(*height)),
+            _ if kind == BlockKind::Wall => unit.text(from.place.distance(to)),
             _ => {
-                let [wide, deep] = from.plane.extents(from.place, to).map(f32::abs).map(length_text);
+                let [wide, deep] = from.plane.extents(from.place, to).map(|extent| unit.text(extent.abs()));
                 format!("{wide} x {deep}")
             }
         };
@@ -252,17 +255,21 @@ impl DrawState {
     }
 }
 
-/// The end of a base whose size was typed: towards the pointer, with one number for the length of a line or both sides, or with one for each side.
-fn by_numbers(from: &Spot, under: Vec3, numbers: &[f32]) -> Vec3 {
+/// The end of a base whose size was typed: towards the pointer, with one number for the length of a wall or for both
+/// sides, or with one for each side.
+fn by_numbers(kind: BlockKind, from: &Spot, under: Vec3, numbers: &[f32]) -> Vec3 {
     let Plane { along, .. } = from.plane;
     let across = from.plane.across();
     let [wide, deep] = from.plane.extents(from.place, under);
+    let sign = |extent: f32| if extent < 0.0 { -1.0 } else { 1.0 };
+    let to = |first: f32, second: f32| from.place + along * (sign(wide) * first) + across * (sign(deep) * second);
     match numbers {
-        [length] => from.place + (under - from.place).normalize_or_zero() * *length,
-        [first, second, ..] => {
-            let sign = |extent: f32| if extent < 0.0 { -1.0 } else { 1.0 };
-            from.place + along * (sign(wide) * *first) + across * (sign(deep) * *second)
+        [length] if kind == BlockKind::Wall => {
+            let direction = (under - from.place).try_normalize().unwrap_or(along);
+            from.place + direction * *length
         }
+        [side] => to(*side, *side),
+        [first, second, ..] => to(*first, *second),
         [] => under,
     }
 }

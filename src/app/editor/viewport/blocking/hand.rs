@@ -66,12 +66,6 @@ pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction
     (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
 }
 
-/// The text of a length, with at most three decimals.
-pub(super) fn length_text(length: f32) -> String {
-    let text = format!("{length:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
 /// Whether the pointer has moved so far that it is a drag.
 pub(super) fn is_drag(from: Pos2, to: Pos2) -> bool {
     const FARTHEST_CLICK: f32 = 5.0;

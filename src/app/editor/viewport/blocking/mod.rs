@@ -11,10 +11,11 @@ pub mod push;
 mod spot;
 
 use bevy::prelude::Entity;
-use bevy_egui::egui::{Key, Painter, PointerButton, Pos2, Response, Ui};
+use bevy_egui::egui::{InputState, Key, Painter, PointerButton, Pos2, Response, Ui};
 
 use super::gizmo::interaction::Rest;
 use super::gizmo::typed::Typed;
+use super::pointer::is_over;
 use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
@@ -68,7 +69,7 @@ impl BlockingState {
         if model.tool != Tool::Push {
             self.push = PushState::default();
         }
-        let is_over = response.contains_pointer();
+        let is_over = is_over(ui, response);
         // It asks the context, which must not be held then.
         let clicked = response.clicked_by(PointerButton::Primary);
         let mut hand = ui.input(|input| Hand {
@@ -76,7 +77,7 @@ impl BlockingState {
             pressed: is_over && input.pointer.button_pressed(PointerButton::Primary) && !input.modifiers.alt,
             clicked: clicked && !input.modifiers.alt,
             down: input.pointer.button_down(PointerButton::Primary),
-            step: if input.modifiers.command { 0.0 } else { model.step },
+            step: step(input, model),
         });
         self.look(ui, screen, model, is_over, &mut hand);
         let rest: Vec<Press> = presses
@@ -100,7 +101,8 @@ impl BlockingState {
             ui.ctx().request_repaint();
         }
         Rest {
-            pointer: !uses_pointer,
+            // A press that waits may be the tool's.
+            pointer: !uses_pointer && self.waiting.is_none(),
             presses: rest,
         }
     }
@@ -173,10 +175,18 @@ impl BlockingState {
     /// Draws what is being drawn, the face under the pointer or the opening there.
     pub fn paint(&self, painter: &Painter, screen: &Screen, model: &BlockingModel) {
         match model.tool {
-            Tool::Draw(kind) => self.draw.paint(painter, screen, kind, model.step),
+            Tool::Draw(kind) => self.draw.paint(painter, screen, kind, model),
             Tool::Push => self.push.paint(painter, screen, self.seen.as_ref(), model),
-            Tool::Cut(kind) => cut::paint(painter, screen, kind, self.seen.as_ref(), model),
+            Tool::Cut(kind) => {
+                let step = painter.ctx().input(|input| step(input, model));
+                cut::paint(painter, screen, kind, self.seen.as_ref(), model, step);
+            }
             _ => {}
         }
     }
+}
+
+/// The step to which places are rounded: that of the grid, or none with Control.
+fn step(input: &InputState, model: &BlockingModel) -> f32 {
+    if input.modifiers.command { 0.0 } else { model.step }
 }

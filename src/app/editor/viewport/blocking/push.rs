@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::Painter;
 
-use super::hand::{BlockTarget, BlockingModel, Hand, along_line, length_text};
+use super::hand::{BlockTarget, BlockingModel, Hand, along_line};
 use super::marks;
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
@@ -118,7 +118,11 @@ impl PushState {
                 format!("   [{}]", held.typed.text())
             };
             let sign = if by < 0.0 { "" } else { "+" };
-            let text = format!("{sign}{} = {}{typed}", length_text(by), length_text(before + by));
+            let text = format!(
+                "{sign}{} = {}{typed}",
+                model.unit.text(by),
+                model.unit.text(before + by)
+            );
             marks::text(painter, screen, middle, &text);
         }
     }

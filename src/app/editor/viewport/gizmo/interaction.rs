@@ -8,6 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Response, Ui, Vec2};
 
 use super::super::marks::tag;
+use super::super::pointer::is_over;
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};
 use super::handles::{self, Handle};
@@ -192,7 +193,7 @@ impl GizmoState {
         model: &GizmoModel,
     ) -> bool {
         let handles = shown(screen, model);
-        let is_free = response.contains_pointer() && !ui.input(|input| input.modifiers.alt);
+        let is_free = is_over(ui, response) && !ui.input(|input| input.modifiers.alt);
         // The pointer may have moved on since the press.
         let pressed_at = ui.input(|input| input.pointer.press_origin());
         let pointer = pressed_at.or(pointer).filter(|_| is_free);
