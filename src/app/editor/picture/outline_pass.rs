@@ -4,6 +4,7 @@
 //! It has threads of its own, because those that render are busy until a picture is done. They have little to do, and the window's priority.
 
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -70,7 +71,7 @@ struct KnownShapes {
 }
 
 struct Done {
-    /// None: it was cancelled, or there are more edges than an outline could show.
+    /// None: there are more edges than an outline could show.
     image: Option<Option<OutlineImage>>,
     shapes: KnownShapes,
     is_finest: bool,
@@ -107,20 +108,18 @@ impl OutlinePass {
             Ok(done) => done,
             Err(crossbeam_channel::TryRecvError::Empty) => return,
             Err(crossbeam_channel::TryRecvError::Disconnected) => {
-                // A panic on its thread: the outline of this request is given up.
+                // It panicked: the outline of this request is given up.
                 self.answered = self.running.take().map(|running| (running.request, true));
                 return;
             }
         };
-        let Some(Running { request, cancel, .. }) = self.running.take() else {
+        let Some(Running { request, .. }) = self.running.take() else {
             return;
         };
         self.shapes = Some(done.shapes);
-        match done.image {
-            Some(image) => self.outline.replace(image),
-            None if cancel.load(Ordering::Relaxed) => return,
-            // What was found with larger cells stays.
-            None => {}
+        // Without an image, what was found with larger cells stays.
+        if let Some(image) = done.image {
+            self.outline.replace(image);
         }
         self.answered = Some((request, done.is_finest));
     }
@@ -177,7 +176,11 @@ impl OutlinePass {
         let known = self.shapes.clone();
         let (job, flag) = (request.clone(), cancel.clone());
         pool.spawn(move || {
-            let _ = sender.send(find(&job, known, refined, &flag));
+            // A panic that leaves a job of this pool would end the program.
+            let found = catch_unwind(AssertUnwindSafe(|| find(&job, known, refined, &flag)));
+            if let Ok(done) = found {
+                let _ = sender.send(done);
+            }
             drop(sender);
             if let Some(wake) = &wake_up.0 {
                 wake();

@@ -156,9 +156,13 @@ mod tests {
         let room = Some(UVec2::new(1000, 700));
         assert_eq!(bound(3840, 2160, Resolution::View), (room, false));
         assert_eq!(bound(64, 64, Resolution::Full), (None, false));
-        let limit = memory::budget().limit();
-        let side = ((limit / 100) as f64).sqrt() as u32;
-        assert!(is_large(full_film_bytes(UVec2::splat(side.min(8192)), 0)) || side > 8192);
+        let mut side = 1024;
+        while !is_large(full_film_bytes(UVec2::splat(side), 0)) {
+            side *= 2;
+        }
+        for resolution in [Resolution::Full, Resolution::AfterRest] {
+            assert_eq!(bound(side, side, resolution), (room, false), "{resolution:?}");
+        }
     }
 
     #[test]
