@@ -1,5 +1,6 @@
 //! The list where keys are chosen.
 
+use bevy_egui::egui::accesskit::Role;
 use bevy_egui::egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -109,4 +110,16 @@ fn flying_takes_keys_too() {
     choose(&mut harness, "Fly ahead", Modifiers::SHIFT, Key::I);
     let i = Shortcut::plain(Key::I);
     assert_eq!(harness.state().bound.of("fly-ahead"), Some(&[i][..]));
+}
+
+#[test]
+fn what_is_typed_into_the_search_is_no_key() {
+    let mut harness = list();
+    harness.state_mut().list = KeyList::searching("Undo");
+    harness.run_steps(2);
+    click(&mut harness, "Undo key");
+    assert!(harness.state().list.waits());
+    harness.get_by_role(Role::TextInput).focus();
+    harness.run_steps(2);
+    assert!(!harness.state().list.waits());
 }

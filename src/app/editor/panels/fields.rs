@@ -11,8 +11,8 @@ use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
 use super::lengths::with_units;
-use super::look::AXIS_COLORS;
 use crate::app::editor::model::mixed::Mixed;
+use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.

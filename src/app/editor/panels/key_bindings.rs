@@ -63,7 +63,10 @@ pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, press
         let search = egui::TextEdit::singleline(&mut state.query)
             .hint_text("Search by name or key")
             .desired_width(COLUMNS[0]);
-        ui.add(search);
+        if ui.add(search).gained_focus() {
+            // What is typed is searched, and is no key.
+            state.waiting = None;
+        }
         let reset = ui.add_enabled(!edited.is_empty(), egui::Button::new("Reset all"));
         if reset.on_hover_text("All keys as in the beginning").clicked() {
             edited = KeyBindings::default();

@@ -6,7 +6,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{DragValue, Ui, UiBuilder, UiStackInfo};
 
 use super::caption::Caption;
-use super::fields;
+use super::fields::{self, NumberStyle};
 use crate::scene::LengthUnit;
 
 /// The tag of a part of a panel that knows the unit of the scene.
@@ -72,6 +72,16 @@ pub(crate) fn length_slider<'a>(
     fields::slider_with(ui, caption, value, range, |slider| {
         slider.logarithmic(true).custom_parser(move |text| unit.parse(text))
     })
+}
+
+/// Shows several lengths side by side; true if edited.
+pub(super) fn numbers<'a, const N: usize>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    values: &mut [f32; N],
+    styles: [NumberStyle; N],
+) -> bool {
+    lengths(ui, |ui| fields::numbers(ui, caption, values, styles))
 }
 
 /// Shows three lengths; true if edited.

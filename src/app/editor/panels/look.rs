@@ -2,13 +2,6 @@
 
 use bevy_egui::egui::{Button, Color32, RichText, Ui, Visuals};
 
-/// The colours of the three axes, as those of the handles in the picture.
-pub const AXIS_COLORS: [Color32; 3] = [
-    Color32::from_rgb(236, 76, 76),
-    Color32::from_rgb(98, 176, 50),
-    Color32::from_rgb(74, 132, 246),
-];
-
 /// The background of the headers of sections: a slightly lighter grey than the panel in the dark theme, a darker one in the light theme.
 pub fn strip(visuals: &Visuals) -> Color32 {
     match visuals.dark_mode {

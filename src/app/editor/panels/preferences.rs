@@ -8,6 +8,7 @@ use crate::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOST_MEMORY_GIB, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES,
 };
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::input::actions::hint;
 use crate::render::tonemap::ToneMap;
 
 /// Shows the preferences. `problem` is what is wrong with their file.
@@ -110,10 +111,12 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
 
             ui.label("Views along axes");
             ui.checkbox(&mut edited.axis_views_hide_walls, "Hide walls before rooms")
-                .on_hover_text(
+                .on_hover_text(hint(
                     "Surfaces whose front points away from the camera are left out, so that the view from above shows the room and not its roof. \
-                     Alt+W shows them again",
-                );
+                     See into rooms shows them again",
+                    "see-into-rooms",
+                    &shown.keys,
+                ));
             ui.end_row();
 
             let label = ui.label("Autosave");

@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Ui};
 
-use super::fields;
+use super::{fields, lengths};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
 
@@ -46,10 +46,10 @@ pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mu
     if form.is_ring {
         fields::choice(ui, "Axis", &mut form.axis, &[(0, "X"), (1, "Y"), (2, "Z")]);
         fields::quantity(ui, "Angle", &mut form.degrees, 1.0, -3600.0..=3600.0, "°");
-        fields::vector(ui, "Center", &mut form.center, speed, "");
+        lengths::vector(ui, "Center", &mut form.center, speed);
     } else {
         let mut step = form.step.unwrap_or(suggested);
-        if fields::vector(ui, "Step", &mut step, speed, "") {
+        if lengths::vector(ui, "Step", &mut step, speed) {
             form.step = Some(step);
         }
     }

@@ -40,14 +40,14 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
         ui.push_id(number, |ui| {
             let place = ["From", "Sill"].map(|letter| style(letter, speed, f32::MIN..=f32::MAX));
             let mut numbers = [opening.from, opening.sill];
-            if fields::numbers(ui, &format!("{name} at"), &mut numbers, place) {
+            if lengths::numbers(ui, &format!("{name} at"), &mut numbers, place) {
                 [opening.from, opening.sill] = numbers;
                 changed = true;
             }
             let least = opening.width.min(opening.height).min(1e-4);
             let size = ["Wide", "High"].map(|letter| style(letter, speed, least..=f32::MAX));
             let mut numbers = [opening.width, opening.height];
-            if fields::numbers(ui, &format!("{name} size"), &mut numbers, size) {
+            if lengths::numbers(ui, &format!("{name} size"), &mut numbers, size) {
                 [opening.width, opening.height] = numbers;
                 changed = true;
             }

@@ -2,6 +2,7 @@
 //! `session` and the modules below it.
 
 pub mod awaited_image;
+pub mod axis_colors;
 pub mod compare;
 pub mod denoiser;
 pub mod depths;

@@ -4,10 +4,12 @@
 use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, CursorIcon, FontId, Id, Pos2, Rect, Sense, Stroke, Ui};
 
-use super::grid::AXIS_COLORS;
 use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::axis_view::AxisView;
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::input::actions::hint;
+use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 
 /// The id of the widget.
 pub const AXES: &str = "axes of the view";
@@ -84,6 +86,7 @@ pub(super) fn axes_widget(
     panel: Rect,
     pose: Affine3A,
     navigation: &Navigation,
+    bound: &KeyBindings,
     center: impl FnOnce() -> Vec3,
     state: &mut AxesState,
     commands: &mut Vec<Command>,
@@ -124,8 +127,8 @@ pub(super) fn axes_widget(
         None => CursorIcon::Grab,
     };
     let help = match hovered {
-        Some(end) => help(view_of(navigation, &pose, end.direction)),
-        None => "Drag to orbit; click an axis to look along it",
+        Some(end) => help(view_of(navigation, &pose, end.direction), bound),
+        None => "Drag to orbit; click an axis to look along it".to_owned(),
     };
     let response = response.on_hover_cursor(cursor);
     if !response.dragged() {
@@ -140,15 +143,16 @@ fn view_of(navigation: &Navigation, pose: &Affine3A, from: Vec3) -> AxisView {
     navigation.view_from(if is_there { -from } else { from })
 }
 
-fn help(view: AxisView) -> &'static str {
-    match view {
-        AxisView::Front => "Look at the front (numpad 1)",
-        AxisView::Back => "Look at the back (Ctrl+numpad 1)",
-        AxisView::Right => "Look from the right (numpad 3)",
-        AxisView::Left => "Look from the left (Ctrl+numpad 3)",
-        AxisView::Top => "Look from above (numpad 7)",
-        AxisView::Bottom => "Look from below (Ctrl+numpad 7)",
-    }
+fn help(view: AxisView, bound: &KeyBindings) -> String {
+    let (text, action) = match view {
+        AxisView::Front => ("Look at the front", "view-front"),
+        AxisView::Back => ("Look at the back", "view-back"),
+        AxisView::Right => ("Look from the right", "view-right"),
+        AxisView::Left => ("Look from the left", "view-left"),
+        AxisView::Top => ("Look from above", "view-top"),
+        AxisView::Bottom => ("Look from below", "view-bottom"),
+    };
+    hint(text, action, bound)
 }
 
 fn paint(ui: &Ui, place: Rect, ends: &[End; 6], hovered: Option<End>, is_used: bool) {

@@ -9,6 +9,7 @@ use bevy_egui::egui::{
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::seeing::{AXES, CutOpen, Seeing};
+use crate::app::editor::input::actions::{ActionContext, hint};
 use crate::math::Aabb;
 
 const COLOR: Color32 = Color32::from_rgb(110, 190, 255);
@@ -124,7 +125,8 @@ fn arrow(painter: &Painter, foot: Pos2, tip: Pos2, color: Color32) {
 }
 
 /// The row of buttons at the foot of the picture while there is a cut plane.
-pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, seeing: &Seeing, scene_size: f32, commands: &mut Vec<Command>) {
+pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, keys: &ActionContext, scene_size: f32, commands: &mut Vec<Command>) {
+    let seeing = &keys.seeing;
     let Some(cut) = seeing.cut else { return };
     let size = egui::vec2(290.0_f32.min(picture.width() - 16.0), 30.0);
     let place = Rect::from_min_size(picture.left_bottom() + egui::vec2(8.0, -8.0 - size.y), size);
@@ -146,9 +148,7 @@ pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, seeing: &Seeing, scene_size: f
                 next.axis = axis;
             }
         }
-        let field = DragValue::new(&mut next.at)
-            .speed(0.002 * f64::from(scene_size))
-            .max_decimals(3);
+        let field = DragValue::new(&mut next.at).speed(0.002 * f64::from(scene_size));
         ui.add(field).on_hover_text("Where the plane meets the axis");
         if ui.button("Flip").on_hover_text("Leave the other side out").clicked() {
             next.above = !next.above;
@@ -156,7 +156,7 @@ pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, seeing: &Seeing, scene_size: f
         edited = Some(next);
         if ui
             .button("Close")
-            .on_hover_text("See everything again (Alt+C)")
+            .on_hover_text(hint("See everything again", "cut-open", keys.bound))
             .clicked()
         {
             edited = None;

@@ -3,9 +3,9 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Stroke};
 
-use super::grid::AXIS_COLORS;
 use super::marks::tag;
 use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::math::Aabb;
 use crate::scene::LengthUnit;
 

@@ -19,7 +19,10 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::camera::pose::camera_pose;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::input::actions::hint;
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::picture::legend::{Legend, legend};
@@ -60,6 +63,7 @@ pub(crate) struct ViewportScene {
     pub captions: Vec<Caption>,
     boxes: CollectedBoxes,
     bounds: SelectionBounds,
+    members: UnselectedMembers,
 }
 
 impl ViewportScene {
@@ -114,18 +118,38 @@ impl SelectionBounds {
     }
 }
 
+/// What moves with selected groups and is not selected itself, as it was last found.
+#[derive(Default)]
+struct UnselectedMembers {
+    of: Option<Selection>,
+    members: Vec<Entity>,
+}
+
+impl UnselectedMembers {
+    fn update(&mut self, sources: &mut Sources) {
+        let is_renamed = sources.unnamed.read().count() > 0 || !sources.newly_named.is_empty();
+        if is_renamed || self.of.as_ref() != Some(&*sources.selection) {
+            self.members = sources.unselected_members();
+            self.of = Some(sources.selection.clone());
+        }
+    }
+}
+
 /// The parts of the world that the viewport shows.
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
     packed: Res<'w, PackedScene>,
     selection: Res<'w, Selection>,
     status: Res<'w, SceneStatus>,
+    preferences: Res<'w, Preferences>,
     active: Res<'w, ActiveSensor>,
     free_view: Res<'w, FreeView>,
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     named: Query<'w, 's, (Entity, &'static Name), With<ToWorld>>,
+    newly_named: Query<'w, 's, (), Or<(Changed<Name>, Changed<Shape>)>>,
+    unnamed: RemovedComponents<'w, 's, Name>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
@@ -143,10 +167,10 @@ type Movable = (
 );
 
 impl Sources<'_, '_> {
-    fn targets(&self, bounds: &[Option<Aabb>]) -> Vec<Target> {
+    fn targets(&self, bounds: &[Option<Aabb>], members: &[Entity]) -> Vec<Target> {
         let selected = self.selection.entities();
         let selected = selected.iter().copied().zip(bounds.iter().chain(iter::repeat(&None)));
-        let members = self.unselected_members().into_iter().map(|member| (member, &None));
+        let members = members.iter().map(|member| (*member, &None));
         let targets = members.chain(selected).filter_map(|(entity, &bounds)| {
             let (to_world, shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
             let freedom = match emitter {
@@ -239,18 +263,19 @@ pub(crate) fn gather_viewport(
     if sources.unlocked.read().count() > 0 || !sources.newly_locked.is_empty() {
         seen.locked = sources.locked.iter().collect();
     }
+    seen.members.update(&mut sources);
     let (packed, selection) = (&sources.packed, &sources.selection);
     seen.boxes.update(packed, &settings.overlay);
     seen.bounds.update(packed, selection);
     seen.outline = outlines.outline().clone();
     let wireframe = settings.seeing.wireframe;
     seen.wireframe.update(packed, selection, wireframe);
-    seen.targets = sources.targets(&seen.bounds.bounds);
+    seen.targets = sources.targets(&seen.bounds.bounds, &seen.members.members);
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
     seen.block = state.blocking.hovered.and_then(|entity| sources.block(entity));
-    seen.placeholder = placeholder(&sources.status);
+    seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let compared = &model.0.render.comparison;
     let compared = compared.snapshot.map_or(CompareView::Off, |_| compared.view);
@@ -265,12 +290,12 @@ pub(crate) fn gather_viewport(
     seen.pose = camera_pose(&sources.active, &sources.free_view, &sources.poses);
 }
 
-fn placeholder(status: &SceneStatus) -> String {
+fn placeholder(status: &SceneStatus, bound: &KeyBindings) -> String {
     let file = status.subject().map_or(String::new(), |path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     });
     match status.state {
-        SceneState::Empty => "Open a scene with File, Open (Ctrl+O)".to_owned(),
+        SceneState::Empty => hint("Open a scene with File, Open", "open", bound),
         SceneState::Loading => format!("Loading {file}"),
         SceneState::Ready => format!("Preparing {file}"),
         SceneState::Failed => format!("{file} could not be read; see Messages at the right"),

@@ -9,6 +9,7 @@ use bevy_egui::egui::{self, Color32, Mesh, Pos2, Rect, Shape};
 use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::app::editor::picture::depths::Depths;
 
 /// The lines of each level on either side of the middle.
@@ -29,13 +30,6 @@ const LOOK: f32 = 4.0;
 const MOST_LOOKS: usize = 12;
 /// What is nearer to a surface than this share of the distance is on it.
 const ON_SURFACE: f32 = 2e-3;
-
-/// The colours of lines along x, y and z.
-pub(crate) const AXIS_COLORS: [Color32; 3] = [
-    Color32::from_rgb(226, 70, 84),
-    Color32::from_rgb(116, 178, 44),
-    Color32::from_rgb(66, 128, 230),
-];
 
 /// Draws the grid over the picture. `up` is the world's upward axis.
 pub(crate) fn paint(painter: &egui::Painter, screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) {

@@ -105,14 +105,24 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
         toolbar(ui, panel, model, commands);
-        cut_handle::cut_bar(ui, picture, &model.keys.seeing, model.navigation.scene_size, commands);
+        cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
     }
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
     }
     if let (Some(pose), Some(screen), true, true) = (model.pose, &screen, model.picture.is_some(), model.enabled) {
         let center = || pointer::center(screen, model, pose);
-        axes_widget(ui, panel, pose, &model.navigation, center, &mut state.axes, commands);
+        let bound = model.keys.bound;
+        axes_widget(
+            ui,
+            panel,
+            pose,
+            &model.navigation,
+            bound,
+            center,
+            &mut state.axes,
+            commands,
+        );
     }
     let takers = Takers {
         packed: model.packed,

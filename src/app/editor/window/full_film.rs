@@ -1,39 +1,45 @@
 //! The question before a large film is traced in full, and the progress of a full film that is waited for to be saved.
 
-use bevy_egui::egui::{self, Align2, Area, Frame, Id, Modal, ProgressBar, Rect};
+use bevy_egui::egui::{self, Align2, Area, Frame, Id, ProgressBar, Rect};
 
+use super::dialog;
 use crate::app::editor::command::Command;
 use crate::app::editor::model::StatusModel;
+use crate::app::editor::panels::look;
 use crate::app::editor::panels::status::{clock, progress_of};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
+
+/// The answer that renders it.
+const RENDER: &str = "Render the full film";
 
 /// Asks, if there is something to ask.
 pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, commands: &mut Vec<Command>) {
     let Some(question) = asked else {
         return;
     };
-    let modal = Modal::new(Id::new("full film")).show(context, |ui| {
-        ui.set_width(440.0);
-        ui.heading("Render a film of this size?");
-        ui.add_space(4.0);
+    let modal = dialog::question(context, "full film", 440.0, "Render a film of this size?", |ui| {
         ui.label(question.text());
-        ui.add_space(8.0);
+        ui.add_space(6.0);
+        dialog::consequence(
+            ui,
+            RENDER,
+            "the picture has all pixels of the film until the scene or the view changes.",
+        );
+        dialog::consequence(ui, "Cancel", "the picture keeps the pixels that the window shows.");
+        let render = look::primary(ui, RENDER);
         let mut answer = None;
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let render = ui
-                .button("Render the full film")
-                .on_hover_text("The picture has all pixels of the film until the scene or the view changes");
-            if render.clicked() {
-                answer = Some(true);
-            }
-            if ui
-                .button("Cancel")
-                .on_hover_text("Keep the pixels that the window shows (Esc)")
-                .clicked()
-            {
-                answer = Some(false);
-            }
-        });
+        dialog::answers(
+            ui,
+            |_| {},
+            |ui| {
+                if ui.add(render).clicked() {
+                    answer = Some(true);
+                }
+                if ui.button("Cancel").on_hover_text("Esc").clicked() {
+                    answer = Some(false);
+                }
+            },
+        );
         answer
     });
     let closed = modal.should_close();

@@ -15,6 +15,7 @@ use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Model;
 use crate::app::editor::panels::key_bindings::{KeyList, key_bindings};
+use crate::app::editor::panels::lengths;
 use crate::app::editor::panels::preferences::preferences;
 use crate::app::editor::panels::series::series;
 
@@ -62,7 +63,9 @@ pub fn show(
                 ui.set_width(320.0);
                 ui.heading("Series of copies");
                 ui.add_space(6.0);
-                if series(ui, &mut widgets.series, shown.step, commands) {
+                let form = &mut widgets.series;
+                let is_done = lengths::in_unit(ui, model.unit, |ui| series(ui, form, shown.step, commands));
+                if is_done {
                     ui.close();
                 }
             });

@@ -12,12 +12,8 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::snapping::SnapPoint;
 use crate::app::editor::command::gizmo_settings::Mode;
 use crate::app::editor::command::snapping::SnapTo;
+use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 
-const AXIS_COLORS: [Color32; 3] = [
-    Color32::from_rgb(236, 76, 76),
-    Color32::from_rgb(112, 196, 60),
-    Color32::from_rgb(74, 132, 246),
-];
 const NEUTRAL: Color32 = Color32::from_gray(225);
 const LIT: Color32 = Color32::from_rgb(255, 214, 64);
 /// The dark edge of every handle, so that it is visible on any picture.
