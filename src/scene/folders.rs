@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::insert::free_name;
+use super::free_name::free_name;
 
 /// The paths of all folders that these names have.
 pub(crate) fn folders_of(names: &HashSet<String>) -> HashSet<String> {

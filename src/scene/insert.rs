@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::folders::FreeFolders;
+use super::free_name::free_name;
 use super::names::each_name;
 use super::write::gather::describe_entities;
 use super::{
@@ -26,33 +27,6 @@ pub struct Inserted {
 pub(crate) fn next_order(world: &mut World) -> u32 {
     let last = world.query::<&DocumentOrder>().iter(world).map(|order| order.0).max();
     last.map_or(0, |last| last.saturating_add(1))
-}
-
-/// The name `wanted`, with a number if it is taken.
-pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
-    if !taken.contains(wanted) {
-        return wanted.to_owned();
-    }
-    // The number of a folder is before its slash.
-    let (wanted, end) = match wanted.strip_suffix('/') {
-        Some(folder) => (folder, "/"),
-        None => (wanted, ""),
-    };
-    let (stem, number) = match wanted.rsplit_once('-') {
-        Some((stem, number)) => match number.parse::<u32>() {
-            Ok(number) => (stem, number),
-            Err(_) => (wanted, 1),
-        },
-        None => (wanted, 1),
-    };
-    let mut next = number;
-    loop {
-        next = next.saturating_add(1);
-        let name = format!("{stem}-{next}{end}");
-        if !taken.contains(&name) || next == u32::MAX {
-            return name;
-        }
-    }
 }
 
 /// The names of all that is in the scene.
@@ -351,15 +325,6 @@ fn places(is_used: &[bool]) -> Vec<Option<usize>> {
 mod tests {
     use super::*;
     use crate::scene::names::{free_name_for, is_taken};
-
-    #[test]
-    fn names_that_are_taken_get_the_next_number() {
-        let taken = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<HashSet<_>>();
-        assert_eq!(free_name(&taken(&[]), "ball"), "ball");
-        assert_eq!(free_name(&taken(&["ball"]), "ball"), "ball-2");
-        assert_eq!(free_name(&taken(&["ball", "ball-2"]), "ball-2"), "ball-3");
-        assert_eq!(free_name(&taken(&["a-b"]), "a-b"), "a-b-2");
-    }
 
     /// Both ways to find a free name agree.
     #[test]

@@ -16,6 +16,7 @@ mod file_base;
 mod file_value;
 pub(crate) mod folders;
 mod framing;
+pub(crate) mod free_name;
 pub mod group;
 pub mod identity;
 pub mod insert;

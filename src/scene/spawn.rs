@@ -11,7 +11,8 @@ use bevy::prelude::*;
 
 use super::description::SceneDescription;
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
-use super::insert::{free_name, names};
+use super::free_name::free_name;
+use super::insert::names;
 use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,

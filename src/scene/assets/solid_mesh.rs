@@ -1,6 +1,7 @@
 //! The meshes of building parts.
 
 use crate::geometry::mesh::MeshData;
+use crate::geometry::solid::ply::to_ply;
 use crate::geometry::solid::{self, Hole};
 use crate::scene::Solid;
 
@@ -37,4 +38,10 @@ pub fn solid_mesh(part: &Solid) -> MeshData {
             sides,
         } => solid::prism(*radius, *top_radius, *height, *sides),
     }
+}
+
+/// The mesh of a building part as a PLY file; None if it has no triangles, as a wall that openings cover wholly.
+pub fn solid_ply(part: &Solid) -> Option<String> {
+    let mesh = solid_mesh(part);
+    (!mesh.triangles.is_empty()).then(|| to_ply(&mesh))
 }

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::document::{Category, Child, Object, TransformOp, Value};
-use crate::geometry::solid::ply::to_ply;
-use crate::scene::assets::solid_mesh::solid_mesh;
+use crate::scene::assets::solid_mesh::solid_ply;
 use crate::scene::read::is_frame;
 use crate::scene::solid::parse_openings;
 use crate::scene::{Solid, SolidValue};
@@ -111,14 +110,13 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
         }
     });
     let plugin = part.plugin();
-    let mesh = solid_mesh(&part);
-    if mesh.triangles.is_empty() {
+    let Some(ply) = solid_ply(&part) else {
         let has_id = |child: &Child| matches!(child, Child::Object(inner) if inner.id.is_some());
         let children = std::mem::take(&mut object.children);
         files.materials.extend(children.into_iter().filter(has_id));
         return false;
-    }
-    let name = files.name_of(to_ply(&mesh), |number| format!("{plugin}-{number}.ply"));
+    };
+    let name = files.name_of(ply, |number| format!("{plugin}-{number}.ply"));
     object.plugin = "ply".into();
     object
         .properties

@@ -8,7 +8,8 @@ use crate::app::editor::command::blocking::BlockKind;
 use crate::app::editor::command::blocking::block::Block;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
-use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::free_name::free_name;
+use crate::scene::insert::{names, next_order};
 use crate::scene::{DocumentOrder, Hidden, MemberOf, SceneId, Shape, ShapeKind, Solid, ToWorld};
 
 pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {

@@ -14,7 +14,8 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::{Edit, History, StepKind};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::folders::FreeFolders;
-use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::free_name::free_name;
+use crate::scene::insert::{names, next_order};
 use crate::scene::{
     AreaLight, DocumentOrder, InstanceOf, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind, ToWorld,
 };

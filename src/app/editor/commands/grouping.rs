@@ -14,7 +14,8 @@ use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::folders::folders_of;
-use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::free_name::free_name;
+use crate::scene::insert::{names, next_order};
 use crate::scene::{DocumentOrder, Locked, MemberOf, Placements, SceneId, Shape, ShapeKind, ToWorld};
 
 /// Puts what is selected into a new group, inside the group that all of it is in. The group is the active thing then.

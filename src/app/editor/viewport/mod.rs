@@ -17,6 +17,7 @@ pub mod marks;
 pub mod material_drop;
 pub mod model;
 pub(crate) mod outlining;
+mod over_picture;
 pub mod path_lines;
 pub mod pointer;
 pub(crate) mod rulers;

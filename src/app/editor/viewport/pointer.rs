@@ -9,6 +9,7 @@ use bevy_egui::egui::{self, Color32, MouseWheelUnit, PointerButton, Pos2, Rect, 
 use super::cursor::TurningCursor;
 use super::marks::thin_frame;
 use super::model::ViewportModel;
+use super::over_picture::is_over;
 use super::{gizmo, icons, rulers};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::{orbit, picking};
@@ -248,15 +249,6 @@ impl PointerState {
             thin_frame(painter, rect, 200);
         }
     }
-}
-
-/// Whether a press would be one on the picture, and not on something that is drawn over it, such as a button.
-pub(super) fn is_over(ui: &Ui, response: &Response) -> bool {
-    let is_its_own = ui.ctx().viewport(|viewport| {
-        let hits = [&viewport.hits.click, &viewport.hits.drag];
-        hits.into_iter().flatten().all(|hit| hit.id == response.id)
-    });
-    is_its_own && response.contains_pointer()
 }
 
 fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Hold {

@@ -15,7 +15,7 @@ use bevy_egui::egui::{InputState, Key, Painter, PointerButton, Pos2, Response, U
 
 use super::gizmo::interaction::Rest;
 use super::gizmo::typed::Typed;
-use super::pointer::is_over;
+use super::over_picture::is_over;
 use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;

@@ -8,7 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Response, Ui, Vec2};
 
 use super::super::marks::tag;
-use super::super::pointer::is_over;
+use super::super::over_picture::is_over;
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};
 use super::handles::{self, Handle};
