@@ -17,7 +17,7 @@ pub(crate) fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
     0.5 * FILM_DIAGONAL / half_diagonal
 }
 
-/// The field of view in degrees along an axis of a lens of this focal length in metres; the inverse of [`focal_length`].
+/// The field of view in degrees along an axis of a lens of this focal length in metres; the inverse of `focal_length`.
 pub fn field_of_view(focal_length: f32, axis: FovAxis, aspect: f32) -> f32 {
     let half_diagonal = 0.5 * FILM_DIAGONAL / focal_length;
     let half_width = half_diagonal / (1.0 + 1.0 / (aspect * aspect)).sqrt();
