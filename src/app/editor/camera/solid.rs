@@ -23,7 +23,7 @@ enum Form {
     Sphere,
     Square,
     Disk,
-    /// Of radius 1 around z, from z = 0 to 1.
+    /// A cylinder of radius 1 around z, from z = 0 to 1.
     Cylinder,
 }
 

@@ -11,7 +11,7 @@ pub enum NavigationPreset {
     Sunroom,
     /// The middle button orbits, pans and dollies; the left one draws a box.
     Blender,
-    /// As Blender, and the right button looks around.
+    /// The mouse works as in Blender, and the right button looks around.
     Godot,
     /// The right button looks around, the middle one pans.
     #[serde(rename = "trenchbroom")]

@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Resolution {
-    /// As many as the picture has in the window, and no more than the film has.
+    /// The picture has as many pixels as the window shows, and no more than the film has.
     #[default]
     View,
     /// The same, and those of the film once nothing has changed for some seconds.
     AfterRest,
-    /// Those of the film.
+    /// The picture has the pixels of the film.
     Full,
 }
 

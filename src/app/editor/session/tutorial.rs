@@ -46,7 +46,7 @@ const ENOUGH_LOOKING: u32 = 6;
 pub struct Tutorial {
     /// The step that is shown; None while there is no tutorial.
     pub step: Option<usize>,
-    /// Which of the steps were done.
+    /// The steps that were done.
     pub done: [bool; LESSONS.len()],
     looked: u32,
 }

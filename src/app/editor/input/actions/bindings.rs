@@ -1,4 +1,4 @@
-//! Which keys an action has: those of the table, or those that the user has chosen. Nothing else asks the table for keys.
+//! The keys of every action: the table gives them, unless the user has chosen others. Nothing else asks the table for keys.
 
 use bevy_egui::egui::Key;
 
