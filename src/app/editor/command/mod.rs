@@ -9,6 +9,7 @@ pub mod compare_view;
 pub mod conversion;
 pub mod display;
 pub mod dragged;
+pub mod effect;
 pub mod error;
 pub mod file_access;
 pub mod file_dialog;
@@ -16,6 +17,7 @@ pub mod gizmo_settings;
 pub mod grid_settings;
 pub mod inspected_paths;
 pub mod key_bindings;
+mod label;
 mod lenient;
 pub mod light_mix;
 pub mod material_tree;
@@ -48,11 +50,12 @@ use crate::scene::{
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
 use axis_view::AxisView;
+use blocking::Reshaping;
 use blocking::block::Block;
-use blocking::{BlockKind, Reshaping};
 use bvh_overlay::BvhOverlay;
 use compare_view::CompareView;
 use display::DisplaySettings;
+pub use effect::Effect;
 pub use file_dialog::FileDialogKind;
 use gizmo_settings::GizmoSettings;
 use grid_settings::GridSettings;
@@ -362,246 +365,4 @@ pub enum Direction {
     Up,
     /// Along -y of the world.
     Down,
-}
-
-/// The effect of a command on the history and the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
-    /// The command changes nothing in the scene.
-    None,
-    /// The command begins the picture anew, but leaves the scene as it is.
-    View,
-    /// The command is a step of the history.
-    Edit,
-    /// The command is a step of the history, but several of one drag are one step.
-    Drag,
-}
-
-impl Command {
-    /// Whether the command is recorded in the history, and whether it begins the picture anew.
-    pub fn effect(&self) -> Effect {
-        match self {
-            Self::OnSelection(command) => command.effect(),
-            Self::Transform(_)
-            | Self::SetShape(..)
-            | Self::SetMaterial(..)
-            | Self::SetAreaLight(..)
-            | Self::SetEmitter(..)
-            | Self::SetSensor(..)
-            | Self::SetFilm(..)
-            | Self::SetIntegrator(_)
-            | Self::SetSampler(_)
-            | Self::Reshape(.., Reshaping::Push) => Effect::Drag,
-            Self::Import(_)
-            | Self::MoveCameraToView
-            | Self::Add(_)
-            | Self::Build(_)
-            | Self::Reshape(.., Reshaping::Cut)
-            | Self::Delete
-            | Self::Duplicate
-            | Self::MakeSeries(_)
-            | Self::Align(..)
-            | Self::Distribute(..)
-            | Self::FitToView(_)
-            | Self::Cut
-            | Self::Paste(_)
-            | Self::Rename(..)
-            | Self::Reorder { .. }
-            | Self::Group
-            | Self::Ungroup
-            | Self::PutInto { .. }
-            | Self::Hide(..)
-            | Self::HideOthers
-            | Self::ShowAll
-            | Self::Lock(..)
-            | Self::Nudge(_)
-            | Self::Drop
-            | Self::SnapToGrid
-            | Self::SetPicture { .. }
-            | Self::UseMaterial { .. }
-            | Self::GiveMaterial { .. }
-            | Self::FocusAt(_)
-            | Self::BuildMaterial { .. }
-            | Self::DropMaterial { .. }
-            | Self::UsePreset { .. }
-            | Self::DropPreset { .. }
-            | Self::SetUnit(_)
-            | Self::SetAccel(_)
-            | Self::BakeLights => Effect::Edit,
-            Self::MoveView(_)
-            | Self::FrameSelection
-            | Self::FrameAll
-            | Self::LookThrough(_)
-            | Self::LookAlong(_)
-            | Self::SwitchProjection
-            | Self::RecallView(_)
-            | Self::SetResolutionScale(_)
-            | Self::SetResolution(_)
-            | Self::RenderFull(_)
-            | Self::StopFull
-            | Self::SetStrategySplit(_)
-            | Self::SetSeeing(_)
-            | Self::CutOpen
-            | Self::Isolate(_)
-            | Self::SetLightLayers(_)
-            | Self::Undo
-            | Self::Redo
-            | Self::GoTo(_)
-            | Self::Restart => Effect::View,
-            Self::NewScene
-            | Self::OpenScene(_)
-            | Self::ReloadScene
-            | Self::RevertScene
-            | Self::Save
-            | Self::SaveScene(_)
-            | Self::SaveChanged(..)
-            | Self::SaveImage(_)
-            | Self::ShowDialog(_)
-            | Self::Quit
-            | Self::Select(..)
-            | Self::SelectAll
-            | Self::SelectGroup
-            | Self::Pick(..)
-            | Self::SetSpeed(_)
-            | Self::StoreView(_)
-            | Self::SetGizmo(_)
-            | Self::Copy
-            | Self::SetPaused(_)
-            | Self::SetTargetSamples(_)
-            | Self::SetTimeLimit(_)
-            | Self::SetNoiseTarget(_)
-            | Self::SetRegion(_)
-            | Self::ExposeAutomatically
-            | Self::SetLightMix(_)
-            | Self::TakeSnapshot
-            | Self::SetCompareView(_)
-            | Self::Measure
-            | Self::SetDisplay(_)
-            | Self::SetEnlarging(_)
-            | Self::SetOverlay(_)
-            | Self::SetTool(_)
-            | Self::ShowSafeFrame(_)
-            | Self::SetGrid(_)
-            | Self::ShowDimensions(_)
-            | Self::AddRuler(_)
-            | Self::ClearRulers
-            | Self::InspectPaths(_)
-            | Self::Denoise
-            | Self::DropDenoised
-            | Self::ShowPanels(_)
-            | Self::Shell(_) => Effect::None,
-        }
-    }
-
-    /// The label of an edit in the history. The names of its things follow there.
-    pub fn label(&self) -> &'static str {
-        match self {
-            Self::OnSelection(command) => command.label(),
-            Self::Import(_) => "Import",
-            Self::MoveCameraToView => "Move camera to view",
-            Self::Add(_) => "Add",
-            Self::Build(block) => match block.kind {
-                BlockKind::Box => "Draw box",
-                BlockKind::Floor => "Draw floor",
-                BlockKind::Wall => "Draw wall",
-            },
-            Self::Reshape(.., Reshaping::Push) => "Push face",
-            Self::Reshape(.., Reshaping::Cut) => "Cut opening",
-            Self::Delete => "Delete",
-            Self::Duplicate => "Duplicate",
-            Self::MakeSeries(_) => "Make a series of",
-            Self::Align(..) => "Align",
-            Self::Distribute(..) => "Distribute",
-            Self::FitToView(_) => "Fit to view",
-            Self::Cut => "Cut",
-            Self::Paste(_) => "Paste",
-            Self::Rename(..) => "Rename",
-            Self::Reorder { .. } => "Reorder",
-            Self::Group => "Group",
-            Self::Ungroup => "Ungroup",
-            Self::PutInto { .. } => "Put into folder",
-            Self::Hide(_, true) => "Hide",
-            Self::Hide(_, false) | Self::ShowAll => "Show",
-            Self::HideOthers => "Hide others",
-            Self::Lock(_, true) => "Lock",
-            Self::Lock(_, false) => "Unlock",
-            Self::Transform(_) | Self::Nudge(_) => "Move",
-            Self::Drop => "Drop",
-            Self::SnapToGrid => "Put onto the grid",
-            Self::SetShape(..) => "Edit shape",
-            Self::SetMaterial(..) => "Edit material",
-            Self::SetPicture { .. } => "Choose picture",
-            Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
-            Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
-            Self::GiveMaterial { .. } => "New material",
-            Self::BuildMaterial { .. } => "Make material",
-            Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
-            Self::SetSensor(..) => "Edit camera",
-            Self::FocusAt(_) => "Focus",
-            Self::SetFilm(..) => "Edit film",
-            Self::SetIntegrator(_) => "Edit light transport",
-            Self::SetSampler(_) => "Edit sampler",
-            Self::SetUnit(_) => "Set unit of length",
-            Self::SetAccel(_) => "Edit hierarchy",
-            Self::BakeLights => "Bake light mix",
-            _ => "",
-        }
-    }
-
-    /// The entities that an edit names; empty for edits of the selection or of nothing in particular.
-    pub(crate) fn targets(&self) -> Vec<Entity> {
-        match self {
-            Self::OnSelection(command) => command.targets(),
-            Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
-            Self::SetShape(entity, _)
-            | Self::Reshape(entity, ..)
-            | Self::SetMaterial(entity, _)
-            | Self::SetAreaLight(entity, _)
-            | Self::SetEmitter(entity, _)
-            | Self::SetSensor(entity, _)
-            | Self::SetFilm(entity, _)
-            | Self::Rename(entity, _)
-            | Self::GiveMaterial { shape: entity }
-            | Self::DropMaterial { material: entity, .. }
-            | Self::SetPicture { owner: entity, .. } => vec![*entity],
-            Self::Hide(entities, _)
-            | Self::Lock(entities, _)
-            | Self::UseMaterial { shapes: entities, .. }
-            | Self::UsePreset { shapes: entities, .. }
-            | Self::PutInto { things: entities, .. }
-            | Self::FitToView(entities)
-            | Self::BuildMaterial { targets: entities, .. }
-            | Self::Reorder { moved: entities, .. } => entities.clone(),
-            _ => Vec::new(),
-        }
-    }
-
-    /// Whether the command gives one thing a value that others of its sort have, too.
-    pub(crate) fn is_about_one(&self) -> bool {
-        self.effect() == Effect::Drag && !self.targets().is_empty()
-    }
-
-    /// Whether the command is one of many that follow each other while the view or something in it moves.
-    pub(crate) fn moves_picture(&self) -> bool {
-        matches!(self, Self::MoveView(_)) || self.effect() == Effect::Drag
-    }
-
-    /// Whether the command is about single pixels of the picture.
-    pub(crate) fn keeps_picture(&self) -> bool {
-        matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
-    }
-
-    /// Whether the command as a rule begins the picture anew.
-    pub(crate) fn restarts_picture(&self) -> bool {
-        self.effect() != Effect::None
-            && !matches!(
-                self,
-                Self::Rename(..)
-                    | Self::PutInto { .. }
-                    | Self::Group
-                    | Self::Ungroup
-                    | Self::Lock(..)
-                    | Self::SetUnit(_)
-            )
-    }
 }

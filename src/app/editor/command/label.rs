@@ -1,0 +1,91 @@
+//! What the history calls an edit, and the things that the edit names.
+
+use bevy::prelude::Entity;
+
+use super::Command;
+use super::blocking::{BlockKind, Reshaping};
+
+impl Command {
+    /// The label of an edit in the history. The names of its things follow there.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::OnSelection(command) => command.label(),
+            Self::Import(_) => "Import",
+            Self::MoveCameraToView => "Move camera to view",
+            Self::Add(_) => "Add",
+            Self::Build(block) => match block.kind {
+                BlockKind::Box => "Draw box",
+                BlockKind::Floor => "Draw floor",
+                BlockKind::Wall => "Draw wall",
+            },
+            Self::Reshape(.., Reshaping::Push) => "Push face",
+            Self::Reshape(.., Reshaping::Cut) => "Cut opening",
+            Self::Delete => "Delete",
+            Self::Duplicate => "Duplicate",
+            Self::MakeSeries(_) => "Make a series of",
+            Self::Align(..) => "Align",
+            Self::Distribute(..) => "Distribute",
+            Self::FitToView(_) => "Fit to view",
+            Self::Cut => "Cut",
+            Self::Paste(_) => "Paste",
+            Self::Rename(..) => "Rename",
+            Self::Reorder { .. } => "Reorder",
+            Self::Group => "Group",
+            Self::Ungroup => "Ungroup",
+            Self::PutInto { .. } => "Put into folder",
+            Self::Hide(_, true) => "Hide",
+            Self::Hide(_, false) | Self::ShowAll => "Show",
+            Self::HideOthers => "Hide others",
+            Self::Lock(_, true) => "Lock",
+            Self::Lock(_, false) => "Unlock",
+            Self::Transform(_) | Self::Nudge(_) => "Move",
+            Self::Drop => "Drop",
+            Self::SnapToGrid => "Put onto the grid",
+            Self::SetShape(..) => "Edit shape",
+            Self::SetMaterial(..) => "Edit material",
+            Self::SetPicture { .. } => "Choose picture",
+            Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
+            Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
+            Self::GiveMaterial { .. } => "New material",
+            Self::BuildMaterial { .. } => "Make material",
+            Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
+            Self::SetSensor(..) => "Edit camera",
+            Self::FocusAt(_) => "Focus",
+            Self::SetFilm(..) => "Edit film",
+            Self::SetIntegrator(_) => "Edit light transport",
+            Self::SetSampler(_) => "Edit sampler",
+            Self::SetUnit(_) => "Set unit of length",
+            Self::SetAccel(_) => "Edit hierarchy",
+            Self::BakeLights => "Bake light mix",
+            _ => "",
+        }
+    }
+
+    /// The entities that an edit names; empty for edits of the selection or of nothing in particular.
+    pub(crate) fn targets(&self) -> Vec<Entity> {
+        match self {
+            Self::OnSelection(command) => command.targets(),
+            Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
+            Self::SetShape(entity, _)
+            | Self::Reshape(entity, ..)
+            | Self::SetMaterial(entity, _)
+            | Self::SetAreaLight(entity, _)
+            | Self::SetEmitter(entity, _)
+            | Self::SetSensor(entity, _)
+            | Self::SetFilm(entity, _)
+            | Self::Rename(entity, _)
+            | Self::GiveMaterial { shape: entity }
+            | Self::DropMaterial { material: entity, .. }
+            | Self::SetPicture { owner: entity, .. } => vec![*entity],
+            Self::Hide(entities, _)
+            | Self::Lock(entities, _)
+            | Self::UseMaterial { shapes: entities, .. }
+            | Self::UsePreset { shapes: entities, .. }
+            | Self::PutInto { things: entities, .. }
+            | Self::FitToView(entities)
+            | Self::BuildMaterial { targets: entities, .. }
+            | Self::Reorder { moved: entities, .. } => entities.clone(),
+            _ => Vec::new(),
+        }
+    }
+}
