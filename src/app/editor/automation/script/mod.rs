@@ -8,9 +8,11 @@ pub mod assign;
 mod blocking;
 pub mod error;
 mod keys;
+mod names;
 pub mod parse;
 mod placing;
 mod rendering;
+mod set;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

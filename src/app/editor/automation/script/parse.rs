@@ -5,8 +5,11 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
-use super::assign::{self, AssignError};
+use super::assign;
 use super::error::ScriptError;
+use super::names::{all_named, count, material_of, named, unknown};
+use super::placing::{about_origin, looking, transformed};
+use super::set::set;
 use super::{blocking, keys, placing, rendering};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
@@ -16,7 +19,7 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::NO_BINDINGS;
 use crate::app::editor::command::light_mix::LightMix;
-use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside};
+use crate::app::editor::command::material_tree::{MaterialTree, can_wrap};
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::{Seeing, Walls};
@@ -26,13 +29,12 @@ use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::session::tutorial::LESSONS;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::document::suggest::did_you_mean;
-use crate::document::value::{parse_float, parse_integer, parse_vec3};
+use crate::document::value::{parse_float, parse_vec3};
 use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::write::OnChange;
-use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
+use crate::scene::{AreaLight, Material};
 
 /// The request of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -387,48 +389,6 @@ fn words(text: &str) -> Result<Vec<String>, ScriptError> {
     Ok(words)
 }
 
-pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
-    let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
-    format!("there is no {what} called \"{name}\"{help}").into()
-}
-
-pub(super) fn count(text: &str) -> Result<u32, ScriptError> {
-    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`").into())
-}
-
-/// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
-fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
-    let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
-    let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
-    for (_, entity, id, called) in things.iter(world) {
-        if id.is_some_and(|id| id.0 == name) {
-            by_id.push(entity);
-        } else if called.is_some_and(|called| called.as_str() == name) {
-            by_name.push(entity);
-        }
-    }
-    match by_id.as_slice() {
-        [] => {}
-        [entity] => return Ok(*entity),
-        several => return Err(ambiguous(name, several.len())),
-    }
-    match by_name.as_slice() {
-        [] => {}
-        [entity] => return Ok(*entity),
-        several => return Err(ambiguous(name, several.len())),
-    }
-    let names = crate::scene::insert::names(world);
-    Err(unknown("thing", name, names.iter().map(String::as_str)))
-}
-
-fn ambiguous(name: &str, count: usize) -> ScriptError {
-    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own").into()
-}
-
-fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, ScriptError> {
-    names.iter().map(|name| named(world, name)).collect()
-}
-
 fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
     let known = AdditionKind::of_name(kind).ok_or_else(|| {
         let names: Vec<&str> = AdditionKind::all().map(AdditionKind::name).collect();
@@ -453,29 +413,6 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
     Ok(addition)
 }
 
-fn transformed(
-    world: &mut World,
-    name: &str,
-    change: impl FnOnce(Affine3A) -> Affine3A,
-) -> Result<Command, ScriptError> {
-    let entity = named(world, name)?;
-    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
-    Ok(Command::Transform(vec![(entity, change(pose))]))
-}
-
-fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
-    let to_origin = Affine3A::from_translation(pose.translation.into());
-    to_origin * change * to_origin.inverse() * pose
-}
-
-fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, ScriptError> {
-    let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
-    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
-    let left = up.cross(forward).normalize();
-    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
-    Ok(Affine3A::from_mat3_translation(axes, from))
-}
-
 fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> Command {
     let mut display = world.resource::<ViewSettings>().display;
     change(&mut display);
@@ -486,86 +423,4 @@ fn seeing(world: &World, change: impl FnOnce(&mut Seeing) -> Result<(), ScriptEr
     let mut seeing = world.resource::<ViewSettings>().seeing;
     change(&mut seeing)?;
     Ok(Command::SetSeeing(seeing))
-}
-
-/// A material itself, or that of a shape.
-fn material_of(world: &World, entity: Entity) -> Option<Entity> {
-    match world.get::<Material>(entity) {
-        Some(_) => Some(entity),
-        None => world.get::<UsesMaterial>(entity).map(|uses| uses.0),
-    }
-}
-
-/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
-fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
-    let mut known = Vec::new();
-    if let Some(pose) = world.get::<ToWorld>(entity) {
-        known = vec!["position", "rotation", "scale"];
-        if world.get::<Emitter>(entity).is_some() {
-            // Some components have a factor of this name.
-            known.pop();
-        }
-        if known.contains(&parameter) {
-            let mut pose = pose.0;
-            assign::pose(&mut pose, parameter, value)?;
-            return Ok(Command::Transform(vec![(entity, pose)]));
-        }
-    }
-    // Tells more than that something else has no such parameter.
-    let mut wrong_value = None;
-    macro_rules! attempt {
-        ($of:expr, $component:ty, $assign:path, $command:expr) => {
-            if let Some(mut edited) = world.get::<$component>($of).cloned() {
-                match $assign(&mut edited, parameter, value) {
-                    Ok(()) => return Ok($command(edited)),
-                    Err(AssignError::Unknown { known: names }) => known.extend(names),
-                    Err(error) => wrong_value = wrong_value.or(Some(error)),
-                }
-            }
-        };
-    }
-    attempt!(entity, Shape, assign::shape, |edited| Command::SetShape(entity, edited));
-    attempt!(entity, AreaLight, assign::area_light, |edited| Command::SetAreaLight(
-        entity,
-        Some(edited)
-    ));
-    attempt!(entity, Emitter, assign::emitter, |edited| Command::SetEmitter(
-        entity, edited
-    ));
-    attempt!(entity, Sensor, assign::sensor, |edited| Command::SetSensor(
-        entity, edited
-    ));
-    attempt!(entity, Film, assign::film, |edited| Command::SetFilm(entity, edited));
-    let material = material_of(world, entity);
-    if let Some(material) = material {
-        attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
-            material,
-            Box::new(edited)
-        ));
-    }
-    Err(match wrong_value {
-        Some(error) => error.into(),
-        None => no_parameter(world, parameter, &known, material).into(),
-    })
-}
-
-/// The message where a thing has parameters called `known`, and `material`, but no such parameter.
-fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
-    if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
-        return format!("there is no `{parameter}`; {help}");
-    }
-    let instead = match known {
-        [] => String::new(),
-        known => format!(", only {}", known.join(", ")),
-    };
-    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
-    let inside: Vec<String> = inside
-        .into_iter()
-        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
-        .collect();
-    let elsewhere = match &inside[..] {
-        [] => String::new(),
-        inside => format!("; the material is made of {}", inside.join(" and ")),
-    };
-    format!("there is no `{parameter}`{instead}{elsewhere}")
 }

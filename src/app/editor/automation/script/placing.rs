@@ -1,9 +1,10 @@
 //! Verbs that place things.
 
-use bevy::prelude::World;
+use bevy::math::Affine3A;
+use bevy::prelude::*;
 
 use super::error::ScriptError;
-use super::parse::{count as count_of, unknown};
+use super::names::{count as count_of, named, unknown};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
@@ -11,6 +12,7 @@ use crate::app::editor::command::seeing::AXES;
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
+use crate::scene::ToWorld;
 
 /// `snap TO [always] [align]`
 pub fn snap(world: &World, to: &str, how: &[&str]) -> Result<Command, ScriptError> {
@@ -81,4 +83,27 @@ pub fn series(words: &[&str]) -> Result<Command, ScriptError> {
 pub(super) fn axis_of(name: &str) -> Result<usize, ScriptError> {
     let found = AXES.iter().position(|axis| axis.eq_ignore_ascii_case(name));
     found.ok_or_else(|| unknown("axis", name, AXES))
+}
+
+pub(super) fn transformed(
+    world: &mut World,
+    name: &str,
+    change: impl FnOnce(Affine3A) -> Affine3A,
+) -> Result<Command, ScriptError> {
+    let entity = named(world, name)?;
+    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
+    Ok(Command::Transform(vec![(entity, change(pose))]))
+}
+
+pub(super) fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
+    let to_origin = Affine3A::from_translation(pose.translation.into());
+    to_origin * change * to_origin.inverse() * pose
+}
+
+pub(super) fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, ScriptError> {
+    let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
+    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+    let left = up.cross(forward).normalize();
+    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
+    Ok(Affine3A::from_mat3_translation(axes, from))
 }

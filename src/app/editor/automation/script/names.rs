@@ -1,0 +1,58 @@
+//! What the words of a line stand for: things by their names, and counts.
+
+use bevy::prelude::*;
+
+use super::error::ScriptError;
+use crate::document::suggest::did_you_mean;
+use crate::document::value::parse_integer;
+use crate::scene::{DocumentOrder, Material, SceneId, UsesMaterial};
+
+pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
+    let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
+    format!("there is no {what} called \"{name}\"{help}").into()
+}
+
+/// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
+pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
+    let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
+    let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
+    for (_, entity, id, called) in things.iter(world) {
+        if id.is_some_and(|id| id.0 == name) {
+            by_id.push(entity);
+        } else if called.is_some_and(|called| called.as_str() == name) {
+            by_name.push(entity);
+        }
+    }
+    match by_id.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
+    }
+    match by_name.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
+    }
+    let names = crate::scene::insert::names(world);
+    Err(unknown("thing", name, names.iter().map(String::as_str)))
+}
+
+fn ambiguous(name: &str, count: usize) -> ScriptError {
+    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own").into()
+}
+
+pub(super) fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, ScriptError> {
+    names.iter().map(|name| named(world, name)).collect()
+}
+
+/// A material itself, or that of a shape.
+pub(super) fn material_of(world: &World, entity: Entity) -> Option<Entity> {
+    match world.get::<Material>(entity) {
+        Some(_) => Some(entity),
+        None => world.get::<UsesMaterial>(entity).map(|uses| uses.0),
+    }
+}
+
+pub(super) fn count(text: &str) -> Result<u32, ScriptError> {
+    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`").into())
+}

@@ -1,0 +1,85 @@
+//! The verb `set`: finds the component of a thing that has a parameter, and makes the command that changes it.
+
+use bevy::prelude::*;
+
+use super::assign::{self, AssignError};
+use super::error::ScriptError;
+use super::names::material_of;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::material_tree::materials_inside;
+use crate::document::suggest::did_you_mean;
+use crate::scene::{AreaLight, Emitter, Film, Material, Sensor, Shape, ToWorld};
+
+/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
+pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
+    let mut known = Vec::new();
+    if let Some(pose) = world.get::<ToWorld>(entity) {
+        known = vec!["position", "rotation", "scale"];
+        if world.get::<Emitter>(entity).is_some() {
+            // Some components have a factor of this name.
+            known.pop();
+        }
+        if known.contains(&parameter) {
+            let mut pose = pose.0;
+            assign::pose(&mut pose, parameter, value)?;
+            return Ok(Command::Transform(vec![(entity, pose)]));
+        }
+    }
+    // Tells more than that something else has no such parameter.
+    let mut wrong_value = None;
+    macro_rules! attempt {
+        ($of:expr, $component:ty, $assign:path, $command:expr) => {
+            if let Some(mut edited) = world.get::<$component>($of).cloned() {
+                match $assign(&mut edited, parameter, value) {
+                    Ok(()) => return Ok($command(edited)),
+                    Err(AssignError::Unknown { known: names }) => known.extend(names),
+                    Err(error) => wrong_value = wrong_value.or(Some(error)),
+                }
+            }
+        };
+    }
+    attempt!(entity, Shape, assign::shape, |edited| Command::SetShape(entity, edited));
+    attempt!(entity, AreaLight, assign::area_light, |edited| Command::SetAreaLight(
+        entity,
+        Some(edited)
+    ));
+    attempt!(entity, Emitter, assign::emitter, |edited| Command::SetEmitter(
+        entity, edited
+    ));
+    attempt!(entity, Sensor, assign::sensor, |edited| Command::SetSensor(
+        entity, edited
+    ));
+    attempt!(entity, Film, assign::film, |edited| Command::SetFilm(entity, edited));
+    let material = material_of(world, entity);
+    if let Some(material) = material {
+        attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
+            material,
+            Box::new(edited)
+        ));
+    }
+    Err(match wrong_value {
+        Some(error) => error.into(),
+        None => no_parameter(world, parameter, &known, material).into(),
+    })
+}
+
+/// The message where a thing has parameters called `known`, and `material`, but no such parameter.
+fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
+    if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
+        return format!("there is no `{parameter}`; {help}");
+    }
+    let instead = match known {
+        [] => String::new(),
+        known => format!(", only {}", known.join(", ")),
+    };
+    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
+    let inside: Vec<String> = inside
+        .into_iter()
+        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
+        .collect();
+    let elsewhere = match &inside[..] {
+        [] => String::new(),
+        inside => format!("; the material is made of {}", inside.join(" and ")),
+    };
+    format!("there is no `{parameter}`{instead}{elsewhere}")
+}
