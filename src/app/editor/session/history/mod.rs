@@ -3,117 +3,26 @@
 //!
 //! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay valid.
 
+mod edit;
+mod entry;
+
 use std::collections::HashMap;
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
+pub use edit::Edit;
+use entry::{Change, Standpoint};
+pub use entry::{Entry, MergeKey, StepKind};
+
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::command::light_mix::LightMix;
-use crate::app::editor::command::selection::Selection;
 use crate::scene::names::free_name_for;
-use crate::scene::{
-    AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, LengthUnit, ObjectChange,
-    ObjectState, Placements, SamplerSettings, SceneId, Side, ToWorld,
-};
+use crate::scene::{Authored, DocumentOrder, ObjectState, Placements, SceneId, Side};
 
 /// Older entries are forgotten above this number of steps.
 pub(crate) const MOST_ENTRIES: usize = 1000;
 /// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
 pub(crate) const MOST_BYTES: usize = 64 << 20;
-
-/// The settings that a scene has as a whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct SettingsState {
-    pub integrator: IntegratorSettings,
-    pub sampler: SamplerSettings,
-    pub accel: AccelMethod,
-    pub unit: LengthUnit,
-}
-
-impl SettingsState {
-    pub fn of(world: &World) -> Self {
-        Self {
-            integrator: world.get_resource().copied().unwrap_or_default(),
-            sampler: world.get_resource().copied().unwrap_or_default(),
-            accel: world.get_resource().copied().unwrap_or_default(),
-            unit: world.get_resource().copied().unwrap_or_default(),
-        }
-    }
-
-    /// Writes the components that differ from `from`; what others changed in the meantime stays.
-    fn write(self, world: &mut World, from: Self) {
-        if from.integrator != self.integrator {
-            world.insert_resource(self.integrator);
-        }
-        if from.sampler != self.sampler {
-            world.insert_resource(self.sampler);
-        }
-        if from.accel != self.accel {
-            world.insert_resource(self.accel);
-        }
-        if from.unit != self.unit {
-            world.insert_resource(self.unit);
-        }
-    }
-}
-
-/// The standpoint from which the scene is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Standpoint {
-    camera: ActiveSensor,
-    free: FreeView,
-}
-
-impl Standpoint {
-    fn of(world: &World) -> Self {
-        Self {
-            camera: world.get_resource().copied().unwrap_or_default(),
-            free: world.get_resource().copied().unwrap_or_default(),
-        }
-    }
-}
-
-#[derive(Clone, Debug)]
-struct Change {
-    entity: Entity,
-    change: ObjectChange,
-}
-
-/// The kind of a step, as far as another edit depends on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StepKind {
-    /// It made copies, which the next copies may continue.
-    Copy,
-    /// It moved, turned or scaled things.
-    Move,
-    /// Anything else.
-    #[default]
-    Other,
-}
-
-/// One step of the history.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    /// The label in the panel.
-    pub label: String,
-    changes: Vec<Change>,
-    settings: [SettingsState; 2],
-    selection: [Selection; 2],
-    /// The standpoint before and after edits that change it.
-    standpoint: Option<[Standpoint; 2]>,
-    /// The light mix before and after edits that change it: baking writes it into the scene.
-    mix: Option<[LightMix; 2]>,
-    /// The key for merging: steps of one interaction with equal keys are one entry.
-    merge: Option<(u64, MergeKey)>,
-    kind: StepKind,
-    number: u64,
-    /// An estimate of its memory.
-    bytes: usize,
-}
-
-/// The kind of an edit and its entities: two of a kind in one drag are one step.
-pub type MergeKey = (&'static str, Vec<Entity>);
 
 /// The steps that can be undone and redone.
 #[derive(Resource, Debug, Default)]
@@ -269,179 +178,6 @@ pub(crate) fn despawn_forgotten(world: &mut World) {
             entity.despawn();
         }
     }
-}
-
-impl Entry {
-    fn into_entities(self) -> impl Iterator<Item = Entity> {
-        self.changes.into_iter().map(|change| change.entity)
-    }
-
-    fn is_empty(&self) -> bool {
-        self.changes.is_empty() && self.settings[0] == self.settings[1]
-    }
-
-    /// Whether the change concerns the file, which hiding and locking do not.
-    fn is_of_file(&self) -> bool {
-        self.settings[0] != self.settings[1] || self.changes.iter().any(|change| change.change.is_of_file())
-    }
-
-    fn count_bytes(&mut self) {
-        let changes = self.changes.iter().map(|change| change.change.bytes());
-        let selected = self.selection.iter().map(|selection| selection.entities().len());
-        self.bytes = size_of::<Self>()
-            + self.label.len()
-            + changes.sum::<usize>()
-            + selected.sum::<usize>() * size_of::<Entity>();
-    }
-
-    fn absorb(&mut self, later: Self) {
-        let places: HashMap<Entity, usize> = self.changes.iter().zip(0..).map(|(it, i)| (it.entity, i)).collect();
-        let mut is_undone = vec![false; self.changes.len()];
-        for change in later.changes {
-            match places.get(&change.entity) {
-                Some(&place) => is_undone[place] = self.changes[place].change.absorb(change.change),
-                None => self.changes.push(change),
-            }
-        }
-        let mut is_undone = is_undone.into_iter();
-        self.changes.retain(|_| !is_undone.next().unwrap_or(false));
-        self.settings[1] = later.settings[1];
-        self.selection[1] = later.selection[1].clone();
-        self.count_bytes();
-    }
-}
-
-/// An edit under way: remembers what each entity was before it was first touched.
-pub struct Edit<'w> {
-    /// The world. What is not recorded must only be read.
-    pub world: &'w mut World,
-    /// The kind of the step that this becomes.
-    pub kind: StepKind,
-    before: Vec<(Entity, ObjectState)>,
-    /// The index of each entity in `before`.
-    places: HashMap<Entity, usize>,
-    settings: SettingsState,
-    selection: Selection,
-    standpoint: Standpoint,
-    mix: LightMix,
-}
-
-impl<'w> Edit<'w> {
-    pub(crate) fn begin(world: &'w mut World) -> Self {
-        Self {
-            kind: StepKind::default(),
-            before: Vec::new(),
-            places: HashMap::new(),
-            settings: SettingsState::of(world),
-            selection: world.resource::<Selection>().clone(),
-            standpoint: Standpoint::of(world),
-            mix: mix_of(world),
-            world,
-        }
-    }
-
-    /// Remembers the entity as it is; to be called before anything of it is changed.
-    pub(crate) fn touch(&mut self, entity: Entity) {
-        if !self.places.contains_key(&entity) {
-            let state = ObjectState::of(self.world, entity);
-            self.note(entity, state);
-        }
-    }
-
-    fn note(&mut self, entity: Entity, before: ObjectState) {
-        self.places.entry(entity).or_insert(self.before.len());
-        self.before.push((entity, before));
-    }
-
-    /// Checks poses. An error if one of them could not be written to a file.
-    pub(crate) fn check_poses(&self) -> Result<(), CommandError> {
-        let mut poses = self
-            .before
-            .iter()
-            .filter_map(|(entity, _)| self.world.get::<ToWorld>(*entity));
-        match poses.all(ToWorld::is_invertible) {
-            true => Ok(()),
-            false => Err("Nothing can be so far away, so large, so small or so flat.".into()),
-        }
-    }
-
-    /// Writes a component if it differs; an entity that is not in the scene stays out of it.
-    pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
-        if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {
-            self.touch(entity);
-            self.world.entity_mut(entity).insert(value);
-        }
-    }
-
-    /// Takes a component off; undo puts it back.
-    pub fn remove<C: Component>(&mut self, entity: Entity) {
-        if self.world.get::<C>(entity).is_some() {
-            self.touch(entity);
-            self.world.entity_mut(entity).remove::<C>();
-        }
-    }
-
-    /// A new entity of the scene.
-    pub fn spawn(&mut self, bundle: impl Bundle) -> Entity {
-        let entity = self.world.spawn_empty().id();
-        self.touch(entity);
-        self.world.entity_mut(entity).insert(bundle);
-        entity
-    }
-
-    /// Notes entities that were spawned by others.
-    pub(crate) fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
-        for entity in entities {
-            self.note(entity, ObjectState::default());
-        }
-    }
-
-    /// Takes an entity out of the scene.
-    pub(crate) fn delete(&mut self, entity: Entity) {
-        self.touch(entity);
-        ObjectState::default().write(self.world, entity);
-    }
-
-    /// Puts everything back.
-    pub(crate) fn abandon(self) {
-        for (entity, before) in self.before.iter().rev() {
-            before.write(self.world, *entity);
-        }
-        let now = SettingsState::of(self.world);
-        self.settings.write(self.world, now);
-        self.world.insert_resource(self.selection);
-    }
-
-    /// Writes the step into the history; without one nothing is written where nothing changed.
-    pub fn finish(self, label: String, merge: Option<(u64, MergeKey)>) {
-        let changes = self.before.into_iter().filter_map(|(entity, before)| {
-            let change = ObjectChange::between(&before, &ObjectState::of(self.world, entity))?;
-            Some(Change { entity, change })
-        });
-        let (now, mix) = (Standpoint::of(self.world), mix_of(self.world));
-        let mut entry = Entry {
-            label,
-            changes: changes.collect(),
-            settings: [self.settings, SettingsState::of(self.world)],
-            selection: [self.selection, self.world.resource::<Selection>().clone()],
-            standpoint: (now != self.standpoint).then_some([self.standpoint, now]),
-            mix: (mix != self.mix).then_some([self.mix, mix]),
-            merge,
-            kind: self.kind,
-            number: 0,
-            bytes: 0,
-        };
-        entry.changes.shrink_to_fit();
-        entry.count_bytes();
-        let mut history = self.world.resource_mut::<History>();
-        history.next_number += 1;
-        entry.number = history.next_number;
-        history.push(entry);
-    }
-}
-
-fn mix_of(world: &World) -> LightMix {
-    world.get_resource::<LightMix>().cloned().unwrap_or_default()
 }
 
 fn stand(world: &mut World, at: Standpoint) {

@@ -1,0 +1,144 @@
+//! One step of the history: what it changed, before and after.
+
+use std::collections::HashMap;
+
+use bevy::prelude::*;
+
+use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::selection::Selection;
+use crate::scene::{
+    AccelMethod, ActiveSensor, FreeView, IntegratorSettings, LengthUnit, ObjectChange, SamplerSettings,
+};
+
+/// The settings that a scene has as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SettingsState {
+    pub integrator: IntegratorSettings,
+    pub sampler: SamplerSettings,
+    pub accel: AccelMethod,
+    pub unit: LengthUnit,
+}
+
+impl SettingsState {
+    pub fn of(world: &World) -> Self {
+        Self {
+            integrator: world.get_resource().copied().unwrap_or_default(),
+            sampler: world.get_resource().copied().unwrap_or_default(),
+            accel: world.get_resource().copied().unwrap_or_default(),
+            unit: world.get_resource().copied().unwrap_or_default(),
+        }
+    }
+
+    /// Writes the components that differ from `from`; what others changed in the meantime stays.
+    pub(super) fn write(self, world: &mut World, from: Self) {
+        if from.integrator != self.integrator {
+            world.insert_resource(self.integrator);
+        }
+        if from.sampler != self.sampler {
+            world.insert_resource(self.sampler);
+        }
+        if from.accel != self.accel {
+            world.insert_resource(self.accel);
+        }
+        if from.unit != self.unit {
+            world.insert_resource(self.unit);
+        }
+    }
+}
+
+/// The standpoint from which the scene is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Standpoint {
+    pub camera: ActiveSensor,
+    pub free: FreeView,
+}
+
+impl Standpoint {
+    pub fn of(world: &World) -> Self {
+        Self {
+            camera: world.get_resource().copied().unwrap_or_default(),
+            free: world.get_resource().copied().unwrap_or_default(),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Change {
+    pub entity: Entity,
+    pub change: ObjectChange,
+}
+
+/// The kind of a step, as far as another edit depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepKind {
+    /// It made copies, which the next copies may continue.
+    Copy,
+    /// It moved, turned or scaled things.
+    Move,
+    /// Anything else.
+    #[default]
+    Other,
+}
+
+/// One step of the history.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// The label in the panel.
+    pub label: String,
+    pub(super) changes: Vec<Change>,
+    pub(super) settings: [SettingsState; 2],
+    pub(super) selection: [Selection; 2],
+    /// The standpoint before and after edits that change it.
+    pub(super) standpoint: Option<[Standpoint; 2]>,
+    /// The light mix before and after edits that change it: baking writes it into the scene.
+    pub(super) mix: Option<[LightMix; 2]>,
+    /// The key for merging: steps of one interaction with equal keys are one entry.
+    pub(super) merge: Option<(u64, MergeKey)>,
+    pub(super) kind: StepKind,
+    pub(super) number: u64,
+    /// An estimate of its memory.
+    pub(super) bytes: usize,
+}
+
+/// The kind of an edit and its entities: two of a kind in one drag are one step.
+pub type MergeKey = (&'static str, Vec<Entity>);
+
+impl Entry {
+    pub(super) fn into_entities(self) -> impl Iterator<Item = Entity> {
+        self.changes.into_iter().map(|change| change.entity)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.changes.is_empty() && self.settings[0] == self.settings[1]
+    }
+
+    /// Whether the change concerns the file, which hiding and locking do not.
+    pub(super) fn is_of_file(&self) -> bool {
+        self.settings[0] != self.settings[1] || self.changes.iter().any(|change| change.change.is_of_file())
+    }
+
+    pub(super) fn count_bytes(&mut self) {
+        let changes = self.changes.iter().map(|change| change.change.bytes());
+        let selected = self.selection.iter().map(|selection| selection.entities().len());
+        self.bytes = size_of::<Self>()
+            + self.label.len()
+            + changes.sum::<usize>()
+            + selected.sum::<usize>() * size_of::<Entity>();
+    }
+
+    pub(super) fn absorb(&mut self, later: Self) {
+        let places: HashMap<Entity, usize> = self.changes.iter().zip(0..).map(|(it, i)| (it.entity, i)).collect();
+        let mut is_undone = vec![false; self.changes.len()];
+        for change in later.changes {
+            match places.get(&change.entity) {
+                Some(&place) => is_undone[place] = self.changes[place].change.absorb(change.change),
+                None => self.changes.push(change),
+            }
+        }
+        let mut is_undone = is_undone.into_iter();
+        self.changes.retain(|_| !is_undone.next().unwrap_or(false));
+        self.settings[1] = later.settings[1];
+        self.selection[1] = later.selection[1].clone();
+        self.count_bytes();
+    }
+}
