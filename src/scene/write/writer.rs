@@ -1,0 +1,321 @@
+//! Makes the document of a scene from its description.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use glam::Affine3;
+use smol_str::SmolStr;
+
+use super::defaults::Defaults;
+use super::patch::Draft;
+use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
+use crate::scene::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
+use crate::scene::encode::{lights, objects};
+use crate::scene::{Authored, IntegratorSettings, LengthUnit};
+
+/// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
+const DEEPEST: usize = 40;
+
+pub(super) struct Writer<'s> {
+    scene: &'s SceneDescription,
+    folder: &'s Path,
+    /// The id of each material in the file, if it has one or is referred to.
+    ids: Vec<Option<String>>,
+    /// The place where each material is written; None for those that are no longer needed.
+    places: Vec<Option<DeclarationPlace>>,
+    defaults: Defaults,
+}
+
+impl<'s> Writer<'s> {
+    pub(super) fn new(scene: &'s SceneDescription, folder: &'s Path) -> Self {
+        let count = scene.materials.len();
+        let mut writer = Self {
+            scene,
+            folder,
+            ids: scene
+                .materials
+                .iter()
+                .map(|material| material.identity.id.clone())
+                .collect(),
+            places: vec![None; count],
+            defaults: Defaults::default(),
+        };
+        // The uses of materials in the order in which they are written.
+        let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
+        for (owner, shape) in scene.shapes.iter().enumerate() {
+            uses.extend(
+                shape
+                    .material
+                    .map(|material| (DeclarationPlace::Shape(owner), material)),
+            );
+        }
+        for (owner, material) in scene.materials.iter().enumerate() {
+            let nested = material.first.into_iter().chain(material.second);
+            uses.extend(nested.map(|inner| (DeclarationPlace::Material(owner), inner)));
+        }
+        let mut is_used = vec![false; count];
+        for &(owner, material) in &uses {
+            is_used[material] = true;
+            if scene.materials[material].declared_in == owner && writer.depth(material) < DEEPEST {
+                writer.places[material] = Some(owner);
+            }
+        }
+        for (index, material) in scene.materials.iter().enumerate() {
+            let was_top_level = material.declared_in == DeclarationPlace::TopLevel;
+            if writer.places[index].is_none() && (was_top_level || is_used[index] || material.identity.id.is_some()) {
+                writer.places[index] = Some(DeclarationPlace::TopLevel);
+            }
+        }
+        writer.name_what_is_referred_to(&uses);
+        writer
+    }
+
+    /// The number of materials that this one is declared inside of.
+    fn depth(&self, mut material: usize) -> usize {
+        let mut depth = 0;
+        while let DeclarationPlace::Material(owner) = self.scene.materials[material].declared_in
+            && depth < DEEPEST
+        {
+            material = owner;
+            depth += 1;
+        }
+        depth
+    }
+
+    /// The first use by the owner is the declaration; every other use needs an id to refer to.
+    fn name_what_is_referred_to(&mut self, uses: &[(DeclarationPlace, usize)]) {
+        let mut taken: HashSet<String> = HashSet::new();
+        for identity in identities(self.scene) {
+            taken.extend(identity.id.clone());
+        }
+        for (_, child) in &self.scene.remains.rest {
+            collect_ids(child, &mut taken);
+        }
+        let mut is_declared = vec![false; self.ids.len()];
+        let mut number = 0;
+        for &(owner, material) in uses {
+            if self.places[material] == Some(owner) && !std::mem::replace(&mut is_declared[material], true) {
+                continue;
+            }
+            if self.ids[material].is_none() {
+                loop {
+                    number += 1;
+                    let id = format!("material-{number}");
+                    if taken.insert(id.clone()) {
+                        self.ids[material] = Some(id);
+                        break;
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn root(&self) -> Object {
+        let scene = self.scene;
+        let mut parts: Vec<(u32, Child)> = Vec::new();
+        if let Some((order, child)) = self.integrator() {
+            parts.push((order, child.into()));
+        }
+        for sensor in &scene.sensors {
+            let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
+            parts.push(finish(
+                &sensor.identity,
+                Draft::new(sensor.identity.authored.as_ref(), current),
+            ));
+        }
+        for (index, material) in scene.materials.iter().enumerate() {
+            if self.places[index] == Some(DeclarationPlace::TopLevel) {
+                parts.push((material.identity.order, self.material(index).into()));
+            }
+        }
+        for (index, group) in scene.groups.iter().enumerate() {
+            parts.push((group.identity.order, self.group(index).into()));
+        }
+        let origin = scene.remains.origin.as_ref();
+        let mut unwritten: Vec<&Crowd> = origin.map_or(Vec::new(), |origin| origin.crowds.iter().collect());
+        for (index, shape) in scene.shapes.iter().enumerate() {
+            if let Some(placements) = &shape.placements {
+                let instances = self.crowd(shape, &placements.places, &mut unwritten);
+                parts.extend(instances.into_iter().map(|instance| (shape.identity.order, instance)));
+            } else if shape.member_of.is_none() {
+                parts.push((shape.identity.order, self.shape(index).into()));
+            }
+        }
+        for emitter in &scene.emitters {
+            let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
+            let draft = self.draft(emitter.identity.authored.as_ref(), current);
+            parts.push(finish(&emitter.identity, draft));
+        }
+        parts.extend(scene.remains.rest.iter().cloned());
+        // The sort is stable: things without a place of their own stay behind their predecessors.
+        parts.sort_by_key(|(order, _)| *order);
+        let mut root = Object::new(Category::Scene, "");
+        root.properties.clone_from(&scene.remains.properties);
+        let uses_name = scene
+            .remains
+            .origin
+            .as_ref()
+            .is_some_and(|origin| origin.uses_unit_name);
+        write_unit(scene.unit, uses_name, &mut root.properties);
+        root.children = parts.into_iter().map(|(_, child)| child).collect();
+        root
+    }
+
+    /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still `unwritten` is this one.
+    fn crowd(&self, shape: &ShapeDescription, places: &[Affine3], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
+        let Some(group) = shape.instance_of else {
+            return Vec::new();
+        };
+        let id = self.scene.groups[group].identity.id.as_deref();
+        let is_this = |crowd: &&Crowd| id == Some(crowd.group.as_str()) && places == crowd.places.as_slice();
+        if let Some(index) = unwritten.iter().position(is_this)
+            && let Some(origin) = &self.scene.remains.origin
+        {
+            return unwritten.remove(index).children(&origin.diagnostics);
+        }
+        let instance = |&place: &Affine3| {
+            let current = objects::shape(&shape.shape, &place.into(), None, self.folder);
+            let group = id.map(reference).into_iter().collect();
+            Draft::new(None, current).set_nested(Category::Shape, group).into()
+        };
+        places.iter().map(instance).collect()
+    }
+
+    fn shape(&self, index: usize) -> Object {
+        let shape = &self.scene.shapes[index];
+        let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
+        let draft = self.draft(shape.identity.authored.as_ref(), current);
+        let mut object = match shape.instance_of {
+            None if shape.shape.is_frame() => draft.object,
+            Some(group) => {
+                let id = self.scene.groups[group].identity.id.as_deref();
+                draft.set_nested(Category::Shape, id.map(reference).into_iter().collect())
+            }
+            None => {
+                let bsdf = self.nested(DeclarationPlace::Shape(index), &[shape.material]);
+                draft.set_nested(Category::Bsdf, bsdf)
+            }
+        };
+        object.id = id_of(&shape.identity);
+        object
+    }
+
+    fn group(&self, index: usize) -> Object {
+        let group = &self.scene.groups[index].identity;
+        let current = Object::new(Category::Shape, "shapegroup");
+        let draft = Draft::new(group.authored.as_ref(), current);
+        let members = (0..)
+            .zip(&self.scene.shapes)
+            .filter(|(_, shape)| shape.member_of == Some(index));
+        let members: Vec<Child> = members.map(|(member, _)| self.shape(member).into()).collect();
+        let mut object = draft.set_nested(Category::Shape, members);
+        object.id = id_of(group);
+        object
+    }
+
+    fn integrator(&self) -> Option<(u32, Object)> {
+        let settings = &self.scene.integrator;
+        let current = objects::integrator(settings);
+        match &self.scene.remains.integrator {
+            Some((order, authored)) => Some((*order, Draft::new(Some(authored), current).object)),
+            None => (current != objects::integrator(&IntegratorSettings::default())).then_some((0, current)),
+        }
+    }
+
+    /// The object to write. Of new things, parameters that equal the default are left out.
+    fn draft(&self, authored: Option<&Authored>, current: Object) -> Draft {
+        match authored {
+            Some(_) => Draft::new(authored, current),
+            None => Draft::new(None, self.defaults.left_out(current)),
+        }
+    }
+
+    fn material(&self, index: usize) -> Object {
+        let material = &self.scene.materials[index];
+        let authored: Option<&Authored> = material.identity.authored.as_ref();
+        let draft = self.draft(authored, objects::material(&material.material, self.folder));
+        // The plugin that a stand-in replaces may have bsdfs inside that were never read; they stay.
+        let is_stand_in = authored.is_some_and(|authored| authored.is_stand_in());
+        let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
+        let mut object = if is_stand_in && nested.is_empty() {
+            draft.object
+        } else {
+            draft.set_nested(Category::Bsdf, nested)
+        };
+        object.id = self.ids[index].as_deref().map(SmolStr::from);
+        object
+    }
+
+    /// The materials inside of `owner`: in place where they are declared there, or else as references.
+    fn nested(&self, owner: DeclarationPlace, materials: &[Option<usize>]) -> Vec<Child> {
+        let mut declared = Vec::new();
+        let mut children = Vec::new();
+        for &material in materials.iter().flatten() {
+            if self.places[material] == Some(owner) && !declared.contains(&material) {
+                declared.push(material);
+                children.push(self.material(material).into());
+            } else if let Some(id) = &self.ids[material] {
+                children.push(reference(id));
+            }
+        }
+        children
+    }
+}
+
+/// Has the scene's properties say its unit. One that they said already keeps its place in the file. If the file uses the name otherwise
+/// (`uses_name`), it cannot be added or removed.
+fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>) {
+    let known = properties.iter().position(|property| property.name == UNIT);
+    let value = Value::String(unit.name().to_owned());
+    match (known, unit) {
+        (Some(_), LengthUnit::None) if uses_name => {}
+        (Some(known), LengthUnit::None) => {
+            properties.remove(known);
+        }
+        (Some(known), _) => properties[known].value = value,
+        (None, LengthUnit::None) => {}
+        (None, _) if uses_name => {}
+        (None, _) => properties.push(Property {
+            name: UNIT.into(),
+            value,
+            span: Span::default(),
+        }),
+    }
+}
+
+fn reference(id: &str) -> Child {
+    Child::Reference {
+        name: None,
+        id: id.into(),
+        span: Span::default(),
+    }
+}
+
+fn finish(identity: &Identity, draft: Draft) -> (u32, Child) {
+    let mut object = draft.object;
+    object.id = id_of(identity);
+    (identity.order, object.into())
+}
+
+fn id_of(identity: &Identity) -> Option<SmolStr> {
+    identity.id.as_deref().map(SmolStr::from)
+}
+
+fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
+    let sensors = scene.sensors.iter().map(|sensor| &sensor.identity);
+    let materials = scene.materials.iter().map(|material| &material.identity);
+    let groups = scene.groups.iter().map(|group| &group.identity);
+    let shapes = scene.shapes.iter().map(|shape| &shape.identity);
+    let emitters = scene.emitters.iter().map(|emitter| &emitter.identity);
+    sensors.chain(materials).chain(groups).chain(shapes).chain(emitters)
+}
+
+fn collect_ids(child: &Child, ids: &mut HashSet<String>) {
+    let Child::Object(object) = child else {
+        return;
+    };
+    ids.extend(object.id.as_ref().map(SmolStr::to_string));
+    for inner in &object.children {
+        collect_ids(inner, ids);
+    }
+}
