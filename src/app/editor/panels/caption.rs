@@ -75,3 +75,108 @@ impl From<&'static ParameterInfo> for Caption<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+    use bevy_egui::egui;
+
+    use super::*;
+    use crate::app::editor::panels::fields::NAME_WIDTH;
+    use crate::color::Rgb;
+    use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
+    use crate::scene::{
+        Absorption, ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled,
+        PrincipledIndex, Roughness, SunPosition, SunSky,
+    };
+
+    /// The declarations of all parameters.
+    fn declared() -> Vec<&'static ParameterInfo> {
+        let mut materials: Vec<Material> = Material::PLUGINS.into_iter().filter_map(Material::of_plugin).collect();
+        materials.push(Material::RoughConductor {
+            distribution: Distribution::Ggx,
+            alpha: Roughness::Anisotropic {
+                u: 0.1.into(),
+                v: 0.2.into(),
+            },
+            ior: ConductorIor::Given {
+                eta: Rgb::ONE.into(),
+                k: Rgb::ONE.into(),
+            },
+            specular_reflectance: Rgb::ONE.into(),
+            multiple_scattering: true,
+        });
+        let by_index = Principled {
+            index: PrincipledIndex::Eta(1.5),
+            ..Principled::default()
+        };
+        materials.push(Material::Principled(by_index.into()));
+        let mut hair = Material::of_plugin("hair").expect("a plugin");
+        if let Material::Hair { absorption, .. } = &mut hair {
+            *absorption = Absorption::Given {
+                sigma_a: Rgb::ONE.into(),
+                scale: 1.0,
+            };
+        }
+        materials.push(hair);
+        let mut emitters: Vec<Emitter> = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin).collect();
+        let by_direction = SunSky {
+            sun: SunPosition::Direction(Vec3::X),
+            ..SunSky::default()
+        };
+        emitters.push(EmitterKind::SunSky(by_direction).into());
+        let mut found = vec![
+            &FILENAME,
+            &FILTER_TYPE,
+            &WRAP_MODE,
+            &RAW,
+            &TO_UV,
+            &COLOR0,
+            &COLOR1,
+            &NAME,
+            &SCALE,
+        ];
+        let mut parts = Vec::new();
+        let mut meet = |info: &'static ParameterInfo, value: ParameterRef| {
+            found.push(info);
+            value.in_file(info, &mut |info, _| parts.push(info));
+        };
+        materials.iter().for_each(|material| material.visit(&mut meet));
+        emitters.iter().for_each(|emitter| emitter.visit(&mut meet));
+        found.extend(parts);
+        found
+    }
+
+    #[test]
+    fn every_parameter_is_explained() {
+        let declared = declared();
+        let is_missing =
+            |info: &&&ParameterInfo| info.label.is_empty() || info.about.is_empty() || info.values.is_empty();
+        assert_eq!(declared.iter().find(is_missing), None);
+        // There are about as many in the format, so the collection cannot be empty.
+        assert!(declared.len() > 150, "{}", declared.len());
+    }
+
+    #[test]
+    fn labels_fit_their_column() {
+        let mut widths = Vec::new();
+        egui_kittest::Harness::new_ui(|ui| {
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let width = |text: &str| {
+                let layout = ui
+                    .painter()
+                    .layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE);
+                layout.size().x
+            };
+            widths = declared()
+                .into_iter()
+                .map(|info| (info.label, width(info.label)))
+                .collect();
+        })
+        .run();
+        assert!(!widths.is_empty());
+        for (label, width) in widths {
+            assert!(width <= NAME_WIDTH, "{label}: {width}");
+        }
+    }
+}

@@ -13,6 +13,7 @@ use super::caption::Caption;
 use super::lengths::with_units;
 use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
+use crate::app::editor::words::figures::{MOST_DECIMALS, decimals, legible};
 use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
@@ -230,30 +231,6 @@ pub fn integer<'a, N: egui::emath::Numeric>(
     write_back(changed, value, copy)
 }
 
-/// A number in few characters: large ones have three digits and the power of ten, and zero has no minus.
-fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
-    const LARGEST: f64 = 1e7;
-    if number.abs() >= LARGEST {
-        return format!("{number:.2e}");
-    }
-    let text = egui::emath::format_with_decimals_in_range(number, decimals);
-    match text.strip_prefix('-') {
-        Some(unsigned) if unsigned.bytes().all(|byte| byte == b'0' || byte == b'.') => unsigned.to_owned(),
-        _ => text,
-    }
-}
-
-/// The decimals of numbers that stand side by side, at most.
-const MOST_DECIMALS: usize = 3;
-
-/// The decimals that it takes to show a number as exactly as [`MOST_DECIMALS`] do.
-fn decimals(number: f32) -> usize {
-    let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
-    (0..MOST_DECIMALS)
-        .find(|fewer| shown(*fewer) == shown(MOST_DECIMALS))
-        .unwrap_or(MOST_DECIMALS)
-}
-
 /// Shows three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
     let mut copy = value.to_array();
@@ -389,123 +366,4 @@ pub(crate) fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
         *value = copy;
     }
     changed
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::color::Rgb;
-    use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
-    use crate::scene::{
-        Absorption, ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled,
-        PrincipledIndex, Roughness, SunPosition, SunSky,
-    };
-
-    /// The declarations of all parameters.
-    fn declared() -> Vec<&'static ParameterInfo> {
-        let mut materials: Vec<Material> = Material::PLUGINS.into_iter().filter_map(Material::of_plugin).collect();
-        materials.push(Material::RoughConductor {
-            distribution: Distribution::Ggx,
-            alpha: Roughness::Anisotropic {
-                u: 0.1.into(),
-                v: 0.2.into(),
-            },
-            ior: ConductorIor::Given {
-                eta: Rgb::ONE.into(),
-                k: Rgb::ONE.into(),
-            },
-            specular_reflectance: Rgb::ONE.into(),
-            multiple_scattering: true,
-        });
-        let by_index = Principled {
-            index: PrincipledIndex::Eta(1.5),
-            ..Principled::default()
-        };
-        materials.push(Material::Principled(by_index.into()));
-        let mut hair = Material::of_plugin("hair").expect("a plugin");
-        if let Material::Hair { absorption, .. } = &mut hair {
-            *absorption = Absorption::Given {
-                sigma_a: Rgb::ONE.into(),
-                scale: 1.0,
-            };
-        }
-        materials.push(hair);
-        let mut emitters: Vec<Emitter> = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin).collect();
-        let by_direction = SunSky {
-            sun: SunPosition::Direction(Vec3::X),
-            ..SunSky::default()
-        };
-        emitters.push(EmitterKind::SunSky(by_direction).into());
-        let mut found = vec![
-            &FILENAME,
-            &FILTER_TYPE,
-            &WRAP_MODE,
-            &RAW,
-            &TO_UV,
-            &COLOR0,
-            &COLOR1,
-            &NAME,
-            &SCALE,
-        ];
-        let mut parts = Vec::new();
-        let mut meet = |info: &'static ParameterInfo, value: ParameterRef| {
-            found.push(info);
-            value.in_file(info, &mut |info, _| parts.push(info));
-        };
-        materials.iter().for_each(|material| material.visit(&mut meet));
-        emitters.iter().for_each(|emitter| emitter.visit(&mut meet));
-        found.extend(parts);
-        found
-    }
-
-    #[test]
-    fn every_parameter_is_explained() {
-        let declared = declared();
-        let is_missing =
-            |info: &&&ParameterInfo| info.label.is_empty() || info.about.is_empty() || info.values.is_empty();
-        assert_eq!(declared.iter().find(is_missing), None);
-        // There are about as many in the format, so the collection cannot be empty.
-        assert!(declared.len() > 150, "{}", declared.len());
-    }
-
-    #[test]
-    fn labels_fit_their_column() {
-        let mut widths = Vec::new();
-        egui_kittest::Harness::new_ui(|ui| {
-            let font = egui::TextStyle::Body.resolve(ui.style());
-            let width = |text: &str| {
-                let layout = ui
-                    .painter()
-                    .layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE);
-                layout.size().x
-            };
-            widths = declared()
-                .into_iter()
-                .map(|info| (info.label, width(info.label)))
-                .collect();
-        })
-        .run();
-        assert!(!widths.is_empty());
-        for (label, width) in widths {
-            assert!(width <= NAME_WIDTH, "{label}: {width}");
-        }
-    }
-
-    #[test]
-    fn numbers_stay_short() {
-        let shown = |number: f64| legible(number, 0..=3);
-        assert_eq!(shown(1.5), "1.5");
-        assert_eq!(shown(-1e-9), "0");
-        assert_eq!(legible(-1e-9, 2..=3), "0.00");
-        assert_eq!(shown(-0.25), "-0.25");
-        assert_eq!(shown(f64::from(f32::MAX)), "3.40e38");
-        assert_eq!(shown(-2e7), "-2.00e7");
-    }
-
-    #[test]
-    fn numbers_have_the_decimals_that_they_need() {
-        for (number, needed) in [(4.0, 0), (0.1, 1), (-0.25, 2), (1e-5, 0), (1.0 / 3.0, 3), (3e38, 0)] {
-            assert_eq!(decimals(number), needed, "{number}");
-        }
-    }
 }

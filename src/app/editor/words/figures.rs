@@ -1,5 +1,9 @@
 //! Numbers with words.
 
+use std::ops::RangeInclusive;
+
+use bevy_egui::egui;
+
 /// The number with its noun: `1 node`, `2,345 nodes`, `3 leaves`.
 pub fn counted(number: u64, what: &str) -> String {
     match what.strip_suffix('f') {
@@ -32,5 +36,52 @@ pub(crate) fn length(units: f32) -> String {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
+    }
+}
+
+/// A number in few characters: large ones have three digits and the power of ten, and zero has no minus.
+pub(crate) fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
+    const LARGEST: f64 = 1e7;
+    if number.abs() >= LARGEST {
+        return format!("{number:.2e}");
+    }
+    let text = egui::emath::format_with_decimals_in_range(number, decimals);
+    match text.strip_prefix('-') {
+        Some(unsigned) if unsigned.bytes().all(|byte| byte == b'0' || byte == b'.') => unsigned.to_owned(),
+        _ => text,
+    }
+}
+
+/// The decimals of numbers that stand side by side, at most.
+pub(crate) const MOST_DECIMALS: usize = 3;
+
+/// The decimals that it takes to show a number as exactly as [`MOST_DECIMALS`] do.
+pub(crate) fn decimals(number: f32) -> usize {
+    let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
+    (0..MOST_DECIMALS)
+        .find(|fewer| shown(*fewer) == shown(MOST_DECIMALS))
+        .unwrap_or(MOST_DECIMALS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stay_short() {
+        let shown = |number: f64| legible(number, 0..=3);
+        assert_eq!(shown(1.5), "1.5");
+        assert_eq!(shown(-1e-9), "0");
+        assert_eq!(legible(-1e-9, 2..=3), "0.00");
+        assert_eq!(shown(-0.25), "-0.25");
+        assert_eq!(shown(f64::from(f32::MAX)), "3.40e38");
+        assert_eq!(shown(-2e7), "-2.00e7");
+    }
+
+    #[test]
+    fn numbers_have_the_decimals_that_they_need() {
+        for (number, needed) in [(4.0, 0), (0.1, 1), (-0.25, 2), (1e-5, 0), (1.0 / 3.0, 3), (3e38, 0)] {
+            assert_eq!(decimals(number), needed, "{number}");
+        }
     }
 }
