@@ -2,8 +2,7 @@
 
 use bevy_egui::egui::Key;
 
-use super::table::{action, plain, shift};
-use super::{Action, ActionContext, Group};
+use super::action::{Action, ActionContext, Group, action, plain, shift};
 use crate::app::editor::command::arrange::{Reference, Side, Spacing};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Pivot};
 use crate::app::editor::command::shell::{Sheet, ShellCommand};

@@ -1,0 +1,202 @@
+//! What an action is and may refer to, and the parts of the rows of the tables.
+
+use bevy_egui::egui::Key;
+
+use crate::app::editor::command::Command;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::command::display::DisplaySettings;
+use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::seeing::Seeing;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::shortcut::Shortcut;
+use crate::app::editor::command::tool::Tool;
+
+/// The state that actions toggle, step or refer to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActionContext<'a> {
+    /// The display settings, from which modes and exposure are stepped.
+    pub display: DisplaySettings,
+    /// The overlay, from which the depth is stepped.
+    pub overlay: BvhOverlay,
+    /// The gizmo's settings, from which modes and axes are switched.
+    pub gizmo: GizmoSettings,
+    /// Whether rendering is held.
+    pub paused: bool,
+    /// Whether there are panels beside the viewport.
+    pub panels_shown: bool,
+    /// The selection, which many actions need.
+    pub selection: &'a Selection,
+    /// A tool that is in use is given up by its own key.
+    pub tool: Tool,
+    /// The keys that the user has chosen.
+    pub bound: &'a KeyBindings,
+    /// Whether the safe frame is shown.
+    pub safe_frame: bool,
+    /// The grid, which is shown or hidden.
+    pub grid: GridSettings,
+    /// Whether the dimensions of the selection are shown in the picture.
+    pub dimensions: bool,
+    /// What the view leaves out, of which parts are switched.
+    pub seeing: Seeing,
+    /// Whether some shapes are shown alone.
+    pub isolated: bool,
+    /// Whether the user flies. Control means slow then, and is no part of a shortcut.
+    pub flying: bool,
+}
+
+/// An action, which keys, menus, palette and scripts call by one name.
+#[derive(Clone, Copy)]
+pub struct Action {
+    /// The name in scripts and the palette.
+    pub name: &'static str,
+    /// The label in menus and the palette.
+    pub label: &'static str,
+    /// Its menu, and its heading in the overview.
+    pub group: Group,
+    /// The keys of the program, any of which will do; `keys_in` gives those that the user has chosen instead.
+    pub keys: &'static [Shortcut],
+    /// The command. None: there is nothing to apply it to.
+    pub command: fn(&ActionContext) -> Option<Command>,
+}
+
+/// The headings of the overview, and the menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// The menu of opening, saving and importing.
+    File,
+    /// The menu of history, selection and clipboard.
+    Edit,
+    /// The menu of new things.
+    Add,
+    /// The menu of places: steps, alignment, series.
+    Arrange,
+    /// The menu of camera and display.
+    View,
+    /// Samples, denoiser, comparison.
+    Render,
+    /// Panels, preferences, help.
+    Window,
+}
+
+impl Group {
+    /// The groups with their headings, in the order of the menus.
+    pub const ALL: [(Self, &'static str); 7] = [
+        (Self::File, "File"),
+        (Self::Edit, "Edit"),
+        (Self::Add, "Add"),
+        (Self::Arrange, "Arrange"),
+        (Self::View, "View"),
+        (Self::Render, "Render"),
+        (Self::Window, "Window"),
+    ];
+
+    /// The heading.
+    pub fn title(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .find(|(group, _)| *group == self)
+            .map_or("", |(_, title)| title)
+    }
+}
+
+impl ActionContext<'_> {
+    pub(super) fn with_selection(&self, command: Command) -> Option<Command> {
+        (!self.selection.is_empty()).then_some(command)
+    }
+
+    pub(super) fn exposed(&self, stops: f32) -> Command {
+        Command::SetDisplay(DisplaySettings {
+            exposure: self.display.exposure + stops,
+            ..self.display
+        })
+    }
+
+    /// Updates the state after a command, for the next one.
+    pub fn follow(&mut self, command: &Command) {
+        match command {
+            Command::SetDisplay(display) => self.display = *display,
+            Command::SetOverlay(overlay) => self.overlay = *overlay,
+            Command::SetGizmo(settings) => self.gizmo = *settings,
+            Command::SetPaused(paused) => self.paused = *paused,
+            Command::SetTool(tool) => self.tool = *tool,
+            Command::SetSeeing(seeing) => self.seeing = *seeing,
+            Command::Isolate(entities) => self.isolated = !entities.is_empty(),
+            Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
+            Command::SetGrid(grid) => self.grid = *grid,
+            Command::ShowDimensions(shown) => self.dimensions = *shown,
+            Command::ShowPanels(shown) => self.panels_shown = *shown,
+            _ => {}
+        }
+    }
+}
+
+pub(super) const fn plain(key: Key) -> Shortcut {
+    Shortcut::plain(key)
+}
+
+pub(super) const fn numpad(key: Key) -> Shortcut {
+    Shortcut {
+        numpad: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn command_numpad(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..numpad(key)
+    }
+}
+
+pub(super) const fn command_alt(key: Key) -> Shortcut {
+    Shortcut {
+        alt: true,
+        ..command(key)
+    }
+}
+
+pub(super) const fn command(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn shift(key: Key) -> Shortcut {
+    Shortcut {
+        shift: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn alt(key: Key) -> Shortcut {
+    Shortcut {
+        alt: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn command_shift(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..shift(key)
+    }
+}
+
+pub(super) const fn action(
+    group: Group,
+    name: &'static str,
+    label: &'static str,
+    keys: &'static [Shortcut],
+    command: fn(&ActionContext) -> Option<Command>,
+) -> Action {
+    Action {
+        name,
+        label,
+        group,
+        keys,
+        command,
+    }
+}
