@@ -131,6 +131,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<model::EditorModel>()
             .init_resource::<model::thumbnails::Thumbnails>()
             .init_resource::<window::preview::Previews>()
+            .insert_resource(session::picture_cache::PictureCache::of_user(options.is_attended()))
             .init_resource::<window::dialogs::Dialogs>()
             .init_resource::<picture::frame_times::FrameTimes>()
             .insert_resource(picture::pacing::Pacing::new(options.undrawn))

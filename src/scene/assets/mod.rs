@@ -1,5 +1,6 @@
 //! Assets read from files: meshes, pictures and scenes, each beside its loader.
 
+pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
 pub mod parts_cache;

@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
-use std::fs::{self, File, Metadata};
+use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hasher};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -15,6 +15,7 @@ use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
+use super::cache_folder::{cache_folder, cache_folders};
 use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
 
 /// The time after which parts that were not used are removed.
@@ -30,12 +31,11 @@ const MARKER: &str = "last-used";
 /// The names of lists of parts in use begin so.
 const LIST: &str = "in-use-";
 
+/// The folder of the cache within those of the program.
+const NAME: &str = "gltf";
+
 /// The cache of this program.
-pub(crate) static CACHE: LazyLock<PartsCache> = LazyLock::new(|| {
-    let mut folders = cache_folders();
-    let folder = folders.find(|folder| prepare(folder).is_ok());
-    PartsCache::new(folder.and_then(|folder| folder.canonicalize().ok()))
-});
+pub(crate) static CACHE: LazyLock<PartsCache> = LazyLock::new(|| PartsCache::new(cache_folder(NAME)));
 
 pub(crate) struct PartsCache {
     /// The folder; None if nothing can be written.
@@ -125,30 +125,6 @@ impl PartsCache {
         };
         list.write_all(format!("{hash}\n").as_bytes())
     }
-}
-
-/// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user: such a folder may hold
-/// links and files that nobody here has put there.
-fn prepare(folder: &Path) -> io::Result<()> {
-    let planted = || io::Error::other("the folder is a link, or belongs to another user");
-    for folder in folder.ancestors().take(2).collect::<Vec<_>>().into_iter().rev() {
-        fs::create_dir_all(folder)?;
-        let about = fs::symlink_metadata(folder)?;
-        if !about.is_dir() || !is_ours(&about) {
-            return Err(planted());
-        }
-    }
-    Ok(())
-}
-
-#[cfg(target_os = "linux")]
-fn is_ours(about: &Metadata) -> bool {
-    std::os::unix::fs::MetadataExt::uid(about) == rustix::process::geteuid().as_raw()
-}
-
-#[cfg(not(target_os = "linux"))]
-fn is_ours(_: &Metadata) -> bool {
-    true
 }
 
 /// Makes the folder of a part. It replaces anything else of that name.
@@ -263,7 +239,7 @@ fn is_hash(name: &OsStr) -> bool {
 
 /// Whether a file was made here, and may be gone another day.
 pub fn is_part(path: &Path) -> bool {
-    cache_folders().any(|folder| path.starts_with(folder))
+    cache_folders(NAME).any(|folder| path.starts_with(folder))
 }
 
 /// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links of unknown origin.
@@ -273,22 +249,10 @@ pub(crate) fn allow_parts(allow: impl FnOnce(&Path)) {
     }
 }
 
-/// The folders where parts may be kept, best place first, absolute.
-fn cache_folders() -> impl Iterator<Item = PathBuf> {
-    let folder = |variable: &str| std::env::var_os(variable).map(PathBuf::from);
-    let caches = [
-        folder("XDG_CACHE_HOME"),
-        folder("LOCALAPPDATA"),
-        folder("HOME").map(|home| home.join(".cache")),
-        Some(std::env::temp_dir()),
-    ];
-    let absolute = caches.into_iter().flatten().filter(|folder| folder.is_absolute());
-    absolute.map(|folder| folder.canonicalize().unwrap_or(folder).join("sunroom/gltf"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::assets::cache_folder::prepare;
 
     const DAY: u64 = 24 * 3600;
 

@@ -35,7 +35,7 @@ const BUILT_IN: &str = include_str!("../../../../assets/materials.xml");
 
 /// Loads all presets, and gives the problems with the user's file.
 pub fn load() -> (Vec<Preset>, Vec<String>) {
-    let (mut presets, _) = of_text(BUILT_IN, Path::new("materials.xml"));
+    let mut presets = built_in();
     let mut complaints = Vec::new();
     if let Some(path) = own_file()
         && let Ok(text) = files::read_text(&path, LARGEST_NOTE)
@@ -45,6 +45,11 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
         complaints = wrong;
     }
     (presets, complaints)
+}
+
+/// The presets that come with the program.
+pub fn built_in() -> Vec<Preset> {
+    of_text(BUILT_IN, Path::new("materials.xml")).0
 }
 
 /// The path of the user's presets, if there are any.

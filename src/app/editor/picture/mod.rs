@@ -3,6 +3,7 @@
 
 pub mod awaited_image;
 pub mod axis_colors;
+pub mod ball_picture;
 pub mod compare;
 pub mod denoiser;
 pub mod depths;

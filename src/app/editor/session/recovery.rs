@@ -11,6 +11,7 @@ use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, block_on, futures::check_ready};
 
 use super::history::History;
+use super::stable_hash::stable_hash;
 use super::toasts::{Toasts, Tone, Topic};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
@@ -83,7 +84,11 @@ impl Recovery {
     /// The folder to which edits of this scene are written aside; None if there is none.
     fn folder_of(&self, scene: Option<&Path>) -> Option<PathBuf> {
         let name = match scene {
-            Some(scene) => format!("{:016x}-{}", hash(scene.as_os_str().as_encoded_bytes()), self.run),
+            Some(scene) => format!(
+                "{:016x}-{}",
+                stable_hash(scene.as_os_str().as_encoded_bytes()),
+                self.run
+            ),
             None => format!("untitled-{}", self.run),
         };
         Some(self.folder.as_ref()?.join(name))
@@ -108,13 +113,6 @@ impl Aside {
         drop(self.lock);
         remove(&self.folder);
     }
-}
-
-/// The FNV-1a hash: it is the same in every version of the program.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    })
 }
 
 /// The note comes first: as soon as the scene is there, it is offered.

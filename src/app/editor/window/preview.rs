@@ -1,5 +1,5 @@
-//! Renders pictures of materials, of the scene and of the library. They are rendered one after the other on a thread of the lowest priority, shown
-//! as they improve, and begun anew when their material changes.
+//! Pictures of materials, of the scene and of the library. Those of the library come with the program; the user's own are kept between runs. All
+//! others are rendered one after the other on a thread of the lowest priority, shown as they improve, and begun anew when their material changes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,12 +10,13 @@ use bevy_egui::{EguiContexts, egui};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 
 use super::widgets::Widgets;
-use crate::app::editor::command::material_tree::flattened;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{EditorModel, Model};
+use crate::app::editor::picture::ball_picture::{self, without_noise};
 use crate::app::editor::picture::material_ball::{BallMaterial, MaterialBall};
 use crate::app::editor::picture::pacing::Pacing;
-use crate::engine::{PackedScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
+use crate::app::editor::session::picture_cache::{Kept, PictureCache};
+use crate::engine::{PackedScene, WakeUp, yield_to_all, yield_to_window};
 use crate::render::tonemap::Display;
 
 /// The quality of a picture.
@@ -33,7 +34,10 @@ const BEST: Quality = Quality {
     samples: 128,
 };
 const INSIDE: Quality = Quality { edge: 96, samples: 64 };
-const LIBRARY: Quality = Quality { edge: 112, samples: 32 };
+const LIBRARY: Quality = Quality {
+    edge: ball_picture::EDGE,
+    samples: 128,
+};
 const LISTED: Quality = Quality { edge: 40, samples: 32 };
 /// The samples that all pictures get before any gets more.
 const ROUGH: u32 = 4;
@@ -45,6 +49,8 @@ struct Picture {
     look: BallMaterial,
     texture: egui::TextureHandle,
     quality: Quality,
+    /// It came with the program.
+    is_shipped: bool,
 }
 
 /// A picture under way.
@@ -72,8 +78,8 @@ impl Drop for Work {
 #[derive(Resource, Default)]
 pub struct Previews {
     pictures: HashMap<Ball, Picture>,
-    /// The looks of the library, in its order.
-    presets: Vec<BallMaterial>,
+    /// The looks of the library, in its order, and under which keys their pictures are kept.
+    presets: Vec<(BallMaterial, Arc<str>)>,
     work: Option<Work>,
     /// The material whose thread ended too early: another attempt would fail as well.
     given_up: Option<BallMaterial>,
@@ -90,8 +96,9 @@ pub fn update_previews(
     packed: Res<PackedScene>,
     wake_up: Res<WakeUp>,
     pacing: Res<Pacing>,
+    cache: Res<PictureCache>,
 ) -> Result {
-    previews.load_library(&model.0, &widgets);
+    previews.load_library(&model.0, contexts.ctx_mut()?);
     let wanted = wanted(&model.0, &widgets, &packed, &previews.presets);
     let finished = previews.take_passes(contexts.ctx_mut()?);
     let is_wanted = |work: &Work| {
@@ -113,7 +120,8 @@ pub fn update_previews(
     if previews.work.is_none()
         && let Some((wanted, quality)) = previews.next(&wanted, pacing.rests())
     {
-        previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
+        let kept = wanted.key.clone().map(|key| (key, cache.clone()));
+        previews.work = start(wanted.ball, wanted.look.clone(), quality, kept, wake_up.clone());
     }
     previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
     previews.let_go(&packed, &wanted);
@@ -127,10 +135,12 @@ struct Wanted {
     look: BallMaterial,
     quality: Quality,
     is_inspected: bool,
+    /// The name of its picture in the cache.
+    key: Option<Arc<str>>,
 }
 
 /// The pictures that panels show, the most important first.
-fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[BallMaterial]) -> Vec<Wanted> {
+fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[(BallMaterial, Arc<str>)]) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
         .enumerate()
@@ -150,16 +160,18 @@ fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[Bal
             look,
             quality,
             is_inspected: quality != LISTED,
+            key: None,
         })
     });
     let of_library = widgets.shelf.in_sight.iter().filter_map(|&place| {
-        let look = presets.get(place)?.clone();
+        let (look, key) = presets.get(place)?.clone();
         let (ball, quality) = (Ball::Preset(place), LIBRARY);
         Some(Wanted {
             ball,
             look,
             quality,
             is_inspected: false,
+            key: Some(key),
         })
     });
     of_scene.chain(of_library).collect()
@@ -177,20 +189,25 @@ impl Previews {
         self.are_done
     }
 
-    /// Packs the library's materials when they are in sight for the first time.
-    fn load_library(&mut self, model: &Model, widgets: &Widgets) {
-        if widgets.shelf.in_sight.is_empty() || self.presets.len() == model.presets.len() {
+    /// Packs the library's materials, once, and takes the pictures that came with the program.
+    fn load_library(&mut self, model: &Model, context: &egui::Context) {
+        if self.presets.len() == model.presets.len() {
             return;
         }
-        let (materials, outermost) = flattened(model.presets.iter().map(|preset| &preset.tree));
-        let (materials, textures, ids) = pack_loose(&materials);
-        let (materials, textures) = (Arc::new(materials), Arc::new(textures));
-        let looks = outermost.into_iter().map(|place| BallMaterial {
-            materials: materials.clone(),
-            textures: textures.clone(),
-            material: ids[place],
-        });
-        self.presets = looks.collect();
+        let keys = model.presets.iter().map(|preset| ball_picture::key(preset).into());
+        self.presets = ball_picture::looks(&model.presets).into_iter().zip(keys).collect();
+        let mut shipped = ball_picture::shipped();
+        for (place, (look, key)) in self.presets.iter().enumerate() {
+            let Some(image) = shipped.remove(&**key) else { continue };
+            let ball = Ball::Preset(place);
+            let picture = Picture {
+                look: look.clone(),
+                texture: context.load_texture(format!("{ball:?}"), image, egui::TextureOptions::LINEAR),
+                quality: LIBRARY,
+                is_shipped: true,
+            };
+            self.pictures.insert(ball, picture);
+        }
     }
 
     /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was rendered from, with their
@@ -200,9 +217,10 @@ impl Previews {
             Ball::Material(entity) => packed.material_of_entity.contains_key(entity),
             Ball::Preset(_) => true,
         });
-        if self.pictures.len() > MOST {
+        let rendered = self.pictures.values().filter(|picture| !picture.is_shipped);
+        if rendered.count() > MOST {
             self.pictures
-                .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
+                .retain(|ball, picture| picture.is_shipped || wanted.iter().any(|wanted| wanted.ball == *ball));
         }
     }
 
@@ -260,6 +278,7 @@ impl Previews {
                         look: work.look.clone(),
                         texture: context.load_texture(format!("{:?}", work.ball), image, options),
                         quality,
+                        is_shipped: false,
                     };
                     self.pictures.insert(work.ball, picture);
                 }
@@ -273,7 +292,14 @@ impl Previews {
     }
 }
 
-fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> Option<Work> {
+/// `kept`: where the picture is kept between runs, and its name there.
+fn start(
+    ball: Ball,
+    look: BallMaterial,
+    quality: Quality,
+    kept: Option<(Arc<str>, PictureCache)>,
+    wake_up: WakeUp,
+) -> Option<Work> {
     let cancel = Arc::new(AtomicBool::new(false));
     let (sender, passes) = unbounded();
     let (flag, shown) = (cancel.clone(), look.clone());
@@ -284,7 +310,10 @@ fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> O
         } else {
             yield_to_all();
         }
-        render(&shown, quality, &flag, &sender, &wake_up);
+        match &kept {
+            Some((key, cache)) => render_or_take(&shown, quality, (key, cache), &flag, &sender, &wake_up),
+            None => drop(render(&shown, quality, &flag, &sender, &wake_up)),
+        }
         // The channel is closed before the window looks again.
         drop(sender);
         wake(&wake_up);
@@ -304,29 +333,61 @@ fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> O
     }
 }
 
-/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no longer needed.
-fn render(look: &BallMaterial, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
+/// Takes the picture of an earlier run, or renders one and keeps it when it is finished.
+fn render_or_take(
+    look: &BallMaterial,
+    quality: Quality,
+    (key, cache): (&str, &PictureCache),
+    cancel: &AtomicBool,
+    passes: &Sender<Pass>,
+    wake_up: &WakeUp,
+) {
+    let edge = quality.edge as usize;
+    if let Some(kept) = cache.get(key).filter(|kept| kept.image.size == [edge; 2]) {
+        // The receiver is gone if the picture is no longer needed.
+        let _ = passes.send(Pass {
+            samples: quality.samples,
+            image: kept.image,
+        });
+    } else if let Some(image) = render(look, quality, cancel, passes, wake_up)
+        && quality.samples > ROUGH
+    {
+        let text = String::new();
+        cache.keep(key, &Kept { image, text });
+    }
+}
+
+/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no longer needed. Returns the last.
+fn render(
+    look: &BallMaterial,
+    quality: Quality,
+    cancel: &AtomicBool,
+    passes: &Sender<Pass>,
+    wake_up: &WakeUp,
+) -> Option<egui::ColorImage> {
     let Quality { edge, samples } = quality;
-    let Some(ball) = MaterialBall::new(look, edge) else {
-        return;
-    };
+    let ball = MaterialBall::new(look, edge)?;
     let mut film = ball.film();
     let mut rgba = vec![0; (4 * edge * edge) as usize];
-    while film.sample_count() < samples {
+    loop {
         let more = film.sample_count().max(1);
-        if ball.refine(&mut film, more, cancel).is_none() {
-            return;
-        }
-        Display::default().encode_rgba(&film.radiance(), &mut rgba);
-        let size = [edge as usize; 2];
-        let pass = Pass {
-            samples: film.sample_count(),
-            image: egui::ColorImage::from_rgba_unmultiplied(size, &rgba),
+        ball.refine(&mut film, more, cancel)?;
+        let done = film.sample_count();
+        let radiance = match done >= ROUGH {
+            true => without_noise(&film, Some(1), cancel),
+            false => film.radiance(),
         };
-        if passes.send(pass).is_err() {
-            return;
-        }
+        Display::default().encode_rgba(&radiance, &mut rgba);
+        let image = egui::ColorImage::from_rgba_unmultiplied([edge as usize; 2], &rgba);
+        let pass = Pass {
+            samples: done,
+            image: image.clone(),
+        };
+        passes.send(pass).ok()?;
         wake(wake_up);
+        if done >= samples {
+            return Some(image);
+        }
     }
 }
 
@@ -339,6 +400,7 @@ fn wake(wake_up: &WakeUp) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::editor::command::presets::{self, Preset};
     use crate::color::Rgb;
     use crate::material::{Material, MaterialId, MaterialTable};
     use crate::shading::{Bsdf, Diffuse};
@@ -355,24 +417,64 @@ mod tests {
         };
         const QUALITY: Quality = Quality { edge: 8, samples: 4 };
         let entity = Entity::from_raw_u32(1).expect("a small index is valid");
-        let work = start(Ball::Material(entity), look, QUALITY, WakeUp::default()).expect("a thread");
+        let work = start(Ball::Material(entity), look, QUALITY, None, WakeUp::default()).expect("a thread");
         let samples: Vec<u32> = work.passes.iter().map(|pass| pass.samples).collect();
         assert_eq!(samples, [1, 2, 4]);
     }
 
-    #[test]
-    fn every_material_of_the_library_can_be_rendered() {
+    fn with_presets(presets: Vec<Preset>) -> (Previews, Model) {
         let model = Model {
-            presets: Arc::new(crate::app::editor::command::presets::load().0),
+            presets: Arc::new(presets),
             ..Model::default()
         };
-        let mut widgets = Widgets::default();
-        widgets.shelf.in_sight = vec![0];
         let mut previews = Previews::default();
-        previews.load_library(&model, &widgets);
+        previews.load_library(&model, &egui::Context::default());
+        (previews, model)
+    }
+
+    #[test]
+    fn every_material_of_the_library_can_be_rendered() {
+        let (previews, model) = with_presets(presets::built_in());
         assert_eq!(previews.presets.len(), model.presets.len());
-        for (look, preset) in previews.presets.iter().zip(model.presets.iter()) {
+        for ((look, _), preset) in previews.presets.iter().zip(model.presets.iter()) {
             assert!(MaterialBall::new(look, 8).is_some(), "{}", preset.path());
         }
+    }
+
+    #[test]
+    fn the_library_is_there_at_once_and_only_what_differs_from_it_is_rendered() {
+        let mut changed = presets::built_in();
+        changed[3].tree = changed[3].tree.clone().wrapped("twosided").wrapped("mask");
+        let (mut previews, model) = with_presets(changed);
+        let mut widgets = Widgets::default();
+        widgets.shelf.in_sight = (0..model.presets.len()).collect();
+        let wanted = wanted(&model, &widgets, &PackedScene::default(), &previews.presets);
+        let (next, _) = previews.next(&wanted, true).expect("one is missing");
+        assert_eq!(next.ball, Ball::Preset(3));
+        assert_eq!(previews.shown().len(), model.presets.len() - 1);
+        // They are not forgotten when many others are shown, because they would have to be rendered then.
+        previews.let_go(&PackedScene::default(), &[]);
+        assert_eq!(previews.shown().len(), model.presets.len() - 1);
+    }
+
+    #[test]
+    fn a_material_of_the_user_is_rendered_once() {
+        let (previews, _) = with_presets(presets::built_in());
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let cache = PictureCache::in_folder(Some(folder.path().to_owned()));
+        const QUALITY: Quality = Quality { edge: 16, samples: 8 };
+        let passes = || {
+            let kept = Some(("own".into(), cache.clone()));
+            let look = previews.presets[0].0.clone();
+            let work = start(Ball::Preset(0), look, QUALITY, kept, WakeUp::default()).expect("a thread");
+            work.passes.iter().collect::<Vec<Pass>>()
+        };
+        let (rendered, taken) = (passes(), passes());
+        assert!(rendered.len() > 1);
+        let [only] = &taken[..] else {
+            panic!("{} passes", taken.len())
+        };
+        assert_eq!(only.samples, QUALITY.samples);
+        assert_eq!(Some(&only.image), rendered.last().map(|pass| &pass.image));
     }
 }
