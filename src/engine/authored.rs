@@ -1,10 +1,12 @@
 //! The queries by which extraction reads the world, and the order of the file for lists of it.
 
 use bevy::asset::AssetServer;
+use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::pack::Checker;
+use super::pack::instance::ShapeSource;
 use super::pack::light::{LightContext, pack_emitter};
 use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
 use super::pack::texture::TexturePacker;
@@ -16,25 +18,43 @@ use crate::scene::{
 };
 use crate::shading::DielectricModel;
 
+/// What is read of a shape.
+#[derive(QueryData)]
+pub(super) struct AuthoredShape {
+    pub entity: Entity,
+    pub order: &'static DocumentOrder,
+    pub id: Option<&'static SceneId>,
+    pub shape: &'static Shape,
+    pub to_world: &'static ToWorld,
+    pub mesh: Option<&'static MeshHandle>,
+    pub member_of: Option<&'static MemberOf>,
+    pub instance_of: Option<(&'static InstanceOf, Option<&'static Placements>)>,
+    uses: Option<&'static UsesMaterial>,
+    has_light: Has<AreaLight>,
+}
+
+impl<'w> AuthoredShapeItem<'w, '_> {
+    /// The name in messages.
+    pub fn name(&self) -> String {
+        name_of("shape", *self.order, self.id)
+    }
+
+    /// Its components by which it is packed.
+    pub fn source(&self) -> ShapeSource<'w> {
+        ShapeSource {
+            order: *self.order,
+            entity: self.entity,
+            shape: self.shape,
+            to_world: self.to_world.0,
+            material: self.uses.map(|uses| uses.0),
+            has_light: self.has_light,
+        }
+    }
+}
+
 #[derive(SystemParam)]
 pub(super) struct Authored<'w, 's> {
-    pub shapes: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            &'static Shape,
-            &'static ToWorld,
-            Option<&'static MeshHandle>,
-            Option<&'static MemberOf>,
-            Option<(&'static InstanceOf, Option<&'static Placements>)>,
-            Option<&'static UsesMaterial>,
-            Has<AreaLight>,
-        ),
-        Without<Hidden>,
-    >,
+    pub shapes: Query<'w, 's, AuthoredShape, Without<Hidden>>,
     pub groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
     pub surface_bindings: Query<
         'w,

@@ -8,12 +8,12 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryEntityError;
 use bevy::prelude::*;
 
-use super::authored::{Authored, name_of};
+use super::authored::Authored;
 use super::blas_cache::{BlasCache, BuildError, BuildPolicy, BuiltMesh, MeshKey};
 use super::detect::Touched;
 use super::extract::Extracted;
 use super::pack::group::{Layout, PlacedGroup};
-use super::pack::instance::{InstanceRecord, ShapeSource, pack_instance};
+use super::pack::instance::{InstanceRecord, pack_instance};
 use super::status::BvhStatus;
 use crate::accel::{Blas, Instance, Primitive, ShapeEdits};
 use crate::scene::{InstanceOf, MemberOf, MeshHandle, Shape, ShapeKind};
@@ -43,7 +43,7 @@ impl Extracted {
     /// Packs all shapes.
     fn update_all(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Vec<bool> {
         let mut shapes: Vec<_> = authored.shapes.iter().collect();
-        shapes.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        shapes.sort_by_key(|shape| (*shape.order, shape.entity));
         self.errors.instances.clear();
         self.meshes_loading = 0;
         cache.begin_use();
@@ -54,37 +54,29 @@ impl Extracted {
         let mut members: Vec<(Vec<Instance>, Vec<InstanceRecord>)> = groups.iter().map(|_| default()).collect();
         let mut placed = Vec::new();
         let (errors, meshes_loading) = (&mut self.errors.instances, &mut self.meshes_loading);
-        let in_world = shapes.into_iter().filter_map(|found| {
-            let (entity, &order, id, shape, to_world, handle, member_of, instance_of, material, has_light) = found;
-            if let Some((InstanceOf(group), placements)) = instance_of
+        let in_world = shapes.into_iter().filter_map(|shape| {
+            if let Some((InstanceOf(group), placements)) = shape.instance_of
                 && let Some(&group) = groups.get(group)
             {
                 placed.push(PlacedGroup {
-                    entity,
-                    name: name_of("shape", order, id),
+                    entity: shape.entity,
+                    name: shape.name(),
                     group,
-                    places: placements.map_or_else(|| Arc::new(vec![to_world.0.into()]), |many| many.places.clone()),
+                    places: placements
+                        .map_or_else(|| Arc::new(vec![shape.to_world.0.into()]), |many| many.places.clone()),
                 });
                 return None;
             }
-            let source = ShapeSource {
-                order,
-                entity,
-                shape,
-                to_world: to_world.0,
-                material: material.map(|uses| uses.0),
-                has_light,
-            };
-            let mesh = mesh_of(shape, handle, authored, cache, policy);
+            let mesh = mesh_of(shape.shape, shape.mesh, authored, cache, policy);
             *meshes_loading += u32::from(mesh.is_loading);
-            let (instance, record) = match pack_instance(&source, mesh.built) {
+            let (instance, record) = match pack_instance(&shape.source(), mesh.built) {
                 Ok(packed) => packed?,
                 Err(error) => {
-                    errors.insert((order, entity), format!("{}: {error}", name_of("shape", order, id)));
+                    errors.insert((*shape.order, shape.entity), format!("{}: {error}", shape.name()));
                     return None;
                 }
             };
-            match member_of.and_then(|MemberOf(group)| groups.get(group)) {
+            match shape.member_of.and_then(|MemberOf(group)| groups.get(group)) {
                 Some(&group) => {
                     members[group].0.push(instance);
                     members[group].1.push(record);
@@ -341,33 +333,24 @@ fn edited(entity: Entity, authored: &Authored, cache: &mut BlasCache, policy: &B
         packed: None,
         error: None,
     };
-    let found = match authored.shapes.get(entity) {
-        Ok(found) => found,
+    let shape = match authored.shapes.get(entity) {
+        Ok(shape) => shape,
         Err(QueryEntityError::QueryDoesNotMatch(..) | QueryEntityError::NotSpawned(_)) => return Some(none),
         Err(_) => return None,
     };
-    let (entity, &order, id, shape, to_world, handle, member_of, instance_of, material, has_light) = found;
-    if member_of.is_some() || instance_of.is_some() {
+    if shape.member_of.is_some() || shape.instance_of.is_some() {
         return None;
     }
-    let source = ShapeSource {
-        order,
-        entity,
-        shape,
-        to_world: to_world.0,
-        material: material.map(|uses| uses.0),
-        has_light,
-    };
-    let mesh = mesh_of(shape, handle, authored, cache, policy);
-    let has_mesh = matches!(shape.kind, ShapeKind::Mesh(_) | ShapeKind::Solid(_));
+    let mesh = mesh_of(shape.shape, shape.mesh, authored, cache, policy);
+    let has_mesh = matches!(shape.shape.kind, ShapeKind::Mesh(_) | ShapeKind::Solid(_));
     if has_mesh && mesh.built.is_none() {
         return None;
     }
-    Some(match pack_instance(&source, mesh.built) {
+    Some(match pack_instance(&shape.source(), mesh.built) {
         Ok(packed) => Edited { packed, error: None },
         Err(error) => Edited {
             packed: None,
-            error: Some(format!("{}: {error}", name_of("shape", order, id))),
+            error: Some(format!("{}: {error}", shape.name())),
         },
     })
 }
