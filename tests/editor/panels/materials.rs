@@ -193,7 +193,7 @@ fn a_material_is_put_into_another_and_taken_out() {
     wrapped.materials.push(InspectedMaterial {
         entity: entity(9),
         name: "clay".into(),
-        material: Material::default(),
+        material: Material::default().into(),
         place: MaterialPlace::Inside,
         path: vec![0],
         mixed: Default::default(),

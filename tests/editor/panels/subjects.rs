@@ -16,7 +16,7 @@ pub fn with_material(material: Material) -> Inspected {
         materials: vec![InspectedMaterial {
             entity: entity(7),
             name: "paint".into(),
-            material,
+            material: material.into(),
             place: MaterialPlace::Whole,
             path: Vec::new(),
             mixed: Default::default(),

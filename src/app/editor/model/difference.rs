@@ -284,7 +284,7 @@ mod tests {
         let entry = |path: &[usize], material: Material| InspectedMaterial {
             entity: Entity::PLACEHOLDER,
             name: "material".into(),
-            material,
+            material: material.into(),
             place: MaterialPlace::Inside,
             path: path.to_vec(),
             mixed: Mixed::default(),

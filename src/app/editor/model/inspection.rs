@@ -1,5 +1,7 @@
 //! Fills the inspector's part of the panels' model from the selection.
 
+use std::sync::Arc;
+
 use bevy::ecs::query::ROQueryItem;
 use bevy::prelude::*;
 
@@ -53,8 +55,9 @@ pub fn gather_selection(
         selection.retain(|entity| parts.contains(*entity));
     }
     let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes);
+    let before = model.0.inspected.take().map_or(Vec::new(), |before| before.materials);
     model.0.inspected = selection.active().and_then(inspected).map(|mut shown| {
-        shown.materials = inspected_materials(&shown, &materials);
+        shown.materials = inspected_materials(&shown, &materials, &before);
         let others = selection.entities().iter().filter(|other| **other != shown.entity);
         let others: Vec<Inspected> = others
             .take(MOST_COMPARED)
@@ -111,14 +114,24 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     })
 }
 
-/// What the panel shows of the materials of a thing: of itself, if it is one, or else of the one it uses, and those nested in it.
-fn inspected_materials(thing: &Inspected, materials: &Query<MaterialParts>) -> Vec<InspectedMaterial> {
+/// What the panel shows of the materials of a thing: of itself, if it is one, or else of the one it uses, and those nested in it. What has not
+/// changed since the frame `before` is shared with it.
+fn inspected_materials(
+    thing: &Inspected,
+    materials: &Query<MaterialParts>,
+    before: &[InspectedMaterial],
+) -> Vec<InspectedMaterial> {
+    let shared = |entity, material: &Material| {
+        let known = before.iter().find(|known| known.entity == entity);
+        let unchanged = known.filter(|known| *known.material == *material);
+        unchanged.map_or_else(|| Arc::new(material.clone()), |known| known.material.clone())
+    };
     let mut found = Vec::new();
     let mut meet = |path, place, (naming, material, users, first, second): MaterialItem| {
         found.push(InspectedMaterial {
             entity: naming.entity,
             name: naming.name(material.info().label),
-            material: material.clone(),
+            material: shared(naming.entity, material),
             place,
             path,
             mixed: Mixed::default(),
@@ -190,5 +203,32 @@ fn for_each_material<'q, 's>(
     for (step, (inner, place)) in inside.enumerate() {
         let path = path.iter().copied().chain([step]).collect();
         for_each_material(inner, place, path, materials, meet);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::RunSystemOnce;
+
+    use super::*;
+
+    #[test]
+    fn a_material_is_copied_only_when_it_has_changed() {
+        let mut world = World::new();
+        world.init_resource::<EditorModel>();
+        world.init_resource::<Assets<TriangleMesh>>();
+        let entity = world.spawn(Material::default()).id();
+        world.insert_resource(Selection::of([entity]));
+        let shown = |world: &mut World| {
+            world.run_system_once(gather_selection).expect("it has all it needs");
+            let inspected = world.resource::<EditorModel>().0.inspected.as_ref();
+            inspected.expect("it is selected").materials[0].material.clone()
+        };
+        let first = shown(&mut world);
+        // Writing the same value marks it as changed for the ECS.
+        world.entity_mut(entity).insert(Material::default());
+        assert!(Arc::ptr_eq(&first, &shown(&mut world)));
+        world.entity_mut(entity).insert(Material::Null);
+        assert_eq!(*shown(&mut world), Material::Null);
     }
 }

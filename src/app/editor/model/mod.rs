@@ -98,8 +98,8 @@ pub struct InspectedMaterial {
     pub entity: Entity,
     /// The heading.
     pub name: String,
-    /// The present parameters.
-    pub material: Material,
+    /// The present parameters, which are shared from frame to frame until they change.
+    pub material: Arc<Material>,
     /// The part that it has within another material.
     pub place: MaterialPlace,
     /// The index of the nested material to take at each level, from the outermost material to this one.

@@ -1,5 +1,7 @@
 //! The panel with everything about the selected thing that can be edited.
 
+use std::collections::HashMap;
+
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
@@ -10,14 +12,36 @@ use super::section::section;
 use super::{camera_angles, dimensions, emission, fields, lengths, sensor, solid, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
-use crate::app::editor::model::{Inspected, InspectedMesh, MaterialPlace, Model};
+use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, Model};
 use crate::math::Aabb;
-use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::{EmitterKind, Material, MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// The state that the panel keeps between frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct InspectorState {
     angles: transform::ShownAngles,
+    materials: EditedMaterials,
+}
+
+/// Copies of the materials that are shown, for their rows to edit. Only a material that has changed is copied anew.
+#[derive(Debug, Default)]
+struct EditedMaterials(HashMap<Entity, Material>);
+
+impl EditedMaterials {
+    /// The copy, which is equal to `shown`.
+    fn of(&mut self, entry: &InspectedMaterial) -> &mut Material {
+        let copy = self.0.entry(entry.entity).or_insert_with(|| (*entry.material).clone());
+        if *copy != *entry.material {
+            copy.clone_from(&entry.material);
+        }
+        copy
+    }
+
+    /// Forgets the materials that are not shown any more.
+    fn keep(&mut self, shown: &[InspectedMaterial]) {
+        self.0
+            .retain(|entity, _| shown.iter().any(|entry| entry.entity == *entity));
+    }
 }
 
 /// The points at the right that a scroll bar covers if not everything fits.
@@ -78,7 +102,9 @@ fn sections(
     }
     let has_surface = inspected.shape.as_ref().is_some_and(|shape| !shape.is_frame());
     if has_surface || !inspected.materials.is_empty() {
-        section(ui, "Material", |ui| material_rows(ui, inspected, model, commands));
+        section(ui, "Material", |ui| {
+            material_rows(ui, inspected, model, &mut state.materials, commands)
+        });
     }
     if has_surface {
         section(ui, "Emission", |ui| {
@@ -284,7 +310,13 @@ fn several_or(inspected: Entity, model: &Model) -> Vec<Entity> {
     }
 }
 
-fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &mut Vec<Command>) {
+fn material_rows(
+    ui: &mut Ui,
+    inspected: &Inspected,
+    model: &Model,
+    copies: &mut EditedMaterials,
+    commands: &mut Vec<Command>,
+) {
     if inspected.shape.is_some() {
         let mut used = inspected.uses_material;
         let mut options: Vec<(Option<_>, &str)> = vec![(None, without_material(inspected))];
@@ -312,17 +344,70 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
             }
         });
     }
+    copies.keep(&inspected.materials);
     for entry in &inspected.materials {
         ui.push_id(entry.entity, |ui| {
             material_header(ui, entry, model, commands);
-            let mut edited = entry.material.clone();
+            let edited = copies.of(entry);
             let edit = fields::compared(ui, &entry.mixed, |ui| {
-                material::material(ui, &mut edited, entry.place, &model.textures)
+                material::material(ui, edited, entry.place, &model.textures)
             });
             if edit.changed {
-                commands.push(Command::SetMaterial(entry.entity, Box::new(edited)));
+                commands.push(Command::SetMaterial(entry.entity, Box::new(edited.clone())));
             }
             choose_picture(entry.entity, edit, commands);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use egui_kittest::Harness;
+
+    use super::*;
+    use crate::app::editor::model::mixed::Mixed;
+
+    #[test]
+    fn a_frame_without_edits_copies_no_material() {
+        let entity = Entity::PLACEHOLDER;
+        let material = Material::of_plugin("principled").expect("a plugin");
+        let entry = InspectedMaterial {
+            entity,
+            name: "paint".into(),
+            material: Arc::new(material),
+            place: MaterialPlace::Whole,
+            path: Vec::new(),
+            mixed: Mixed::default(),
+            users: 1,
+            inside: Vec::new(),
+        };
+        let model = Model {
+            inspected: Some(Inspected {
+                materials: vec![entry],
+                ..Inspected::new(entity, "paint")
+            }),
+            ..Model::default()
+        };
+        let mut harness = Harness::new_ui_state(
+            move |ui, (state, places): &mut (InspectorState, Vec<*const _>)| {
+                let mut commands = Vec::new();
+                inspector(ui, &model, 1.0, state, &mut commands);
+                assert_eq!(commands, []);
+                // The parameters of a copy would be elsewhere.
+                let copy = state.materials.0.get(&entity);
+                if let Some(Material::Principled(parameters)) = copy {
+                    places.push(Arc::as_ptr(parameters));
+                }
+            },
+            Default::default(),
+        );
+        harness.run_steps(4);
+        let (_, places) = harness.state();
+        assert!(
+            places.len() >= 4 && places.iter().all(|place| *place == places[0]),
+            "{places:?}"
+        );
     }
 }

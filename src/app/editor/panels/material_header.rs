@@ -4,7 +4,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use crate::app::editor::command::Command;
-use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, wrappers};
+use crate::app::editor::command::material_tree::{Inside, MaterialTree, can_wrap, wrappers};
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
 use crate::scene::Material;
@@ -97,13 +97,13 @@ fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut 
             tree: Box::new(tree),
         });
     };
-    let own = MaterialTree::of(&entry.material, &entry.inside);
+    let own = || MaterialTree::of(&entry.material, &entry.inside);
     ui.menu_button("Put it into", |ui| {
         for wrapper in wrappers() {
             let allowed = can_wrap(wrapper.name, &entry.material);
             let button = egui::Button::new(wrapper.label);
             if ui.add_enabled(allowed, button).clicked() {
-                become_tree(own.clone().wrapped(wrapper.name));
+                become_tree(own().wrapped(wrapper.name));
             }
         }
     });
@@ -123,23 +123,18 @@ fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut 
             become_tree(MaterialTree::of(&inner.material, &inner.inside));
         }
     }
-    let mut changed = own.clone();
-    let offer = match (&entry.material, entry.inside.len()) {
-        (Material::TwoSided, 1) => {
-            changed.inside.push(MaterialTree::from(Material::default()).into());
-            "Give the back its own"
-        }
-        (Material::TwoSided, 2) => {
-            changed.inside.truncate(1);
-            "Same on both sides"
-        }
-        (Material::Blend { .. }, 2) => {
-            changed.inside.swap(0, 1);
-            "Exchange the two"
-        }
+    type Change = fn(&mut Vec<Inside>);
+    let (offer, change): (&str, Change) = match (&*entry.material, entry.inside.len()) {
+        (Material::TwoSided, 1) => ("Give the back its own", |inside| {
+            inside.push(MaterialTree::from(Material::default()).into());
+        }),
+        (Material::TwoSided, 2) => ("Same on both sides", |inside| inside.truncate(1)),
+        (Material::Blend { .. }, 2) => ("Exchange the two", |inside| inside.swap(0, 1)),
         _ => return,
     };
     if ui.button(offer).clicked() {
+        let mut changed = own();
+        change(&mut changed.inside);
         become_tree(changed);
     }
 }
