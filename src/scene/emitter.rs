@@ -1,7 +1,9 @@
 //! Lights as the user knows them. Radiometric units; no photometry.
 
+use std::collections::HashMap;
 use std::convert::identity;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -167,6 +169,12 @@ impl From<EmitterKind> for Emitter {
     }
 }
 
+/// The light of every plugin whose file gives no parameter.
+static USUAL: LazyLock<HashMap<&str, Emitter>> = LazyLock::new(|| {
+    let made = |plugin| Some((plugin, Emitter::of_plugin(plugin)?));
+    Emitter::PLUGINS.into_iter().filter_map(made).collect()
+});
+
 impl Emitter {
     /// The names of all plugins.
     pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
@@ -174,6 +182,11 @@ impl Emitter {
     /// The light of a plugin of this name whose file gives no parameter; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
         EmitterKind::of_plugin(plugin).map(Self::from)
+    }
+
+    /// The light of a plugin of this name whose file gives no parameter, to be read.
+    pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
+        USUAL.get(plugin)
     }
 
     /// The declaration of its plugin.

@@ -13,8 +13,10 @@ pub(crate) struct ParameterInfo {
     pub about: &'static str,
     /// The values that it takes, with their unit, in words.
     pub values: &'static str,
-    /// The bounds of a number. Those of a colour follow from its kind.
+    /// The bounds of a number, or of the channels of a colour whose kind does not say them.
     pub range: RangeInclusive<f32>,
+    /// The default of a number that is one of several parts of a parameter; the declaration of the plugin has those of all others.
+    pub usual: f32,
     /// Stands behind the number in the panel.
     pub unit: &'static str,
 }
@@ -28,6 +30,7 @@ impl ParameterInfo {
             about,
             values,
             range: f32::MIN..=f32::MAX,
+            usual: 0.0,
             unit: "",
         }
     }
@@ -66,6 +69,12 @@ impl ParameterInfo {
     /// Sets the bounds.
     pub const fn within(mut self, range: RangeInclusive<f32>) -> Self {
         self.range = range;
+        self
+    }
+
+    /// Sets the default.
+    pub const fn usually(mut self, usual: f32) -> Self {
+        self.usual = usual;
         self
     }
 

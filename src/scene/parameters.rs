@@ -114,6 +114,15 @@ fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, picture: &ChosenP
 /// The name of a bump map's texture where the file gives none.
 pub(crate) const HEIGHT: &str = "height";
 
+/// The largest index of refraction or extinction; the highest measured ones in the visible range are below 10.
+const HIGHEST_INDEX: f32 = 100.0;
+
+/// The indices of refraction of dielectrics.
+pub(crate) const INDICES: RangeInclusive<f32> = 0.01..=HIGHEST_INDEX;
+
+/// The largest absorption coefficient of a hair, factor on it, and concentration of a pigment: blacker than any.
+const MOST_ABSORPTION: f32 = 1e6;
+
 pub(crate) const MATERIAL: ParameterInfo = ParameterInfo::new(
     "material",
     "Metal",
@@ -126,35 +135,43 @@ pub(crate) const ETA: ParameterInfo = ParameterInfo::new(
     "Eta",
     "Real part of the metal's index of refraction, by colour.",
     "0 to 100 per channel, or a texture",
-);
+)
+.within(0.0..=HIGHEST_INDEX);
 
 pub(crate) const K: ParameterInfo = ParameterInfo::new(
     "k",
     "K",
     "Extinction: imaginary part of the metal's index of refraction, by colour. It is what makes a metal opaque.",
     "0 to 100 per channel, or a texture",
-);
+)
+.within(0.0..=HIGHEST_INDEX);
 
 pub(crate) const ALPHA: ParameterInfo = ParameterInfo::new(
     "alpha",
     "Roughness",
     "Spread of the slopes of tiny facets: the root of their mean square. Small is shiny.",
     "0.0001 to 1 and beyond, or a texture; 0.001 to 0.01 polished, 0.1 to 0.3 satin, 0.5 matt",
-);
+)
+.within(1e-4..=100.0)
+.usually(0.1);
 
 pub(crate) const ALPHA_U: ParameterInfo = ParameterInfo::new(
     "alpha_u",
     "Roughness u",
     "Spread of the facets' slopes along the first tangent, in which u grows: apart from the other it looks brushed.",
     "0.0001 to 1 and beyond, or a texture",
-);
+)
+.within(1e-4..=100.0)
+.usually(0.1);
 
 pub(crate) const ALPHA_V: ParameterInfo = ParameterInfo::new(
     "alpha_v",
     "Roughness v",
     "Spread of the facets' slopes along the second tangent, in which v grows.",
     "0.0001 to 1 and beyond, or a texture",
-);
+)
+.within(1e-4..=100.0)
+.usually(0.1);
 
 pub(crate) const SPECULAR: ParameterInfo = ParameterInfo::new(
     "specular",
@@ -162,14 +179,15 @@ pub(crate) const SPECULAR: ParameterInfo = ParameterInfo::new(
     "How strongly a surface that is no metal mirrors head on: the reflectance there over 0.08.",
     "0 to 1; 0.5 is an index of refraction of 1.5",
 )
-.within(0.0..=1.0);
+.within(0.0..=1.0)
+.usually(0.5);
 
 pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
     "eta",
     "Index",
     "Index of refraction inside over outside: how strongly the surface mirrors and, where it is glass, how far it bends light.",
     "0.01 to 100; plastic and glass have 1.5, water 1.33",
-);
+).within(INDICES).usually(1.5);
 
 pub(crate) const EUMELANIN: ParameterInfo = ParameterInfo::new(
     "eumelanin",
@@ -177,7 +195,8 @@ pub(crate) const EUMELANIN: ParameterInfo = ParameterInfo::new(
     "How much there is of the pigment that makes hair brown and black.",
     "0 or more; 0.3 blond, 1.3 brown, 8 black",
 )
-.within(0.0..=1e6);
+.within(0.0..=MOST_ABSORPTION)
+.usually(1.3);
 
 pub(crate) const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
     "pheomelanin",
@@ -185,17 +204,20 @@ pub(crate) const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
     "How much there is of the pigment that makes hair red.",
     "0 or more; 0.2 is common, 1 is red",
 )
-.within(0.0..=1e6);
+.within(0.0..=MOST_ABSORPTION)
+.usually(0.2);
 
 pub(crate) const SIGMA_A: ParameterInfo = ParameterInfo::new(
     "sigma_a",
     "Absorption",
     "How much light a fibre absorbs, by colour: the share exp(-1) is left after a way of its radius through an absorption of 1.",
     "0 or more per channel, or a texture",
-);
+).within(0.0..=MOST_ABSORPTION);
 
 pub(crate) const ABSORPTION_SCALE: ParameterInfo =
-    ParameterInfo::new("scale", "Scale", "Factor on the absorption.", "0 or more").within(0.0..=1e6);
+    ParameterInfo::new("scale", "Scale", "Factor on the absorption.", "0 or more")
+        .within(0.0..=MOST_ABSORPTION)
+        .usually(1.0);
 
 /// The complex index of refraction of a conductor, per colour channel.
 #[derive(Reflect, Clone, Debug, PartialEq)]
@@ -262,7 +284,7 @@ pub enum Roughness {
 
 impl Default for Roughness {
     fn default() -> Self {
-        Self::Isotropic(0.1.into())
+        Self::Isotropic(ALPHA.usual.into())
     }
 }
 
@@ -277,7 +299,7 @@ pub enum PrincipledIndex {
 
 impl Default for PrincipledIndex {
     fn default() -> Self {
-        Self::Specular(0.5)
+        Self::Specular(SPECULAR.usual)
     }
 }
 
@@ -304,8 +326,8 @@ impl Default for Absorption {
     /// The format's brown.
     fn default() -> Self {
         Self::Melanin {
-            eumelanin: 1.3,
-            pheomelanin: 0.2,
+            eumelanin: EUMELANIN.usual,
+            pheomelanin: PHEOMELANIN.usual,
         }
     }
 }
@@ -389,7 +411,8 @@ pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(
     "Cutoff",
     "Angle from the axis beyond which there is no light.",
     "degrees, above 0 and up to 90",
-);
+)
+.within(0.01..=180.0);
 
 pub(crate) const BEAM_WIDTH: ParameterInfo = ParameterInfo::degrees(
     "beam_width",
@@ -403,7 +426,8 @@ pub(crate) const FOV: ParameterInfo = ParameterInfo::degrees(
     "Field of view",
     "Angle across the picture.",
     "degrees, above 0 and below 180",
-);
+)
+.within(1e-3..=179.9);
 
 pub(crate) const FOV_AXIS: ParameterInfo = ParameterInfo::new(
     "fov_axis",

@@ -1,4 +1,4 @@
-//! One material of the scene as one of the renderer: names become numbers, numbers are brought into range.
+//! One material of the scene as one of the renderer: its numbers are brought into range, and names become numbers.
 
 use super::texture::TexturePacker;
 use super::{Checker, STAND_IN_ID};
@@ -7,13 +7,6 @@ use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf,
 use crate::scene::{Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
 use crate::shading::{DielectricModel, Fiber, MicrofacetKind, ShadingTables, SmoothCoat, ior, melanin_absorption};
 use crate::texture;
-
-/// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
-pub(super) const HIGHEST_IOR: f32 = 100.0;
-pub(super) const LOWEST_IOR: f32 = 0.01;
-
-/// Largest absorption coefficient of a hair, factor on it, and concentration of a pigment: blacker than any.
-const MOST_ABSORPTION: f32 = 1e6;
 
 /// Packs one material.
 pub(super) struct MaterialPacker<'a, 'e, 't> {
@@ -25,6 +18,7 @@ pub(super) struct MaterialPacker<'a, 'e, 't> {
 
 impl MaterialPacker<'_, '_, '_> {
     pub fn pack(&mut self, material: &Material, nested: [Option<MaterialId>; 2]) -> material::Material {
+        let material = &self.check.material(material);
         let first = |packer: &mut Self| {
             nested[0].unwrap_or_else(|| {
                 let plugin = material.plugin();
@@ -34,7 +28,7 @@ impl MaterialPacker<'_, '_, '_> {
         };
         let textured = match material {
             Material::Diffuse { reflectance } => TexturedBsdf::Diffuse {
-                reflectance: self.reflectance("reflectance", reflectance),
+                reflectance: self.textures.packed(reflectance),
             },
             Material::Conductor {
                 ior,
@@ -59,10 +53,10 @@ impl MaterialPacker<'_, '_, '_> {
                 specular_reflectance,
                 specular_transmittance,
             } => TexturedBsdf::Dielectric {
-                eta: self.eta(interior, "bk7", exterior),
+                eta: relative_index(interior, exterior),
                 model: self.model,
-                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
-                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
+                specular_reflectance: self.textures.packed(specular_reflectance),
+                specular_transmittance: self.textures.packed(specular_transmittance),
             },
             Material::RoughDielectric {
                 distribution,
@@ -72,11 +66,11 @@ impl MaterialPacker<'_, '_, '_> {
                 specular_reflectance,
                 specular_transmittance,
             } => {
-                let eta = self.eta(interior, "bk7", exterior);
+                let eta = relative_index(interior, exterior);
                 let model = self.model;
                 let facets = self.facets(*distribution, alpha);
-                let specular_reflectance = self.reflectance("specular_reflectance", specular_reflectance);
-                let specular_transmittance = self.reflectance("specular_transmittance", specular_transmittance);
+                let specular_reflectance = self.textures.packed(specular_reflectance);
+                let specular_transmittance = self.textures.packed(specular_transmittance);
                 // Light goes straight through where nothing refracts it, however rough: there is no density.
                 if eta == 1.0 {
                     TexturedBsdf::Dielectric {
@@ -101,10 +95,10 @@ impl MaterialPacker<'_, '_, '_> {
                 specular_reflectance,
                 specular_transmittance,
             } => TexturedBsdf::ThinDielectric {
-                eta: self.eta(interior, "bk7", exterior),
+                eta: relative_index(interior, exterior),
                 model: self.model,
-                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
-                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
+                specular_reflectance: self.textures.packed(specular_reflectance),
+                specular_transmittance: self.textures.packed(specular_transmittance),
             },
             Material::Plastic {
                 interior,
@@ -113,7 +107,7 @@ impl MaterialPacker<'_, '_, '_> {
                 specular_reflectance,
                 nonlinear,
             } => TexturedBsdf::Plastic {
-                coat: SmoothCoat::new(self.eta(interior, "polypropylene", exterior)),
+                coat: SmoothCoat::new(relative_index(interior, exterior)),
                 base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),
             },
             Material::RoughPlastic {
@@ -129,7 +123,7 @@ impl MaterialPacker<'_, '_, '_> {
                     self.check.report("`roughplastic` has one `alpha`: `alpha_u` is taken");
                 }
                 let TexturedFacets { kind, alpha_u, .. } = self.facets(*distribution, alpha);
-                let eta = self.eta(interior, "polypropylene", exterior);
+                let eta = relative_index(interior, exterior);
                 TexturedBsdf::RoughPlastic {
                     coat: match alpha_u {
                         texture::Parameter::Constant(alpha) => self.tables.uniform_coat(kind, eta, alpha),
@@ -140,8 +134,8 @@ impl MaterialPacker<'_, '_, '_> {
                 }
             }
             Material::Metal { reflectance, fuzz } => TexturedBsdf::Metal {
-                reflectance: self.reflectance("reflectance", reflectance),
-                fuzz: self.float("fuzz", fuzz, 0.0, 1.0, 0.0),
+                reflectance: self.textures.packed(reflectance),
+                fuzz: self.textures.packed(fuzz),
             },
             Material::Principled(principled) => TexturedBsdf::Principled(self.principled(principled)),
             Material::PrincipledThin(thin) => TexturedBsdf::PrincipledThin(self.principled_thin(thin)),
@@ -153,17 +147,15 @@ impl MaterialPacker<'_, '_, '_> {
                 interior,
                 exterior,
             } => {
-                let along = self
-                    .check
-                    .number("longitudinal_roughness", *longitudinal_roughness, 0.0, 1.0, 0.3);
-                let around = self
-                    .check
-                    .number("azimuthal_roughness", *azimuthal_roughness, 0.0, 1.0, 0.3);
-                let tilt = self.check.number("scale_tilt", *scale_tilt, -90.0, 90.0, 2.0);
-                let eta = self.eta(interior, "amber", exterior);
+                let eta = relative_index(interior, exterior);
                 let (sigma_a, scale) = self.absorption(absorption);
                 TexturedBsdf::Hair {
-                    fiber: Fiber::new(eta, along, around, tilt.to_radians()),
+                    fiber: Fiber::new(
+                        eta,
+                        *longitudinal_roughness,
+                        *azimuthal_roughness,
+                        scale_tilt.to_radians(),
+                    ),
                     sigma_a,
                     scale,
                 }
@@ -178,13 +170,13 @@ impl MaterialPacker<'_, '_, '_> {
                 return material::Material::Blend {
                     first,
                     second: nested[1].unwrap_or(first),
-                    weight: self.float("weight", weight, 0.0, 1.0, 0.5),
+                    weight: self.textures.packed(weight),
                 };
             }
             Material::Mask { opacity } => {
                 return material::Material::Mask {
                     nested: first(self),
-                    opacity: self.float("opacity", opacity, 0.0, 1.0, 0.5),
+                    opacity: self.textures.packed(opacity),
                 };
             }
             Material::NormalMap {
@@ -194,7 +186,7 @@ impl MaterialPacker<'_, '_, '_> {
             } => {
                 return material::Material::NormalMap {
                     nested: first(self),
-                    normals: self.reflectance("normalmap", normals),
+                    normals: self.textures.packed(normals),
                     options: BumpOptions {
                         flip_invalid_normals: *flip_invalid_normals,
                         use_shadowing_function: *use_shadowing_function,
@@ -209,8 +201,8 @@ impl MaterialPacker<'_, '_, '_> {
             } => {
                 return material::Material::BumpMap {
                     nested: first(self),
-                    height: self.float("height", height, f32::MIN, f32::MAX, 0.0),
-                    scale: self.check.number("scale", *scale, f32::MIN, f32::MAX, 1.0),
+                    height: self.textures.packed(height),
+                    scale: *scale,
                     options: BumpOptions {
                         flip_invalid_normals: *flip_invalid_normals,
                         use_shadowing_function: *use_shadowing_function,
@@ -222,38 +214,10 @@ impl MaterialPacker<'_, '_, '_> {
         material::Material::Textured(textured)
     }
 
-    pub(super) fn reflectance(&mut self, name: &str, value: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
-        self.color(name, value, 1.0)
-    }
-
-    fn color(&mut self, name: &str, value: &Parameter<Rgb>, high: f32) -> texture::Parameter<Rgb> {
-        match value {
-            Parameter::Constant(color) => texture::Parameter::Constant(self.check.color(name, *color, high)),
-            Parameter::Texture(texture) => self.textures.parameter(texture),
-        }
-    }
-
-    pub(super) fn float(
-        &mut self,
-        name: &str,
-        value: &Parameter<f32>,
-        low: f32,
-        high: f32,
-        otherwise: f32,
-    ) -> texture::Parameter<f32> {
-        match value {
-            Parameter::Constant(number) => {
-                texture::Parameter::Constant(self.check.number(name, *number, low, high, otherwise))
-            }
-            Parameter::Texture(texture) => self.textures.parameter(texture),
-        }
-    }
-
     fn facets(&mut self, distribution: Distribution, alpha: &Roughness) -> TexturedFacets {
-        let mut one = |name, alpha: &_| self.float(name, alpha, 1e-4, 100.0, 0.1);
         let [alpha_u, alpha_v] = match alpha {
-            Roughness::Isotropic(alpha) => [one("alpha", alpha); 2],
-            Roughness::Anisotropic { u, v } => [one("alpha_u", u), one("alpha_v", v)],
+            Roughness::Isotropic(alpha) => [self.textures.packed(alpha); 2],
+            Roughness::Anisotropic { u, v } => [self.textures.packed(u), self.textures.packed(v)],
         };
         TexturedFacets {
             kind: kind(distribution),
@@ -264,52 +228,35 @@ impl MaterialPacker<'_, '_, '_> {
 
     fn base(&mut self, diffuse: &Parameter<Rgb>, specular: &Parameter<Rgb>, nonlinear: bool) -> TexturedBase {
         TexturedBase {
-            diffuse_reflectance: self.reflectance("diffuse_reflectance", diffuse),
-            specular_reflectance: self.reflectance("specular_reflectance", specular),
+            diffuse_reflectance: self.textures.packed(diffuse),
+            specular_reflectance: self.textures.packed(specular),
             nonlinear,
         }
-    }
-
-    /// The index inside, or else that of `otherwise`, over that outside, or else that of air.
-    fn eta(&mut self, interior: &Ior, otherwise: &str, exterior: &Ior) -> f32 {
-        index("int_ior", interior, otherwise, &mut self.check) / index("ext_ior", exterior, "air", &mut self.check)
     }
 
     /// The coefficient, and a factor on it.
     fn absorption(&mut self, absorption: &Absorption) -> (texture::Parameter<Rgb>, f32) {
         match absorption {
             Absorption::Melanin { eumelanin, pheomelanin } => {
-                let eumelanin = self.check.number("eumelanin", *eumelanin, 0.0, MOST_ABSORPTION, 1.3);
-                let pheomelanin = self
-                    .check
-                    .number("pheomelanin", *pheomelanin, 0.0, MOST_ABSORPTION, 0.2);
-                let sigma_a = melanin_absorption(eumelanin, pheomelanin);
+                let sigma_a = melanin_absorption(*eumelanin, *pheomelanin);
                 (texture::Parameter::Constant(sigma_a), 1.0)
             }
-            Absorption::Given { sigma_a, scale } => {
-                let scale = self.check.number("scale", *scale, 0.0, MOST_ABSORPTION, 1.0);
-                (self.color("sigma_a", sigma_a, MOST_ABSORPTION), scale)
-            }
+            Absorption::Given { sigma_a, scale } => (self.textures.packed(sigma_a), *scale),
         }
     }
 
     fn conductor(&mut self, ior: &ConductorIor, specular_reflectance: &Parameter<Rgb>) -> TexturedSpecular {
         let (eta, k) = match ior {
             ConductorIor::Named(name) => {
-                let (eta, k) = ior::conductor_ior(name).unwrap_or_else(|| {
-                    self.check.report(format_args!(
-                        "there is no conductor named {name:?}, a perfect mirror is used"
-                    ));
-                    PERFECT_MIRROR
-                });
+                let (eta, k) = ior::conductor_ior(name).unwrap_or(PERFECT_MIRROR);
                 (texture::Parameter::Constant(eta), texture::Parameter::Constant(k))
             }
-            ConductorIor::Given { eta, k } => (self.color("eta", eta, HIGHEST_IOR), self.color("k", k, HIGHEST_IOR)),
+            ConductorIor::Given { eta, k } => (self.textures.packed(eta), self.textures.packed(k)),
         };
         TexturedSpecular {
             eta,
             k,
-            specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
+            specular_reflectance: self.textures.packed(specular_reflectance),
         }
     }
 }
@@ -324,15 +271,11 @@ fn kind(distribution: Distribution) -> MicrofacetKind {
     }
 }
 
-fn index(what: &str, ior: &Ior, otherwise: &str, check: &mut Checker) -> f32 {
-    let fallback = ior::dielectric_ior(otherwise).unwrap_or(1.0);
-    match ior {
-        Ior::Named(name) => ior::dielectric_ior(name).unwrap_or_else(|| {
-            check.report(format_args!(
-                "there is no material named {name:?} for {what}, {otherwise} is used"
-            ));
-            fallback
-        }),
-        Ior::Number(number) => check.number(what, *number, LOWEST_IOR, HIGHEST_IOR, fallback),
-    }
+/// The index inside over that outside.
+fn relative_index(interior: &Ior, exterior: &Ior) -> f32 {
+    let index = |ior: &Ior| match ior {
+        Ior::Named(name) => ior::dielectric_ior(name).unwrap_or(1.0),
+        Ior::Number(index) => *index,
+    };
+    index(interior) / index(exterior)
 }

@@ -2,33 +2,15 @@
 
 use bevy::math::Affine3A;
 
+use super::Checker;
 use super::environment::Environments;
 use super::texture::TexturePacker;
 use super::view::rigid;
-use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
+use crate::light;
 use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
-use crate::scene::{self, Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
+use crate::scene::{Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
 use crate::texture::Parameter;
-use crate::{light, texture};
-
-/// A colour of light: finite and not negative.
-pub(super) fn emission(
-    what: &str,
-    value: &scene::Parameter<Rgb>,
-    textures: &mut TexturePacker,
-    check: &mut Checker,
-) -> texture::Parameter<Rgb> {
-    match value {
-        scene::Parameter::Constant(color) => Parameter::Constant(check.color(what, *color, BRIGHTEST)),
-        scene::Parameter::Texture(texture) => textures.parameter(texture),
-    }
-}
-
-/// A factor on how often a light is chosen.
-pub(super) fn sampling_weight(value: f32, check: &mut Checker) -> f32 {
-    check.number("sampling_weight", value, 0.0, BRIGHTEST, 1.0)
-}
 
 /// The data that packing lights needs besides themselves.
 pub(in crate::engine) struct LightContext<'c, 'p> {
@@ -45,6 +27,7 @@ pub(in crate::engine) fn pack_emitter(
     context: &mut LightContext,
     check: &mut Checker,
 ) -> Option<WeightedSource> {
+    let emitter = check.emitter(emitter);
     let source = match &emitter.kind {
         EmitterKind::Point { intensity } => {
             let position = glam::Vec3::from(to_world.translation);
@@ -54,7 +37,7 @@ pub(in crate::engine) fn pack_emitter(
             }
             LightSource::Point {
                 position,
-                intensity: check.color("intensity", *intensity, BRIGHTEST),
+                intensity: *intensity,
             }
         }
         EmitterKind::Directional { irradiance } => {
@@ -64,12 +47,10 @@ pub(in crate::engine) fn pack_emitter(
             };
             LightSource::Directional {
                 direction,
-                irradiance: check.color("irradiance", *irradiance, BRIGHTEST),
+                irradiance: *irradiance,
             }
         }
-        EmitterKind::Constant { radiance } => LightSource::Constant {
-            radiance: check.color("radiance", *radiance, BRIGHTEST),
-        },
+        EmitterKind::Constant { radiance } => LightSource::Constant { radiance: *radiance },
         EmitterKind::Environment {
             picture,
             scale,
@@ -89,7 +70,7 @@ pub(in crate::engine) fn pack_emitter(
             LightSource::Environment {
                 map,
                 world_from_local: turning(to_world, check)?,
-                scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
+                scale: *scale,
             }
         }
         EmitterKind::Spot {
@@ -97,16 +78,12 @@ pub(in crate::engine) fn pack_emitter(
             cone,
             texture,
         } => {
-            let cutoff = check.number("cutoff_angle", cone.cutoff_angle, 0.01, 180.0, 20.0);
             let white = Parameter::Constant(Rgb::ONE);
             LightSource::Spot(Spot {
                 world_from_local: invertible(to_world, check)?,
-                intensity: check.color("intensity", *intensity, BRIGHTEST),
-                cutoff_angle: cutoff.to_radians(),
-                // A cutoff that is moved below the beam takes it along.
-                beam_angle: check
-                    .number("beam_width", cone.beam_width.min(cutoff), 0.0, cutoff, cutoff)
-                    .to_radians(),
+                intensity: *intensity,
+                cutoff_angle: cone.cutoff_angle.to_radians(),
+                beam_angle: cone.beam_width.to_radians(),
                 texture: texture
                     .as_ref()
                     .map_or(white, |texture| context.textures.parameter(texture)),
@@ -118,9 +95,9 @@ pub(in crate::engine) fn pack_emitter(
             field_of_view: FieldOfView { fov, axis },
         } => LightSource::Projector(Projector {
             world_from_local: invertible(to_world, check)?,
-            irradiance: emission("irradiance", irradiance, context.textures, check),
-            scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
-            half_size: half_size(*fov, *axis, context.textures.aspect(irradiance), check),
+            irradiance: context.textures.packed(irradiance),
+            scale: *scale,
+            half_size: half_size(*fov, *axis, context.textures.aspect(irradiance)),
         }),
         EmitterKind::SunSky(sky) => {
             let world_from_local = turning(to_world, check)?;
@@ -132,13 +109,12 @@ pub(in crate::engine) fn pack_emitter(
     };
     Some(WeightedSource {
         source,
-        sampling_weight: sampling_weight(emitter.sampling_weight, check),
+        sampling_weight: emitter.sampling_weight,
     })
 }
 
 /// Half the size of a projector's picture on the plane z = 1; `aspect` is width over height.
-fn half_size(fov: f32, axis: FovAxis, aspect: f32, check: &mut Checker) -> glam::Vec2 {
-    let fov = check.number("fov", fov, 1e-3, 179.9, 45.0);
+fn half_size(fov: f32, axis: FovAxis, aspect: f32) -> glam::Vec2 {
     let half_width = (0.5 * axis.horizontal(fov, aspect)).to_radians().tan();
     glam::Vec2::new(half_width, half_width / aspect)
 }
@@ -171,14 +147,12 @@ fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -
         return None;
     }
     Some(Atmosphere {
-        turbidity: check.number("turbidity", sky.turbidity, 1.0, 10.0, 3.0),
-        albedo: check.reflectance("albedo", sky.albedo),
+        turbidity: sky.turbidity,
+        albedo: sky.albedo,
         sun_direction,
-        sky_scale: check.number("sky_scale", sky.sky_scale, 0.0, BRIGHTEST, 1.0),
-        sun_scale: check.number("sun_scale", sky.sun_scale, 0.0, BRIGHTEST, 1.0),
-        sun_aperture: check
-            .number("sun_aperture", sky.sun_aperture, 0.01, 179.0, 0.5338)
-            .to_radians(),
+        sky_scale: sky.sky_scale,
+        sun_scale: sky.sun_scale,
+        sun_aperture: sky.sun_aperture.to_radians(),
         limb_darkening: sky.complex_sun,
     })
 }

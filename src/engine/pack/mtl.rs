@@ -22,6 +22,7 @@ use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
 use crate::geometry::mtl_map::MtlMap;
 use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
+use crate::scene::parameters::{INDICES, PRINCIPLED_ETA};
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 use crate::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
@@ -106,7 +107,7 @@ fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> 
     if matches!(mtl.illum, Some(6 | 7)) || (refracts && (mtl.illum == Some(4) || mtl.d < 1.0)) {
         let index = if refracts { mtl.ni } else { 1.5 };
         return Bsdf::Dielectric(Dielectric {
-            eta: check.number("Ni", index, 0.01, 100.0, 1.5),
+            eta: check.number("Ni", index, *INDICES.start(), *INDICES.end(), PRINCIPLED_ETA.usual),
             model,
             specular_reflectance: Rgb::ONE,
             specular_transmittance: Rgb::ONE,

@@ -1,10 +1,9 @@
 //! The principled materials' part of the mapping.
 
-use super::bsdf::{HIGHEST_IOR, LOWEST_IOR, MaterialPacker};
+use super::bsdf::MaterialPacker;
 use crate::material::{TexturedPrincipled, TexturedPrincipledThin};
-use crate::scene::{Parameter, Principled, PrincipledIndex, PrincipledThin};
+use crate::scene::{Principled, PrincipledIndex, PrincipledThin};
 use crate::shading::{SamplingRates, ThinSamplingRates, eta_from_specular};
-use crate::texture;
 
 /// Glass of index 1 has no surface; Mitsuba's smallest differences instead.
 const LEAST_SPECULAR: f32 = 1e-3;
@@ -13,88 +12,58 @@ const LEAST_GLASS_ETA: f32 = 1.001;
 impl MaterialPacker<'_, '_, '_> {
     pub(super) fn principled(&mut self, material: &Principled) -> TexturedPrincipled {
         let rates = SamplingRates {
-            main_specular: self.rate("main_specular_sampling_rate", material.main_specular_sampling_rate),
-            clearcoat: self.rate("clearcoat_sampling_rate", material.clearcoat_sampling_rate),
-            diffuse_reflectance: self.rate(
-                "diffuse_reflectance_sampling_rate",
-                material.diffuse_reflectance_sampling_rate,
-            ),
+            main_specular: material.main_specular_sampling_rate,
+            clearcoat: material.clearcoat_sampling_rate,
+            diffuse_reflectance: material.diffuse_reflectance_sampling_rate,
         };
         TexturedPrincipled {
-            base_color: self.reflectance("base_color", &material.base_color),
-            roughness: self.share("roughness", &material.roughness, 0.5),
-            anisotropic: self.share("anisotropic", &material.anisotropic, 0.0),
-            metallic: self.share("metallic", &material.metallic, 0.0),
-            spec_trans: self.share("spec_trans", &material.spec_trans, 0.0),
-            eta: self.principled_eta(material),
-            spec_tint: self.share("spec_tint", &material.spec_tint, 0.0),
-            sheen: self.share("sheen", &material.sheen, 0.0),
-            sheen_tint: self.share("sheen_tint", &material.sheen_tint, 0.0),
-            flatness: self.share("flatness", &material.flatness, 0.0),
-            clearcoat: self.share("clearcoat", &material.clearcoat, 0.0),
-            clearcoat_gloss: self.share("clearcoat_gloss", &material.clearcoat_gloss, 0.0),
+            base_color: self.textures.packed(&material.base_color),
+            roughness: self.textures.packed(&material.roughness),
+            anisotropic: self.textures.packed(&material.anisotropic),
+            metallic: self.textures.packed(&material.metallic),
+            spec_trans: self.textures.packed(&material.spec_trans),
+            eta: principled_eta(material),
+            spec_tint: self.textures.packed(&material.spec_tint),
+            sheen: self.textures.packed(&material.sheen),
+            sheen_tint: self.textures.packed(&material.sheen_tint),
+            flatness: self.textures.packed(&material.flatness),
+            clearcoat: self.textures.packed(&material.clearcoat),
+            clearcoat_gloss: self.textures.packed(&material.clearcoat_gloss),
             rates,
-        }
-    }
-
-    fn principled_eta(&mut self, material: &Principled) -> f32 {
-        let refracts = material.refracts();
-        match material.index {
-            PrincipledIndex::Specular(specular) => {
-                let specular = self.check.number("specular", specular, 0.0, 1.0, 0.5);
-                eta_from_specular(if refracts {
-                    specular.max(LEAST_SPECULAR)
-                } else {
-                    specular
-                })
-            }
-            PrincipledIndex::Eta(eta) => match self.check.number("eta", eta, LOWEST_IOR, HIGHEST_IOR, 1.5) {
-                1.0 if refracts => LEAST_GLASS_ETA,
-                eta => eta,
-            },
         }
     }
 
     pub(super) fn principled_thin(&mut self, material: &PrincipledThin) -> TexturedPrincipledThin {
         let rates = ThinSamplingRates {
-            specular_reflectance: self.rate(
-                "specular_reflectance_sampling_rate",
-                material.specular_reflectance_sampling_rate,
-            ),
-            specular_transmittance: self.rate(
-                "specular_transmittance_sampling_rate",
-                material.specular_transmittance_sampling_rate,
-            ),
-            diffuse_reflectance: self.rate(
-                "diffuse_reflectance_sampling_rate",
-                material.diffuse_reflectance_sampling_rate,
-            ),
-            diffuse_transmittance: self.rate(
-                "diffuse_transmittance_sampling_rate",
-                material.diffuse_transmittance_sampling_rate,
-            ),
+            specular_reflectance: material.specular_reflectance_sampling_rate,
+            specular_transmittance: material.specular_transmittance_sampling_rate,
+            diffuse_reflectance: material.diffuse_reflectance_sampling_rate,
+            diffuse_transmittance: material.diffuse_transmittance_sampling_rate,
         };
         TexturedPrincipledThin {
-            base_color: self.reflectance("base_color", &material.base_color),
-            roughness: self.share("roughness", &material.roughness, 0.5),
-            anisotropic: self.share("anisotropic", &material.anisotropic, 0.0),
-            spec_trans: self.share("spec_trans", &material.spec_trans, 0.0),
-            diff_trans: self.float("diff_trans", &material.diff_trans, 0.0, 2.0, 0.0),
-            eta: self.float("eta", &material.eta, LOWEST_IOR, HIGHEST_IOR, 1.5),
-            spec_tint: self.share("spec_tint", &material.spec_tint, 0.0),
-            sheen: self.share("sheen", &material.sheen, 0.0),
-            sheen_tint: self.share("sheen_tint", &material.sheen_tint, 0.0),
-            flatness: self.share("flatness", &material.flatness, 0.0),
+            base_color: self.textures.packed(&material.base_color),
+            roughness: self.textures.packed(&material.roughness),
+            anisotropic: self.textures.packed(&material.anisotropic),
+            spec_trans: self.textures.packed(&material.spec_trans),
+            diff_trans: self.textures.packed(&material.diff_trans),
+            eta: self.textures.packed(&material.eta),
+            spec_tint: self.textures.packed(&material.spec_tint),
+            sheen: self.textures.packed(&material.sheen),
+            sheen_tint: self.textures.packed(&material.sheen_tint),
+            flatness: self.textures.packed(&material.flatness),
             rates,
         }
     }
+}
 
-    fn share(&mut self, name: &str, value: &Parameter<f32>, otherwise: f32) -> texture::Parameter<f32> {
-        self.float(name, value, 0.0, 1.0, otherwise)
-    }
-
-    fn rate(&mut self, name: &str, rate: f32) -> f32 {
-        self.check.number(name, rate, 0.0, f32::MAX, 1.0)
+/// The index inside over that outside.
+fn principled_eta(material: &Principled) -> f32 {
+    let refracts = material.refracts();
+    match material.index {
+        PrincipledIndex::Specular(specular) if refracts => eta_from_specular(specular.max(LEAST_SPECULAR)),
+        PrincipledIndex::Specular(specular) => eta_from_specular(specular),
+        PrincipledIndex::Eta(1.0) if refracts => LEAST_GLASS_ETA,
+        PrincipledIndex::Eta(eta) => eta,
     }
 }
 
@@ -105,7 +74,7 @@ mod tests {
     use super::*;
     use crate::color::Rgb;
     use crate::material::{Material as Packed, TexturedBsdf};
-    use crate::scene::Material;
+    use crate::scene::{Material, Parameter};
     use crate::shading::DielectricModel;
     use bevy::prelude::Entity;
 

@@ -8,7 +8,6 @@ use bevy::prelude::*;
 
 use super::Checker;
 use super::group::Layout;
-use super::light::{emission, sampling_weight};
 use super::mtl::push_mtl;
 use super::texture::TexturePacker;
 use super::{BRIGHTEST, LAMP_ID, STAND_IN_ID};
@@ -87,8 +86,8 @@ pub(in crate::engine) fn pack_surfaces<'s>(
             })
         });
         let own_light = source.light.map(|light| {
-            let radiance = emission("radiance", &light.radiance, textures, &mut check);
-            (radiance, sampling_weight(light.sampling_weight, &mut check))
+            let light = check.area_light(light);
+            (textures.packed(&light.radiance), light.sampling_weight)
         });
         if own_light.is_some() && layout.is_member(index) {
             check.report("a shape of a group cannot be a light");

@@ -5,7 +5,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use crate::color::Rgb;
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 use crate::texture::{self, Checkerboard, Filter, Image, TextureId, Wrap};
 
@@ -43,7 +42,7 @@ impl<'a> TexturePacker<'a> {
         let packed = match texture {
             Texture::Bitmap(bitmap) => texture::Texture::Bitmap(self.bitmap(bitmap)),
             Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {
-                colors: [self.color(color0), self.color(color1)],
+                colors: [self.packed(color0), self.packed(color1)],
                 to_uv: **to_uv,
             }),
             Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
@@ -56,6 +55,14 @@ impl<'a> TexturePacker<'a> {
         self.packed.push(packed);
         self.places.entry(alike).or_default().push(place);
         texture::Parameter::Texture(TextureId(place))
+    }
+
+    /// The packed parameter: a constant as it is, or the texture.
+    pub fn packed<T: Copy>(&mut self, parameter: &Parameter<T>) -> texture::Parameter<T> {
+        match parameter {
+            Parameter::Constant(value) => texture::Parameter::Constant(*value),
+            Parameter::Texture(texture) => self.parameter(texture),
+        }
     }
 
     /// A picture; None while it is not there.
@@ -86,13 +93,6 @@ impl<'a> TexturePacker<'a> {
             },
             raw: bitmap.raw,
             to_uv: bitmap.to_uv,
-        }
-    }
-
-    fn color(&mut self, color: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
-        match color {
-            Parameter::Constant(color) => texture::Parameter::Constant(*color),
-            Parameter::Texture(texture) => self.parameter(texture),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::render::light_layers::LightGroups;
 use crate::render::sight::Sight;
 use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
+use crate::scene::parameters::FOV;
 use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
 
 /// Packs the view of a sensor. None, with a report, if the sensor looks nowhere.
@@ -51,7 +52,7 @@ pub(in crate::engine) fn pack_view(
         f32::MAX,
         1e4_f32.max(near.next_up()),
     );
-    let fov = check.number("fov", sensor.fov, 1e-3, 179.9, 39.3077);
+    let fov = check.within(&FOV, sensor.fov, Sensor::default().fov);
     let pose = world_from_camera;
     let camera = match sensor.lens {
         Lens::Orthographic => {

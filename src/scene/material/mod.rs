@@ -3,6 +3,9 @@
 mod models;
 mod principled;
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use bevy::prelude::*;
 
 use super::texture::{ChosenPicture, SquarePath, Texture};
@@ -10,7 +13,18 @@ use super::texture::{ChosenPicture, SquarePath, Texture};
 pub use models::Material;
 pub use principled::{Principled, PrincipledThin};
 
+/// The material of every plugin whose file gives no parameter.
+static USUAL: LazyLock<HashMap<&str, Material>> = LazyLock::new(|| {
+    let made = |plugin| Some((plugin, Material::of_plugin(plugin)?));
+    Material::PLUGINS.into_iter().filter_map(made).collect()
+});
+
 impl Material {
+    /// What a plugin of this name is when its file gives no parameter, to be read; [`Material::of_plugin`] makes a new one.
+    pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
+        USUAL.get(plugin)
+    }
+
     /// Whether it refracts: then it has two sides already.
     pub fn refracts(&self) -> bool {
         match self {

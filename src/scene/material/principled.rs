@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::color::Rgb;
 use crate::scene::declare::declare_parameters;
 use crate::scene::parameter_info::ParameterInfo;
-use crate::scene::parameters::{ParameterMut, ParameterRef, PrincipledIndex, SPECULAR};
+use crate::scene::parameters::{INDICES, ParameterMut, ParameterRef, PrincipledIndex, SPECULAR};
 use crate::scene::texture::Parameter;
 
 declare_parameters! {
@@ -71,7 +71,7 @@ declare_parameters! {
             "Index of refraction of the sheet over that around it.",
             "0.01 to 100, or a texture; glass has 1.5",
         )
-        .within(0.01..=100.0)),
+        .within(INDICES)),
         spec_tint: Parameter<f32> = 0.0.into() => Float(SPEC_TINT),
         sheen: Parameter<f32> = 0.0.into() => Float(SHEEN),
         sheen_tint: Parameter<f32> = 0.0.into() => Float(SHEEN_TINT),

@@ -9,7 +9,7 @@ use super::sensors::read_fov;
 use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::{Category, Reader, Severity, Value};
-use crate::scene::parameters::{ABSORPTION_SCALE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::{
     Absorption, ConductorIor, Cone, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
     PrincipledIndex, Roughness, SunPosition,
@@ -208,7 +208,7 @@ impl FromFile<'_, '_, '_> {
             let scale = self
                 .reader
                 .float_in(ABSORPTION_SCALE.name, ABSORPTION_SCALE.range.clone());
-            let scale = scale.unwrap_or(1.0);
+            let scale = scale.unwrap_or(ABSORPTION_SCALE.usual);
             *value = Absorption::Given { sigma_a, scale };
         } else if let Absorption::Melanin { eumelanin, pheomelanin } = value {
             *eumelanin = pigments[0].unwrap_or(*eumelanin);
@@ -260,7 +260,7 @@ impl FromFile<'_, '_, '_> {
     }
 
     fn cone(&mut self, cone: &mut Cone) {
-        let cutoff = self.reader.float_in("cutoff_angle", 0.01..=180.0);
+        let cutoff = self.reader.float_in(CUTOFF_ANGLE.name, CUTOFF_ANGLE.range.clone());
         cone.cutoff_angle = cutoff.unwrap_or(cone.cutoff_angle);
         let beam = self.reader.float_in("beam_width", 0.0..=360.0);
         cone.beam_width = beam.unwrap_or(0.75 * cone.cutoff_angle);

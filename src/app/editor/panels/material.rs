@@ -57,7 +57,7 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
         fields::note(ui, TYPE, info.label);
     } else {
         let plugins = Material::DECLARED.iter().filter(|other| {
-            let is_taken = || Material::of_plugin(other.name).is_some_and(|other| place.takes(&other));
+            let is_taken = || Material::usual(other.name).is_some_and(|other| place.takes(other));
             other.name == info.name || (*other.nested.end() == 0 && is_taken())
         });
         let options: Vec<_> = plugins.map(|plugin| (plugin.name, plugin.label)).collect();
@@ -256,7 +256,7 @@ fn turned_absorption(absorption: &Absorption) -> Absorption {
     match absorption {
         Absorption::Melanin { eumelanin, pheomelanin } => Absorption::Given {
             sigma_a: melanin_absorption(*eumelanin, *pheomelanin).into(),
-            scale: 1.0,
+            scale: ABSORPTION_SCALE.usual,
         },
         Absorption::Given { .. } => Absorption::default(),
     }

@@ -7,7 +7,7 @@ use bevy::math::Affine3A;
 use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
-use crate::scene::parameters::{ABSORPTION_SCALE, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{file_range, parse_openings};
 use crate::scene::{
     Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
@@ -208,7 +208,7 @@ impl Assign<'_> {
             | ParameterMut::Angle(value)
             | ParameterMut::SamplingWeight(value) => self.bounded(name, value, info.range.clone()),
             ParameterMut::Flag(value) | ParameterMut::Extension(value) => self.parsed(name, value, parse_boolean),
-            ParameterMut::Ior(value) => self.value(name, value, parse_ior),
+            ParameterMut::Ior(value) => self.value(name, value, |text| parse_ior(text, &info.range)),
             ParameterMut::ConductorIor(value) => self.value(name, value, parse_conductor),
             ParameterMut::Distribution(value) => self.value(name, value, |text| {
                 Distribution::of_name(text)
@@ -216,7 +216,7 @@ impl Assign<'_> {
             }),
             ParameterMut::Roughness(value) | ParameterMut::UniformRoughness(value) => {
                 self.value(name, value, |text| {
-                    Ok(Roughness::Isotropic(within(parse_float(text)?, &(1e-4..=1.0))?.into()))
+                    Ok(Roughness::Isotropic(within(parse_float(text)?, &ALPHA.range)?.into()))
                 });
             }
             ParameterMut::PrincipledIndex(value) => self.value(name, value, |text| {
@@ -240,10 +240,10 @@ impl Assign<'_> {
                 cutoff_angle,
                 beam_width,
             }) => {
-                self.bounded(CUTOFF_ANGLE.name, cutoff_angle, 0.1..=90.0);
+                self.bounded(CUTOFF_ANGLE.name, cutoff_angle, CUTOFF_ANGLE.range.clone());
                 self.bounded(BEAM_WIDTH.name, beam_width, 0.0..=*cutoff_angle);
             }
-            ParameterMut::FieldOfView(value) => self.bounded(name, &mut value.fov, 0.1..=179.0),
+            ParameterMut::FieldOfView(value) => self.bounded(name, &mut value.fov, info.range.clone()),
             ParameterMut::SunPosition(value) => {
                 self.value(name, value, |text| Ok(SunPosition::Direction(parse_vec3(text)?)));
                 if let SunPosition::PlaceAndTime(at) = value {
@@ -268,7 +268,7 @@ impl Assign<'_> {
         self.value(SIGMA_A.name, value, |text| {
             Ok(Absorption::Given {
                 sigma_a: color(f32::MAX)(text)?.into(),
-                scale: 1.0,
+                scale: ABSORPTION_SCALE.usual,
             })
         });
     }
@@ -295,9 +295,9 @@ fn parse_integer_within(text: &str, range: &RangeInclusive<f32>) -> Result<i32, 
     number.ok_or_else(|| AssignError::Refused(format!("expected {} to {}, found {text}", range.start(), range.end())))
 }
 
-fn parse_ior(text: &str) -> Result<Ior, AssignError> {
+fn parse_ior(text: &str, range: &RangeInclusive<f32>) -> Result<Ior, AssignError> {
     match parse_float(text) {
-        Ok(index) => Ok(Ior::Number(within(index, &(0.1..=10.0))?)),
+        Ok(index) => Ok(Ior::Number(within(index, range)?)),
         Err(_) => crate::shading::ior::dielectric_ior(text)
             .map(|_| Ior::Named(text.to_owned()))
             .ok_or_else(|| AssignError::Refused(format!("`{text}` is neither a number nor a known dielectric"))),

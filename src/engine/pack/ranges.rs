@@ -1,0 +1,177 @@
+//! Brings the parameters of materials and lights into the ranges that are declared of them, because edits need not come from a file.
+
+use super::{BRIGHTEST, Checker};
+use crate::color::Rgb;
+use crate::scene::parameters::{
+    ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, BEAM_WIDTH, CUTOFF_ANGLE, ETA, EUMELANIN, K, PHEOMELANIN,
+    PRINCIPLED_ETA, SIGMA_A, SPECULAR,
+};
+use crate::scene::{
+    Absorption, AreaLight, ConductorIor, Cone, Emitter, Ior, Material, Parameter, ParameterInfo, ParameterMut,
+    ParameterRef, PrincipledIndex, Roughness,
+};
+use crate::shading::ior;
+
+/// The number of a parameter that is one.
+fn number(value: Option<ParameterRef>) -> Option<f32> {
+    match value? {
+        ParameterRef::Float(number) | ParameterRef::Height(number) => number.constant(),
+        ParameterRef::Number(number)
+        | ParameterRef::Angle(number)
+        | ParameterRef::Factor(number)
+        | ParameterRef::SamplingWeight(number) => Some(*number),
+        ParameterRef::Cone(cone) => Some(cone.cutoff_angle),
+        ParameterRef::FieldOfView(view) => Some(view.fov),
+        ParameterRef::Ior(Ior::Number(index)) => Some(*index),
+        ParameterRef::Ior(Ior::Named(name)) => ior::dielectric_ior(name),
+        _ => None,
+    }
+}
+
+impl Checker<'_> {
+    /// The material with all numbers in range, and with names of media and metals that are known.
+    pub fn material(&mut self, material: &Material) -> Material {
+        let mut usual = Vec::new();
+        if let Some(plugin) = Material::usual(material.plugin()) {
+            plugin.visit(&mut |_, value| usual.push(value));
+        }
+        let (mut mended, mut usual) = (material.clone(), usual.into_iter());
+        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        mended
+    }
+
+    /// The light with all numbers in range.
+    pub fn emitter(&mut self, emitter: &Emitter) -> Emitter {
+        let mut usual = Vec::new();
+        if let Some(plugin) = Emitter::usual(emitter.plugin()) {
+            plugin.visit(&mut |_, value| usual.push(value));
+        }
+        let (mut mended, mut usual) = (emitter.clone(), usual.into_iter());
+        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        mended
+    }
+
+    /// The emission of a shape with all numbers in range.
+    pub fn area_light(&mut self, light: &AreaLight) -> AreaLight {
+        let (mut mended, plugin) = (light.clone(), AreaLight::default());
+        let mut usual = Vec::new();
+        plugin.visit(&mut |_, value| usual.push(value));
+        let mut usual = usual.into_iter();
+        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        mended
+    }
+
+    /// The number within the declared range; `otherwise` if it is no number at all.
+    pub fn within(&mut self, info: &ParameterInfo, value: f32, otherwise: f32) -> f32 {
+        self.number(info.name, value, *info.range.start(), *info.range.end(), otherwise)
+    }
+
+    /// Brings a parameter into its range. `usual` is the default of its plugin.
+    fn parameter(&mut self, info: &ParameterInfo, value: ParameterMut, usual: Option<ParameterRef>) {
+        let otherwise = number(usual).unwrap_or(info.usual);
+        match value {
+            ParameterMut::Reflectance(color) | ParameterMut::Normals(color) => self.constant_color(info, color, 1.0),
+            ParameterMut::UniformReflectance(color) => *color = self.reflectance(info.name, *color),
+            ParameterMut::Emission(color) => *color = self.color(info.name, *color, BRIGHTEST),
+            ParameterMut::TexturedEmission(color) => self.constant_color(info, color, BRIGHTEST),
+            ParameterMut::Float(number) | ParameterMut::Height(number) => {
+                self.constant_number(info, number, otherwise);
+            }
+            ParameterMut::Number(number) | ParameterMut::Angle(number) => {
+                *number = self.within(info, *number, otherwise);
+            }
+            ParameterMut::Factor(factor) | ParameterMut::SamplingWeight(factor) => {
+                let most = info.range.end().min(BRIGHTEST);
+                *factor = self.number(info.name, *factor, *info.range.start(), most, otherwise);
+            }
+            ParameterMut::Ior(index) => self.ior(info, index, usual),
+            ParameterMut::ConductorIor(index) => self.conductor(index, usual),
+            ParameterMut::Roughness(roughness) | ParameterMut::UniformRoughness(roughness) => match roughness {
+                Roughness::Isotropic(alpha) => self.constant_number(&ALPHA, alpha, ALPHA.usual),
+                Roughness::Anisotropic { u, v } => {
+                    self.constant_number(&ALPHA_U, u, ALPHA_U.usual);
+                    self.constant_number(&ALPHA_V, v, ALPHA_V.usual);
+                }
+            },
+            ParameterMut::PrincipledIndex(index) => match index {
+                PrincipledIndex::Specular(specular) => *specular = self.within(&SPECULAR, *specular, SPECULAR.usual),
+                PrincipledIndex::Eta(eta) => *eta = self.within(&PRINCIPLED_ETA, *eta, PRINCIPLED_ETA.usual),
+            },
+            ParameterMut::Absorption(absorption) => match absorption {
+                Absorption::Melanin { eumelanin, pheomelanin } => {
+                    *eumelanin = self.within(&EUMELANIN, *eumelanin, EUMELANIN.usual);
+                    *pheomelanin = self.within(&PHEOMELANIN, *pheomelanin, PHEOMELANIN.usual);
+                }
+                Absorption::Given { sigma_a, scale } => {
+                    *scale = self.within(&ABSORPTION_SCALE, *scale, ABSORPTION_SCALE.usual);
+                    self.constant_color(&SIGMA_A, sigma_a, *SIGMA_A.range.end());
+                }
+            },
+            ParameterMut::Cone(Cone {
+                cutoff_angle,
+                beam_width,
+            }) => {
+                *cutoff_angle = self.within(&CUTOFF_ANGLE, *cutoff_angle, otherwise);
+                // A cutoff that is moved below the beam takes it along.
+                let (beam, most) = (beam_width.min(*cutoff_angle), *cutoff_angle);
+                *beam_width = self.number(BEAM_WIDTH.name, beam, 0.0, most, most);
+            }
+            ParameterMut::FieldOfView(view) => view.fov = self.within(info, view.fov, otherwise),
+            // The packing of the sun checks what follows from its place.
+            ParameterMut::SunPosition(_)
+            | ParameterMut::Integer(_)
+            | ParameterMut::Flag(_)
+            | ParameterMut::Extension(_)
+            | ParameterMut::Distribution(_)
+            | ParameterMut::Picture(_)
+            | ParameterMut::OptionalTexture(_) => {}
+        }
+    }
+
+    fn constant_color(&mut self, info: &ParameterInfo, value: &mut Parameter<Rgb>, most: f32) {
+        if let Parameter::Constant(color) = value {
+            *color = self.color(info.name, *color, most);
+        }
+    }
+
+    fn constant_number(&mut self, info: &ParameterInfo, value: &mut Parameter<f32>, otherwise: f32) {
+        if let Parameter::Constant(number) = value {
+            *number = self.within(info, *number, otherwise);
+        }
+    }
+
+    fn ior(&mut self, info: &ParameterInfo, index: &mut Ior, usual: Option<ParameterRef>) {
+        match index {
+            Ior::Number(given) => *given = self.within(info, *given, number(usual).unwrap_or(info.usual)),
+            Ior::Named(name) if ior::dielectric_ior(name).is_some() => {}
+            Ior::Named(name) => {
+                let Some(ParameterRef::Ior(Ior::Named(usual))) = usual else {
+                    return;
+                };
+                let what = info.name;
+                self.report(format_args!(
+                    "there is no material named {name:?} for {what}, {usual} is used"
+                ));
+                name.clone_from(usual);
+            }
+        }
+    }
+
+    fn conductor(&mut self, index: &mut ConductorIor, usual: Option<ParameterRef>) {
+        match index {
+            ConductorIor::Given { eta, k } => {
+                self.constant_color(&ETA, eta, *ETA.range.end());
+                self.constant_color(&K, k, *K.range.end());
+            }
+            ConductorIor::Named(name) if ior::conductor_ior(name).is_some() => {}
+            ConductorIor::Named(name) => {
+                self.report(format_args!(
+                    "there is no conductor named {name:?}, a perfect mirror is used"
+                ));
+                if let Some(ParameterRef::ConductorIor(usual)) = usual {
+                    index.clone_from(usual);
+                }
+            }
+        }
+    }
+}
