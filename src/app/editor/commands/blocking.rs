@@ -1,21 +1,23 @@
 //! Adds what was drawn, and changes shapes together with their poses.
 
-use bevy::math::{Affine3A, Vec3};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::things::{check_name, replace, select_new, transform};
 use crate::app::editor::command::blocking::BlockKind;
 use crate::app::editor::command::blocking::block::Block;
+use crate::app::editor::command::blocking::faces::pushed;
+use crate::app::editor::command::blocking::joints::{StandingWall, joints};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::scene::free_name::free_name;
 use crate::scene::insert::{names, next_order};
-use crate::scene::{DocumentOrder, Hidden, MemberOf, SceneId, Shape, ShapeKind, Solid, ToWorld};
+use crate::scene::{DocumentOrder, Hidden, Locked, MemberOf, SceneId, Shape, ShapeKind, Solid, ToWorld};
 
 pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
     check_name(block.name.as_deref().unwrap_or_default())?;
     if block.kind == BlockKind::Wall {
-        reach_around_corners(edit.world, &mut block);
+        join(edit, &mut block)?;
     }
     let (kind, pose) = block.shape().ok_or("What was drawn has no extent.")?;
     let order = DocumentOrder(next_order(edit.world));
@@ -40,35 +42,26 @@ pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) ->
     replace(edit, entity, shape)
 }
 
-/// A wall that begins or ends where another one does is longer by half a thickness, so that the corner has no notch.
-fn reach_around_corners(world: &mut World, block: &mut Block) {
-    let Some(direction) = (block.to - block.from).try_normalize() else {
-        return;
-    };
+/// Joins a new wall to those that stand where it begins and ends.
+fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
     // Members of groups are not where their poses say, and hidden walls are not seen.
-    let mut shapes = world.query_filtered::<(&Shape, &ToWorld), (Without<MemberOf>, Without<Hidden>)>();
-    let ends: Vec<(Vec3, f32)> = shapes
-        .iter(world)
-        .filter_map(|(shape, ToWorld(pose))| match shape.kind {
-            ShapeKind::Solid(Solid::Wall { length, thickness, .. }) => {
-                let ends = [Vec3::ZERO, Vec3::X * length].map(|end| pose.transform_point3(end));
-                let thickness = thickness * Vec3::from(pose.matrix3.y_axis).length();
-                let along = Vec3::from(pose.matrix3.x_axis).normalize_or_zero();
-                // A wall that goes on in the same line makes no corner.
-                (along.dot(direction).abs() < 0.99).then(|| ends.map(|end| (end, thickness)))
-            }
-            _ => None,
-        })
-        .flatten()
+    type Free = (Without<MemberOf>, Without<Hidden>, Without<Locked>);
+    let mut shapes = edit.world.query_filtered::<(Entity, &Shape, &ToWorld), Free>();
+    let walls: Vec<StandingWall> = shapes
+        .iter(edit.world)
+        .filter_map(|(entity, shape, ToWorld(pose))| StandingWall::of(entity, &shape.kind, pose))
         .collect();
-    // The other wall may itself reach around its corner by half its thickness.
-    let reach = |place: Vec3| {
-        let near = ends
-            .iter()
-            .filter(|(end, thickness)| end.distance(place) <= 0.51 * thickness);
-        near.map(|(_, thickness)| 0.5 * thickness).fold(0.0, f32::max)
-    };
-    let (before, after) = (reach(block.from), reach(block.to));
-    block.from -= direction * before;
-    block.to += direction * after;
+    let joints = joints(block, &walls);
+    block.lengthen(joints.outwards);
+    for (entity, face, by) in joints.pushes {
+        let (Some(shape), Some(ToWorld(pose))) = (edit.world.get::<Shape>(entity), edit.world.get::<ToWorld>(entity))
+        else {
+            continue;
+        };
+        let flip_normals = shape.flip_normals;
+        if let Some((kind, pose)) = pushed(&shape.kind, pose, face, by) {
+            reshape(edit, entity, Shape { kind, flip_normals }, pose)?;
+        }
+    }
+    Ok(())
 }

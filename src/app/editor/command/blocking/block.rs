@@ -68,6 +68,13 @@ impl Plane {
 }
 
 impl Block {
+    /// Moves the start and the end of a wall outwards by these ways in world units, inwards if they are negative.
+    pub fn lengthen(&mut self, [before, after]: [f32; 2]) {
+        let direction = (self.to - self.from).normalize_or_zero();
+        self.from -= direction * before;
+        self.to += direction * after;
+    }
+
     /// The shape, and its pose as world from local; None as long as it has no extent.
     pub fn shape(&self) -> Option<(ShapeKind, Affine3A)> {
         let Plane { normal, along } = self.plane;

@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod faces;
+pub mod joints;
 pub mod openings;
 
 /// The things that can be drawn.

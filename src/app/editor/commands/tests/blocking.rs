@@ -31,7 +31,7 @@ fn a_wall_gets_no_more_openings_than_a_file_may_have() {
 }
 
 #[test]
-fn walls_reach_around_the_corners_that_one_sees() {
+fn walls_are_joined_to_those_that_one_sees_and_undo_parts_them() {
     let draw = |from, to| {
         Command::Build(Box::new(Block {
             kind: BlockKind::Wall,
@@ -43,27 +43,37 @@ fn walls_reach_around_the_corners_that_one_sees() {
             thickness: 0.2,
         }))
     };
-    let second_length = |hide: &dyn Fn(&mut World, Entity)| {
+    let length = |world: &World, wall: Entity| match world.get::<Shape>(wall).map(|shape| shape.kind.clone()) {
+        Some(ShapeKind::Solid(Solid::Wall { length, .. })) => length,
+        other => panic!("{other:?}"),
+    };
+    // The lengths of two walls that meet, and that of the first one after an undo.
+    let lengths = |change: &dyn Fn(&mut World, Entity)| {
         let mut world = bare_world();
         say(&mut world, draw(Vec3::ZERO, Vec3::X * 4.0));
         let first = world.resource::<Selection>().active().expect("it is selected");
-        hide(&mut world, first);
+        change(&mut world, first);
         say(&mut world, draw(Vec3::X * 4.0, Vec3::new(4.0, 0.0, 3.0)));
         let second = world.resource::<Selection>().active().expect("it is selected");
-        match world.get::<Shape>(second).map(|shape| shape.kind.clone()) {
-            Some(ShapeKind::Solid(Solid::Wall { length, .. })) => length,
-            other => panic!("{other:?}"),
-        }
+        let joined = [length(&world, first), length(&world, second)];
+        say(&mut world, Command::Undo);
+        [joined[0], joined[1], length(&world, first)]
     };
-    let is = |length: f32, expected: f32| assert!((length - expected).abs() < 1e-5, "{length}");
-    is(second_length(&|_, _| {}), 3.1);
+    let are = |lengths: [f32; 3], expected: [f32; 3]| {
+        let off = lengths
+            .iter()
+            .zip(expected)
+            .map(|(length, expected)| (length - expected).abs());
+        assert!(off.fold(0.0, f32::max) < 1e-5, "{lengths:?}");
+    };
+    are(lengths(&|_, _| {}), [4.1, 2.9, 4.0]);
     let hide = |world: &mut World, first: Entity| {
         world.entity_mut(first).insert(Hidden);
     };
-    is(second_length(&hide), 3.0);
+    are(lengths(&hide), [4.0, 3.0, 4.0]);
     let group = |world: &mut World, first: Entity| {
         let group = world.spawn_empty().id();
         world.entity_mut(first).insert(MemberOf(group));
     };
-    is(second_length(&group), 3.0);
+    are(lengths(&group), [4.0, 3.0, 4.0]);
 }
