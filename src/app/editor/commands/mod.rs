@@ -255,6 +255,9 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::CutOpen => seeing::cut_open(world)?,
         Command::Isolate(entities) => seeing::isolate(world, entities)?,
         Command::SetTool(tool) => {
+            if tool.blocks_out() {
+                view::keep_step(world);
+            }
             let before = std::mem::replace(&mut world.resource_mut::<ViewSettings>().tool, tool);
             if before == Tool::Paths && tool == Tool::Select {
                 world.resource_mut::<PathInspector>().wanted = None;

@@ -19,6 +19,14 @@ use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
+/// Chooses the step that suits the scene, unless one was chosen: it stays as it is while the scene grows.
+pub fn keep_step(world: &mut World) {
+    let mut settings = world.resource_mut::<ViewSettings>();
+    let scene_size = settings.navigation.scene_size;
+    let steps = &mut settings.gizmo.steps;
+    steps.length = Some(steps.length_in(scene_size));
+}
+
 pub fn move_view(world: &mut World, pose: Affine3A) {
     if world.resource::<ActiveSensor>().0.is_some() {
         let lens = world.resource::<FreeView>().lens;

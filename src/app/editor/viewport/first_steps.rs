@@ -5,7 +5,7 @@ use bevy_egui::egui::{self, Align, CornerRadius, Frame, Layout, Margin, Rect, Ri
 use crate::app::editor::command::Command;
 use crate::app::editor::input::actions::{self, ActionContext};
 
-const SIZE: egui::Vec2 = egui::vec2(330.0, 150.0);
+const SIZE: egui::Vec2 = egui::vec2(350.0, 176.0);
 
 /// Shows the hint in the middle of the picture.
 pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, commands: &mut Vec<Command>) {
@@ -20,10 +20,18 @@ pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, c
         .inner_margin(Margin::symmetric(14, 10));
     frame.show(&mut middle, |ui| {
         ui.label(RichText::new("This scene has no shapes yet").strong());
+        // Buttons look like buttons on the fill of a window as well.
+        ui.visuals_mut().widgets.inactive.bg_stroke = ui.visuals().widgets.noninteractive.bg_stroke;
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             ui.label("Add a");
             for name in ["add-cube", "add-sphere", "add-rectangle"] {
+                act(ui, name, context, commands);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("or");
+            for name in ["draw-box", "draw-floor", "draw-wall"] {
                 act(ui, name, context, commands);
             }
         });

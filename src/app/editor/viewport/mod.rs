@@ -50,7 +50,7 @@ use marks::{tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
 use state::{ScreenPixels, ViewportState};
-use toolbar::toolbar;
+use toolbar::{tool_column, toolbar};
 
 /// The id of the picture, which has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
@@ -106,6 +106,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
         toolbar(ui, panel, model, commands);
+        tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
     }
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {

@@ -29,11 +29,25 @@ pub enum ToolIcon {
     Grid,
     /// Two squares over each other: what is drawn over the picture.
     Overlays,
+    /// A cube: draw a box.
+    Box,
+    /// A flat slab: draw a floor.
+    Floor,
+    /// Bricks: draw a wall.
+    Wall,
+    /// A face with an arrow: push and pull.
+    Push,
+    /// A door.
+    Door,
+    /// A window of four panes.
+    Window,
+    /// A ruler: measure.
+    Ruler,
 }
 
 impl ToolIcon {
     /// All icons.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 18] = [
         Self::Select,
         Self::Move,
         Self::Rotate,
@@ -45,6 +59,13 @@ impl ToolIcon {
         Self::Denoise,
         Self::Grid,
         Self::Overlays,
+        Self::Box,
+        Self::Floor,
+        Self::Wall,
+        Self::Push,
+        Self::Door,
+        Self::Window,
+        Self::Ruler,
     ];
 }
 
@@ -183,6 +204,55 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
         ToolIcon::Overlays => &[
             Loop(&[(1.5, 1.5), (10.0, 1.5), (10.0, 10.0), (1.5, 10.0)]),
             Loop(&[(6.0, 6.0), (14.5, 6.0), (14.5, 14.5), (6.0, 14.5)]),
+        ],
+        ToolIcon::Box => &[
+            Loop(&[
+                (8.0, 1.5),
+                (14.0, 4.7),
+                (14.0, 11.3),
+                (8.0, 14.5),
+                (2.0, 11.3),
+                (2.0, 4.7),
+            ]),
+            Line(&[(2.0, 4.7), (8.0, 8.0), (14.0, 4.7)]),
+            Line(&[(8.0, 8.0), (8.0, 14.5)]),
+        ],
+        ToolIcon::Floor => &[
+            Loop(&[(8.0, 3.5), (15.0, 7.0), (8.0, 10.5), (1.0, 7.0)]),
+            Line(&[(1.0, 7.0), (1.0, 9.5), (8.0, 13.0), (15.0, 9.5), (15.0, 7.0)]),
+        ],
+        ToolIcon::Wall => &[
+            Loop(&[(1.5, 2.5), (14.5, 2.5), (14.5, 13.5), (1.5, 13.5)]),
+            Line(&[(1.5, 6.2), (14.5, 6.2)]),
+            Line(&[(1.5, 9.8), (14.5, 9.8)]),
+            Line(&[(6.0, 2.5), (6.0, 6.2)]),
+            Line(&[(10.0, 6.2), (10.0, 9.8)]),
+            Line(&[(6.0, 9.8), (6.0, 13.5)]),
+        ],
+        ToolIcon::Push => &[
+            Loop(&[(1.5, 5.0), (5.5, 2.0), (5.5, 11.0), (1.5, 14.0)]),
+            Line(&[(5.5, 8.0), (14.5, 8.0)]),
+            Line(&[(11.3, 4.8), (14.5, 8.0), (11.3, 11.2)]),
+        ],
+        ToolIcon::Door => &[
+            Line(&[(1.0, 14.5), (15.0, 14.5)]),
+            Line(&[(3.8, 14.5), (3.8, 1.5), (12.2, 1.5), (12.2, 14.5)]),
+            Dot {
+                middle: (9.8, 8.5),
+                radius: 1.1,
+            },
+        ],
+        ToolIcon::Window => &[
+            Loop(&[(2.5, 2.0), (13.5, 2.0), (13.5, 12.5), (2.5, 12.5)]),
+            Line(&[(8.0, 2.0), (8.0, 12.5)]),
+            Line(&[(2.5, 7.2), (13.5, 7.2)]),
+            Line(&[(1.0, 14.5), (15.0, 14.5)]),
+        ],
+        ToolIcon::Ruler => &[
+            Loop(&[(1.5, 10.8), (10.8, 1.5), (14.5, 5.2), (5.2, 14.5)]),
+            Line(&[(4.6, 7.7), (6.3, 9.4)]),
+            Line(&[(6.9, 5.4), (8.6, 7.1)]),
+            Line(&[(9.2, 3.1), (10.9, 4.8)]),
         ],
     }
 }

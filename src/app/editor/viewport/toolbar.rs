@@ -1,19 +1,19 @@
 //! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
-//! over it. A new button is a line of one of the groups, a new group a function beside them.
+//! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build.
 
-use bevy_egui::egui::{
-    self, Align, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
-};
+use bevy_egui::egui::{self, Align, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder};
 
 use super::model::ViewportModel;
 use super::snap_menu::snap_menu;
 use super::tool_icons::{ToolIcon, icon_button, icon_menu};
 use crate::app::editor::command::Command;
+use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
 use crate::app::editor::command::grid_settings::GridSettings;
-use crate::app::editor::input::actions::{ActionContext, hint};
+use crate::app::editor::command::tool::Tool;
+use crate::app::editor::input::actions::{self, ActionContext, hint};
 use crate::app::editor::picture::denoiser::DenoiserState;
 
 const HEIGHT: f32 = 32.0;
@@ -29,12 +29,7 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands:
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("toolbar").max_rect(place).layout(layout));
     bar.set_clip_rect(panel);
-    let frame = Frame::new()
-        .fill(backing(&bar))
-        .stroke(bar.visuals().window_stroke)
-        .corner_radius(CornerRadius::same(4))
-        .inner_margin(Margin::symmetric(5, 2));
-    let shown = frame.show(&mut bar, |ui| {
+    let shown = bar_frame(&bar, Margin::symmetric(5, 2)).show(&mut bar, |ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         let mut edited = model.gizmo.settings;
         tools(ui, &model.keys, &mut edited);
@@ -56,9 +51,86 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands:
     }
 }
 
-/// The background in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
-fn backing(ui: &Ui) -> Color32 {
-    ui.visuals().window_fill.gamma_multiply_u8(238)
+/// The frame of a bar, in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
+fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
+    Frame::new()
+        .fill(ui.visuals().window_fill.gamma_multiply_u8(238))
+        .stroke(ui.visuals().window_stroke)
+        .corner_radius(CornerRadius::same(4))
+        .inner_margin(margin)
+}
+
+/// The tools that build, each with its action; None: a gap.
+const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 9] = [
+    Some((
+        ToolIcon::Box,
+        Tool::Draw(BlockKind::Box),
+        "draw-box",
+        "Draw a box: its foot, then its height",
+    )),
+    Some((
+        ToolIcon::Floor,
+        Tool::Draw(BlockKind::Floor),
+        "draw-floor",
+        "Draw a floor: drag a rectangle",
+    )),
+    Some((
+        ToolIcon::Wall,
+        Tool::Draw(BlockKind::Wall),
+        "draw-wall",
+        "Draw a wall: its line, then its height",
+    )),
+    None,
+    Some((
+        ToolIcon::Push,
+        Tool::Push,
+        "push-faces",
+        "Push and pull the faces of boxes and walls",
+    )),
+    Some((
+        ToolIcon::Door,
+        Tool::Cut(OpeningKind::Door),
+        "cut-door",
+        "Cut a door into a wall or a box",
+    )),
+    Some((
+        ToolIcon::Window,
+        Tool::Cut(OpeningKind::Window),
+        "cut-window",
+        "Cut a window into a wall or a box",
+    )),
+    None,
+    Some((
+        ToolIcon::Ruler,
+        Tool::Ruler,
+        "ruler",
+        "Measure a distance between two points",
+    )),
+];
+
+/// Shows the tools that build, as a column at the left of the picture.
+pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, commands: &mut Vec<Command>) {
+    const SIZE: egui::Vec2 = egui::vec2(32.0, 222.0);
+    // What the picture shows has its caption above it.
+    let top = (panel.center().y - 0.5 * SIZE.y).max(panel.top() + 80.0);
+    let place = Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE);
+    let layout = Layout::top_down(Align::Center);
+    let mut column = ui.new_child(UiBuilder::new().id_salt("tool column").max_rect(place).layout(layout));
+    column.set_clip_rect(panel);
+    bar_frame(&column, Margin::symmetric(2, 4)).show(&mut column, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for entry in BUILDING {
+            let Some((icon, tool, action, help)) = entry else {
+                ui.add_space(5.0);
+                continue;
+            };
+            let help = hint(help, action, keys.bound);
+            let Some(action) = actions::find(action) else { continue };
+            if icon_button(ui, icon, keys.tool == tool, action.label, &help).clicked() {
+                commands.extend((action.command)(keys));
+            }
+        }
+    });
 }
 
 /// What a drag of the handles does.

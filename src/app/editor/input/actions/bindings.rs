@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(flies("Ctrl+W"), [""; 0]);
         // A letter with Control is free for flying, one alone is not.
         assert_eq!(names(&key("N"), "fly-up", &bound), ["denoise"]);
-        assert_eq!(names(&key("O"), "fly-up", &bound), [""; 0]);
+        assert_eq!(names(&key("K"), "fly-up", &bound), [""; 0]);
     }
 
     #[test]

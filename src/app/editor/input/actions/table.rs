@@ -26,8 +26,8 @@ macro_rules! gizmo_mode {
 }
 
 macro_rules! tool {
-    ($name:literal, $label:literal, $tool:ident $(($kind:expr))?) => {
-        action(Group::Add, $name, $label, &[], |context| {
+    ($name:literal, $label:literal, $key:expr, $tool:ident $(($kind:expr))?) => {
+        action(Group::Add, $name, $label, &[shift($key)], |context| {
             let tool = Tool::$tool $(($kind))?;
             Some(Command::SetTool(if context.tool == tool { Tool::Select } else { tool }))
         })
@@ -192,12 +192,12 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-prism", "Prism", &[], |_| {
         Some(addition(AdditionKind::Solid("prism")))
     }),
-    tool!("draw-box", "Draw a box", Draw(BlockKind::Box)),
-    tool!("draw-floor", "Draw a floor", Draw(BlockKind::Floor)),
-    tool!("draw-wall", "Draw a wall", Draw(BlockKind::Wall)),
-    tool!("cut-door", "Cut a door", Cut(OpeningKind::Door)),
-    tool!("cut-window", "Cut a window", Cut(OpeningKind::Window)),
-    tool!("push-faces", "Push and pull faces", Push),
+    tool!("draw-box", "Draw a box", Key::B, Draw(BlockKind::Box)),
+    tool!("draw-floor", "Draw a floor", Key::F, Draw(BlockKind::Floor)),
+    tool!("draw-wall", "Draw a wall", Key::L, Draw(BlockKind::Wall)),
+    tool!("cut-door", "Cut a door", Key::O, Cut(OpeningKind::Door)),
+    tool!("cut-window", "Cut a window", Key::I, Cut(OpeningKind::Window)),
+    tool!("push-faces", "Push and pull faces", Key::P, Push),
     action(Group::Add, "add-area", "Area light", &[], |_| {
         Some(addition(AdditionKind::AreaLight))
     }),
