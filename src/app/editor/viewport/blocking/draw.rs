@@ -13,7 +13,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, EDGES, Plane, corners};
 use crate::app::editor::command::blocking::{BlockKind, snapped};
 use crate::app::editor::viewport::gizmo::typed::Typed;
-use crate::scene::LengthUnit;
+use crate::scene::{LengthUnit, ShapeKind, Solid};
 
 /// The state of the tool that draws.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,6 +84,8 @@ impl DrawState {
         self.track(kind, screen, model, hand);
         match self.phase {
             None => {
+                let foot = seen.and_then(|seen| foot(kind, seen, model));
+                let seen = foot.or(seen.map(|seen| [seen.position, seen.normal]));
                 self.spot = Spot::under(hand.pointer, seen, screen, model.up, model.step, hand.step);
                 if let (true, Some(from)) = (hand.pressed, self.spot) {
                     self.phase = Some(Phase::Base {
@@ -122,6 +124,9 @@ impl DrawState {
                 let under = spot::on_plane(screen, hand.pointer, from.place, from.plane.normal);
                 if let Some(under) = under {
                     *to = spot::rounded(under, &from.plane, model.step, hand.step);
+                    if kind == BlockKind::Wall && hand.step > 0.0 {
+                        *to = straight(from, *to);
+                    }
                 }
                 if let Some(numbers) = numbers {
                     // Above the horizon the direction stays as it was.
@@ -272,6 +277,32 @@ fn by_numbers(kind: BlockKind, from: &Spot, under: Vec3, numbers: &[f32]) -> Vec
         [first, second, ..] => to(*first, *second),
         [] => under,
     }
+}
+
+/// The place at the foot of a wall that stands there, and the upward direction: walls and floors begin at others, not on them.
+fn foot(kind: BlockKind, seen: &SeenSurface, model: &BlockingModel) -> Option<[Vec3; 2]> {
+    let target = model.target.filter(|target| target.entity == seen.entity)?;
+    let ShapeKind::Solid(Solid::Wall { length, .. }) = target.shape.kind else {
+        return None;
+    };
+    if kind == BlockKind::Box {
+        return None;
+    }
+    let along = target.pose.inverse().transform_point3(seen.position).x;
+    let place = target.pose.transform_point3(Vec3::X * along.clamp(0.0, length));
+    Some([place, model.up])
+}
+
+/// The end of a wall, along the nearer direction of the grid if it is nearly in that direction already.
+fn straight(from: &Spot, to: Vec3) -> Vec3 {
+    const NEARLY: f32 = 0.06;
+    let [wide, deep] = from.plane.extents(from.place, to);
+    let off = match wide.abs() > deep.abs() {
+        true if deep.abs() <= NEARLY * wide.abs() => from.plane.across() * deep,
+        false if wide.abs() <= NEARLY * deep.abs() => from.plane.along * wide,
+        _ => Vec3::ZERO,
+    };
+    to - off
 }
 
 fn rectangle(from: Vec3, to: Vec3, plane: &Plane) -> [Vec3; 4] {

@@ -3,7 +3,6 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::Pos2;
 
-use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::blocking::block::Plane;
 use crate::app::editor::command::blocking::snapped;
@@ -21,17 +20,17 @@ const ROUNDING: f32 = 1e-3;
 const FARTHEST: f32 = 2000.0;
 
 impl Spot {
-    /// The place under the pointer: on the surface that is seen there, else on the ground through the origin. `step` 0 rounds nothing.
+    /// The place under the pointer: on the surface that is seen there (its place and normal), else on the ground through the origin. `step` 0 rounds nothing.
     pub fn under(
         pointer: Pos2,
-        seen: Option<&SeenSurface>,
+        seen: Option<[Vec3; 2]>,
         screen: &Screen,
         up: Vec3,
         grid: f32,
         step: f32,
     ) -> Option<Self> {
         let (place, normal) = match seen {
-            Some(seen) => (seen.position, seen.normal),
+            Some([place, normal]) => (place, normal),
             None => {
                 let place = on_plane(screen, pointer, Vec3::ZERO, up)?;
                 let distance = screen.depth(place);
