@@ -91,7 +91,7 @@ fn remembered(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The folders of `$SUNROOM_ASSETS`, and the program's own folder of assets, below the working directory or above the program.
-fn asset_folders() -> Vec<PathBuf> {
+pub fn asset_folders() -> Vec<PathBuf> {
     let variable = std::env::var_os(ASSETS_VARIABLE).unwrap_or_default();
     let named = std::env::split_paths(&variable).filter(|folder| !folder.as_os_str().is_empty());
     let program = std::env::current_exe().unwrap_or_default();

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::Resource;
 use bevy_egui::egui;
-use egui_file_dialog::{DialogState, FileDialog};
 
-use super::late_enter::LateEnter;
+use super::file_dialog::listing::folders_of;
+use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::trust::asset_folders;
 use crate::app::editor::words::files::{ENVIRONMENTS, SCENE_FILES, extension};
 use crate::render::tonemap::ToneMap;
 
@@ -22,16 +23,25 @@ pub struct Dialogs {
     picture_folder: Option<PathBuf>,
     /// The folder from which something was last imported.
     import_folder: Option<PathBuf>,
-    late_enter: LateEnter,
+}
+
+/// What a dialog begins with.
+#[derive(Clone, Copy)]
+pub struct DialogModel<'a> {
+    /// The file of the open scene.
+    pub scene: Option<&'a Path>,
+    /// The tone map of saved pictures.
+    pub tone_map: ToneMap,
+    /// The files that were open, the last first.
+    pub recent: &'a [PathBuf],
 }
 
 impl Dialogs {
-    /// Opens the requested dialog, shows it, and turns a picked file into a command. `scene` is the file of the open scene.
+    /// Opens the requested dialog, shows it, and turns a picked file into a command.
     pub fn show(
         &mut self,
         context: &egui::Context,
-        scene: Option<&Path>,
-        tone_map: ToneMap,
+        model: DialogModel,
         requests: &mut Requests,
         toasts: &mut Toasts,
         commands: &mut Vec<Command>,
@@ -41,10 +51,6 @@ impl Dialogs {
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            let beside_scene = scene
-                .and_then(Path::parent)
-                .filter(|folder| !folder.as_os_str().is_empty())
-                .map(Path::to_path_buf);
             let examples = || Some(PathBuf::from("scenes")).filter(|folder| folder.is_dir());
             let before = match wanted {
                 FileDialogKind::SaveImage => self.image_folder.clone(),
@@ -52,38 +58,83 @@ impl Dialogs {
                 FileDialogKind::Import => self.import_folder.clone(),
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene => None,
             };
-            let start = before.or(beside_scene).or_else(examples).unwrap_or_else(|| ".".into());
-            let dialog = opened(wanted, scene, tone_map, &start);
+            let start = before.or_else(|| beside(model.scene)).or_else(examples);
+            let dialog = opened(wanted, model, &start.unwrap_or_else(|| ".".into()));
             self.open = Some((wanted, dialog));
         }
         let Some((kind, dialog)) = &mut self.open else {
             return;
         };
-        // The dialog itself would let its text field have the first one.
-        if context.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.open = None;
-            requests.dialog = None;
-            return;
+        match dialog.show(context) {
+            Outcome::Open => return,
+            Outcome::Cancelled => {}
+            Outcome::Picked(path) => {
+                let folder = path.parent().map(Path::to_path_buf);
+                match kind {
+                    FileDialogKind::SaveImage => self.image_folder = folder,
+                    FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
+                        self.picture_folder = folder
+                    }
+                    FileDialogKind::Import => self.import_folder = folder,
+                    FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
+                }
+                match picked(*kind, path) {
+                    Ok(command) => commands.push(command),
+                    Err(message) => toasts.reject(message),
+                }
+            }
         }
-        self.late_enter.hold_back(context);
-        dialog.update(context);
-        if let Some(path) = dialog.take_picked() {
-            let folder = path.parent().map(Path::to_path_buf);
-            match kind {
-                FileDialogKind::SaveImage => self.image_folder = folder,
-                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder = folder,
-                FileDialogKind::Import => self.import_folder = folder,
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
-            }
-            match picked(*kind, path) {
-                Ok(command) => commands.push(command),
-                Err(message) => toasts.reject(message),
-            }
-            requests.dialog = None;
-        } else if *dialog.state() != DialogState::Open {
-            requests.dialog = None;
+        (self.open, requests.dialog) = (None, None);
+    }
+}
+
+/// The folder of the scene's file.
+fn beside(scene: Option<&Path>) -> Option<PathBuf> {
+    let folder = scene.and_then(Path::parent)?;
+    (!folder.as_os_str().is_empty()).then(|| folder.to_path_buf())
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// The folders that one can go to at once, each once: those of the scene, of samples and assets, one's own, and those of recent files.
+fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
+    let named = |name: &str, folder: PathBuf| (name.to_owned(), absolute(&folder), false);
+    let called = |folder: PathBuf, is_recent: bool| {
+        let name = folder
+            .file_name()
+            .map_or_else(|| folder.to_string_lossy(), |name| name.to_string_lossy());
+        (name.into_owned(), absolute(&folder), is_recent)
+    };
+    let own = beside(scene).map(|folder| named("The scene's folder", folder));
+    let samples = named("Sample scenes", PathBuf::from("scenes"));
+    let assets = asset_folders().into_iter().map(|folder| called(folder, false));
+    let home = std::env::home_dir().map(|folder| named("Home", folder));
+    let root = absolute(Path::new("."))
+        .ancestors()
+        .last()
+        .map(|root| called(root.to_path_buf(), false));
+    let recent = folders_of(recent).into_iter().map(|folder| called(folder, true));
+    let all = own
+        .into_iter()
+        .chain([samples])
+        .chain(assets)
+        .chain(home)
+        .chain(root)
+        .chain(recent);
+    let mut places: Vec<Place> = Vec::new();
+    for (name, folder, is_recent) in all {
+        if folder.is_dir() && !places.iter().any(|place| place.folder == folder) {
+            let place = Place {
+                name,
+                folder,
+                is_recent,
+            };
+            places.push(place);
         }
     }
+    places
 }
 
 /// The command of a finished dialog; a message if the file is of another kind.
@@ -113,71 +164,31 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
     })
 }
 
-/// The extensions that can be imported, beside those of scenes.
-const IMPORTS: [&str; 5] = ["obj", "ply", "serialized", "hdr", "exr"];
-const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
+/// What can be imported: meshes, scenes and environments.
+const IMPORTS: &[&str] = &["obj", "ply", "serialized", "hdr", "exr", "xml", "glb", "gltf"];
+const PICTURES: &[&str] = &["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
+const IMAGES: &[(&str, &str)] = &[("PNG, as shown", "png"), ("EXR, linear", "exr"), ("HDR, linear", "hdr")];
 
-fn opened(kind: FileDialogKind, scene: Option<&Path>, tone_map: ToneMap, start: &Path) -> FileDialog {
-    let start = std::path::absolute(start).unwrap_or_else(|_| start.to_path_buf());
-    let dialog = FileDialog::new()
-        .default_size([720.0, 460.0])
-        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
-        .initial_directory(start);
-    match kind {
-        FileDialogKind::OpenScene => {
-            let mut dialog = dialog
-                .title("Open a scene")
-                .add_file_filter_extensions("Scenes (xml, glb, gltf)", SCENE_FILES.to_vec())
-                .default_file_filter("Scenes (xml, glb, gltf)");
-            dialog.pick_file();
-            dialog
-        }
-        FileDialogKind::Import => {
-            let known: Vec<&str> = IMPORTS.iter().chain(&SCENE_FILES).copied().collect();
-            let mut dialog = dialog
-                .title("Import a mesh, a scene or an environment")
-                .add_file_filter_extensions("Meshes, scenes, environments", known)
-                .default_file_filter("Meshes, scenes, environments");
-            dialog.pick_file();
-            dialog
-        }
-        FileDialogKind::OpenEnvironment => {
-            let mut dialog = dialog
-                .title("Choose an environment map")
-                .add_file_filter_extensions("Environment maps", ENVIRONMENTS.to_vec())
-                .default_file_filter("Environment maps");
-            dialog.pick_file();
-            dialog
-        }
-        FileDialogKind::OpenPicture { .. } => {
-            let mut dialog = dialog
-                .title("Choose a picture")
-                .add_file_filter_extensions("Pictures", PICTURES.to_vec())
-                .default_file_filter("Pictures");
-            dialog.pick_file();
-            dialog
-        }
-        FileDialogKind::SaveScene => {
-            let mut dialog = dialog
-                .title("Save the scene")
-                .add_save_extension("Scene", "xml")
-                .default_save_extension("Scene")
-                .default_file_name(&proposed_name(scene, "scene", "xml"));
-            dialog.save_file();
-            dialog
-        }
-        FileDialogKind::SaveImage => {
-            let mut dialog = dialog
-                .title(&format!("Save the picture (PNG: tone map {})", tone_map.name()))
-                .add_save_extension("PNG, as shown", "png")
-                .add_save_extension("EXR, linear", "exr")
-                .add_save_extension("HDR, linear", "hdr")
-                .default_save_extension("PNG, as shown")
-                .default_file_name(&proposed_name(scene, "picture", "png"));
-            dialog.save_file();
-            dialog
-        }
-    }
+fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog {
+    let proposed = |otherwise, extension| proposed_name(model.scene, otherwise, extension);
+    let (title, purpose) = match kind {
+        FileDialogKind::OpenScene => ("Open a scene".to_owned(), Purpose::Open(&SCENE_FILES)),
+        FileDialogKind::Import => (
+            "Import a mesh, a scene or an environment".to_owned(),
+            Purpose::Open(IMPORTS),
+        ),
+        FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&ENVIRONMENTS)),
+        FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(PICTURES)),
+        FileDialogKind::SaveScene => (
+            "Save the scene".to_owned(),
+            Purpose::Save(&[("Scene", "xml")], proposed("scene", "xml")),
+        ),
+        FileDialogKind::SaveImage => (
+            format!("Save the picture (PNG: tone map {})", model.tone_map.name()),
+            Purpose::Save(IMAGES, proposed("picture", "png")),
+        ),
+    };
+    FileDialog::new(title, purpose, absolute(start), places(model.scene, model.recent))
 }
 
 /// The name of the scene's file with this extension; `otherwise` without a scene.
@@ -199,6 +210,19 @@ mod tests {
         assert_eq!(chosen("sky.HDR"), Ok(Command::Import("sky.HDR".into())));
         let imported = picked(FileDialogKind::Import, "room.xml".into());
         assert_eq!(imported, Ok(Command::Import("room.xml".into())));
+    }
+
+    #[test]
+    fn places_are_folders_that_are_there_each_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = folder.path().join("room.xml");
+        let recent = [scene.clone(), folder.path().join("none/other.xml")];
+        let places = places(Some(&scene), &recent);
+        assert_eq!(places[0].name, "The scene's folder");
+        assert_eq!(places[0].folder, folder.path());
+        let same = places.iter().filter(|place| place.folder == folder.path());
+        assert_eq!(same.count(), 1);
+        assert!(places.iter().all(|place| place.folder.is_dir() && !place.is_recent));
     }
 
     #[test]

@@ -4,14 +4,13 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use bevy_egui::egui;
-use jiff::Timestamp;
-use jiff::tz::TimeZone;
 
 use super::dialog;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::look;
+use crate::app::editor::words::times::clock_of;
 
 /// Asks what to do with the edits; `offer` is None once that is answered.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
@@ -80,21 +79,6 @@ fn recover_text(clock: Option<&str>) -> String {
         Some(clock) => format!("Recover the copy of {clock}"),
         None => "Recover the copy".to_owned(),
     }
-}
-
-/// The time of day in the zone of the system, with the date if it is not today. None if the time is not known.
-fn clock_of(seconds: u64) -> Option<String> {
-    let time = Timestamp::from_second(i64::try_from(seconds).ok()?).ok()?;
-    let zone = TimeZone::system();
-    let (then, now) = (
-        time.to_zoned_datetime(zone.clone()),
-        Timestamp::now().to_zoned_datetime(zone),
-    );
-    let clock = format!("{:02}:{:02}", then.hour(), then.minute());
-    Some(match then.date() == now.date() {
-        true => clock,
-        false => format!("{} {clock}", then.date()),
-    })
 }
 
 fn name_of(note: &Note) -> String {

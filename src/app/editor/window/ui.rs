@@ -5,7 +5,7 @@ use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
-use super::dialogs::Dialogs;
+use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::sheet::{self, SheetModel};
@@ -208,8 +208,11 @@ pub fn show_window(
     use_clipboard(&context, &presses, &mut shell.clipboard, commands);
     dialogs.show(
         &context,
-        scene.status.path.as_deref(),
-        settings.display.tone_map,
+        DialogModel {
+            scene: scene.status.path.as_deref(),
+            tone_map: settings.display.tone_map,
+            recent: &shell.preferences.recent_files,
+        },
         requests,
         &mut said.toasts,
         commands,

@@ -1,4 +1,5 @@
-//! Texts of the window about files and numbers. Imports no other module of the editor.
+//! Texts of the window about files, numbers and times. Imports no other module of the editor.
 
 pub mod figures;
 pub mod files;
+pub mod times;

@@ -1,0 +1,252 @@
+//! What a folder holds, as the file dialog lists it.
+
+use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+use crate::app::editor::words::files::extension;
+use crate::app::editor::words::times::clock_of;
+
+/// A file or a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Entry {
+    /// Its name, without the folder.
+    pub name: String,
+    /// Whether it is a folder, or a link to one.
+    pub is_folder: bool,
+    /// The size of a file in bytes.
+    pub bytes: u64,
+    /// When it was changed, in seconds since 1970.
+    pub changed: u64,
+}
+
+/// The column by which entries are ordered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Column {
+    #[default]
+    Name,
+    Size,
+    Changed,
+}
+
+/// An order of the entries. Folders always come first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Order {
+    pub column: Column,
+    pub is_reversed: bool,
+}
+
+/// Which entries are shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filter {
+    /// The extensions of files, in small letters; those of all files if it is empty.
+    pub extensions: Vec<&'static str>,
+    /// A part of the name.
+    pub part: String,
+    /// Whether names that begin with a dot are shown.
+    pub shows_hidden: bool,
+}
+
+/// The entries of a folder, unordered. The error says what is wrong with the folder.
+pub fn read(folder: &Path) -> Result<Vec<Entry>, String> {
+    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let listed = std::fs::read_dir(folder).map_err(wrong)?;
+    Ok(listed.filter_map(|entry| entry_of(&entry.ok()?.path())).collect())
+}
+
+/// The entry of a path, following links; None without a name. What a broken link leads to has no size.
+fn entry_of(path: &Path) -> Option<Entry> {
+    let name = path.file_name()?.to_string_lossy().into_owned();
+    let Ok(data) = std::fs::metadata(path) else {
+        return Some(Entry {
+            name,
+            ..Entry::default()
+        });
+    };
+    let changed = data.modified().ok()?.duration_since(UNIX_EPOCH).unwrap_or_default();
+    Some(Entry {
+        name,
+        is_folder: data.is_dir(),
+        bytes: data.len(),
+        changed: changed.as_secs(),
+    })
+}
+
+/// The places of the entries that a filter lets through, in an order.
+pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
+    let part = filter.part.to_lowercase();
+    let passes = |entry: &Entry| {
+        let is_known = entry.is_folder
+            || filter.extensions.is_empty()
+            || filter.extensions.contains(&extension(Path::new(&entry.name)).as_str());
+        is_known
+            && (filter.shows_hidden || !entry.name.starts_with('.'))
+            && (part.is_empty() || entry.name.to_lowercase().contains(&part))
+    };
+    let mut places: Vec<usize> = (0..entries.len()).filter(|place| passes(&entries[*place])).collect();
+    places.sort_by(|a, b| compare(&entries[*a], &entries[*b], order));
+    places
+}
+
+fn compare(a: &Entry, b: &Entry, order: Order) -> Ordering {
+    let by_name = || {
+        natural(&a.name)
+            .cmp(&natural(&b.name))
+            .then_with(|| a.name.cmp(&b.name))
+    };
+    let by_column = match order.column {
+        Column::Name => Ordering::Equal,
+        // Large and new files come first: they are what one looks for.
+        Column::Size => b.bytes.cmp(&a.bytes),
+        Column::Changed => b.changed.cmp(&a.changed),
+    };
+    let along = by_column.then_with(by_name);
+    let along = if order.is_reversed { along.reverse() } else { along };
+    b.is_folder.cmp(&a.is_folder).then(along)
+}
+
+/// A name by which `wall 9` comes before `wall 10`, and capitals do not matter.
+fn natural(name: &str) -> Vec<(u64, String)> {
+    let mut parts = vec![(0u64, String::new())];
+    let mut in_digits = false;
+    for letter in name.to_lowercase().chars() {
+        let Some((number, text)) = parts.last_mut() else { break };
+        match letter.to_digit(10) {
+            Some(digit) if in_digits || text.is_empty() => *number = number.saturating_mul(10) + u64::from(digit),
+            Some(digit) => parts.push((u64::from(digit), String::new())),
+            None => text.push(letter),
+        }
+        in_digits = letter.is_ascii_digit();
+    }
+    // The number of a part stands after the text of the one before.
+    parts
+}
+
+/// A size such as `980 B`, `12 kB`, `3.4 MB`.
+pub fn size_text(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if bytes < 1000 {
+        return format!("{bytes} B");
+    }
+    let mut size = bytes as f64 / 1000.0;
+    let mut unit = 0;
+    while size >= 999.5 && unit + 1 < UNITS.len() {
+        size /= 1000.0;
+        unit += 1;
+    }
+    let decimals = usize::from(size < 9.95);
+    format!("{size:.decimals$} {}", UNITS[unit])
+}
+
+/// The time of the last change: the time of day, before today with the date.
+pub fn changed_text(entry: &Entry) -> String {
+    match entry.changed {
+        0 => String::new(),
+        seconds => clock_of(seconds).unwrap_or_default(),
+    }
+}
+
+/// The folders of these files, each once.
+pub fn folders_of(files: &[PathBuf]) -> Vec<PathBuf> {
+    let mut folders: Vec<PathBuf> = Vec::new();
+    for folder in files.iter().filter_map(|file| file.parent()) {
+        if !folder.as_os_str().is_empty() && !folders.iter().any(|known| known == folder) {
+            folders.push(folder.to_path_buf());
+        }
+    }
+    folders
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(name: &str, is_folder: bool, bytes: u64) -> Entry {
+        Entry {
+            name: name.to_owned(),
+            is_folder,
+            bytes,
+            changed: 1000 - bytes,
+        }
+    }
+
+    fn names(filter: &Filter, order: Order) -> Vec<String> {
+        let entries = [
+            entry("wall 10.xml", false, 20),
+            entry("Wall 9.XML", false, 10),
+            entry("picture.png", false, 30),
+            entry(".hidden.xml", false, 1),
+            entry("zoo", true, 5),
+            entry("attic", true, 6),
+        ];
+        let shown = shown(&entries, filter, order);
+        shown.iter().map(|place| entries[*place].name.clone()).collect()
+    }
+
+    #[test]
+    fn folders_come_first_and_numbers_are_counted() {
+        let scenes = Filter {
+            extensions: vec!["xml"],
+            ..Filter::default()
+        };
+        let order = Order::default();
+        assert_eq!(names(&scenes, order), ["attic", "zoo", "Wall 9.XML", "wall 10.xml"]);
+        let by_size = Order {
+            column: Column::Size,
+            is_reversed: false,
+        };
+        let all = names(&Filter::default(), by_size);
+        assert_eq!(all, ["attic", "zoo", "picture.png", "wall 10.xml", "Wall 9.XML"]);
+        let by_age = Order {
+            column: Column::Changed,
+            is_reversed: true,
+        };
+        assert_eq!(names(&scenes, by_age), ["attic", "zoo", "wall 10.xml", "Wall 9.XML"]);
+    }
+
+    #[test]
+    fn a_part_of_the_name_and_hidden_files_are_matters_of_the_filter() {
+        let filter = Filter {
+            part: "WALL".to_owned(),
+            ..Filter::default()
+        };
+        assert_eq!(names(&filter, Order::default()), ["Wall 9.XML", "wall 10.xml"]);
+        let filter = Filter {
+            part: "hid".to_owned(),
+            shows_hidden: true,
+            ..Filter::default()
+        };
+        assert_eq!(names(&filter, Order::default()), [".hidden.xml"]);
+    }
+
+    #[test]
+    fn sizes_have_two_digits_or_more() {
+        let sizes = [0, 999, 1000, 9_940, 9_960, 123_456, 999_600, 7_400_000_000];
+        let texts = [
+            "0 B", "999 B", "1.0 kB", "9.9 kB", "10 kB", "123 kB", "1.0 MB", "7.4 GB",
+        ];
+        assert_eq!(sizes.map(size_text), texts);
+    }
+
+    #[test]
+    fn a_folder_is_listed_with_what_is_wrong_with_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("inner")).expect("a folder");
+        std::fs::write(folder.path().join("a.xml"), "<scene/>").expect("a file");
+        let mut entries = read(folder.path()).expect("it is there");
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        let found: Vec<_> = entries
+            .iter()
+            .map(|entry| (entry.name.as_str(), entry.is_folder))
+            .collect();
+        assert_eq!(found, [("a.xml", false), ("inner", true)]);
+        assert_eq!(entries[0].bytes, 8);
+        assert!(read(&folder.path().join("none")).is_err_and(|error| error.contains("none")));
+    }
+
+    #[test]
+    fn folders_of_files_come_once() {
+        let files = ["/a/b.xml", "/c/d.xml", "/a/e.xml", "f.xml"].map(PathBuf::from);
+        assert_eq!(folders_of(&files), ["/a", "/c"].map(PathBuf::from));
+    }
+}

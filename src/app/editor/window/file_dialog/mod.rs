@@ -1,0 +1,531 @@
+//! The dialog that chooses a file: places at the left, the files of a folder with their sizes and dates, a path and a search.
+
+pub mod listing;
+mod table;
+
+use std::path::{Component, Path, PathBuf};
+
+use bevy_egui::egui::text::{CCursor, CCursorRange};
+use bevy_egui::egui::{self, Align, Button, ComboBox, Id, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui};
+
+use crate::app::editor::panels::look;
+use crate::app::editor::words::files::extension;
+use listing::{Entry, Filter, Order};
+
+/// What the dialog is for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Purpose {
+    /// A file that is there. Only files of these extensions are listed at first.
+    Open(&'static [&'static str]),
+    /// A file to write, in one of these formats: what it is called, and its extension. The text is the name that is proposed.
+    Save(&'static [(&'static str, &'static str)], String),
+}
+
+/// A folder that one can go to at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    pub name: String,
+    pub folder: PathBuf,
+    /// It has been used before, and is listed apart from the others.
+    pub is_recent: bool,
+}
+
+/// What has become of the dialog in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    Open,
+    Picked(PathBuf),
+    Cancelled,
+}
+
+/// A dialog that is open.
+#[derive(Clone, Debug)]
+pub struct FileDialog {
+    title: String,
+    purpose: Purpose,
+    places: Vec<Place>,
+    folder: PathBuf,
+    entries: Vec<Entry>,
+    problem: Option<String>,
+    filter: Filter,
+    order: Order,
+    /// The name of the entry that is chosen.
+    chosen: Option<String>,
+    /// The text of the path while it is edited.
+    path: Option<String>,
+    /// The name of the file to write.
+    name: String,
+    /// The file that is there already, while it is asked whether to replace it.
+    replaces: Option<PathBuf>,
+    /// The name of a folder to make, while it is typed.
+    new_folder: Option<String>,
+    has_begun: bool,
+    /// The list shows the chosen entry in the next frame.
+    shows_chosen: bool,
+}
+
+/// The largest size of the dialog, and that of the column of places, in points.
+const SIZE: egui::Vec2 = egui::vec2(820.0, 480.0);
+const PLACES: f32 = 150.0;
+
+impl FileDialog {
+    /// A dialog in a folder, which is absolute.
+    pub fn new(title: impl Into<String>, purpose: Purpose, folder: PathBuf, places: Vec<Place>) -> Self {
+        let (extensions, name) = match &purpose {
+            Purpose::Open(extensions) => (extensions.to_vec(), String::new()),
+            Purpose::Save(formats, name) => (formats.iter().map(|(_, known)| *known).collect(), name.clone()),
+        };
+        let mut dialog = Self {
+            title: title.into(),
+            purpose,
+            places,
+            folder: PathBuf::new(),
+            entries: Vec::new(),
+            problem: None,
+            filter: Filter {
+                extensions,
+                ..Filter::default()
+            },
+            order: Order::default(),
+            chosen: None,
+            path: None,
+            name,
+            replaces: None,
+            new_folder: None,
+            has_begun: false,
+            shows_chosen: false,
+        };
+        dialog.go_to(&folder);
+        dialog
+    }
+
+    fn saves(&self) -> bool {
+        matches!(self.purpose, Purpose::Save(..))
+    }
+
+    /// Shows a folder. One that cannot be read is an empty one, with what is wrong with it.
+    fn go_to(&mut self, folder: &Path) {
+        self.folder = without_dots(folder);
+        (self.entries, self.problem) = match listing::read(&self.folder) {
+            Ok(entries) => (entries, None),
+            Err(problem) => (Vec::new(), Some(problem)),
+        };
+        (self.chosen, self.path, self.new_folder) = (None, None, None);
+        self.filter.part.clear();
+    }
+
+    /// Shows the dialog.
+    pub fn show(&mut self, context: &egui::Context) -> Outcome {
+        let size = SIZE.min(context.content_rect().size() - egui::vec2(60.0, 120.0));
+        let modal = Modal::new(Id::new("file dialog")).show(context, |ui| {
+            ui.set_width(size.x);
+            ui.label(RichText::new(&self.title).heading().strong());
+            ui.add_space(4.0);
+            let mut went = self.path_row(ui);
+            ui.add_space(2.0);
+            let height = (size.y - 110.0).max(80.0);
+            let mut picked = None;
+            ui.horizontal_top(|ui| {
+                ui.set_height(height);
+                went = self.place_list(ui, height).or(went.take());
+                ui.separator();
+                ui.vertical(|ui| picked = self.table(ui, height));
+            });
+            ui.add_space(4.0);
+            // Enter is for what was being typed before this frame.
+            let has_field = self.path.is_some() || self.new_folder.is_some() || self.replaces.is_some();
+            let outcome = match self.replaces.clone() {
+                Some(file) => self.replace_row(ui, &file),
+                None => self.foot(ui),
+            };
+            let accepted = picked.or_else(|| self.keys(ui).filter(|_| !has_field));
+            if let Some(folder) = went {
+                self.go_to(&folder);
+            } else if let Some(name) = accepted {
+                return self.accept(&name).or(outcome);
+            }
+            outcome
+        });
+        self.has_begun = true;
+        match modal.inner {
+            Some(outcome) => outcome,
+            None if modal.should_close() => Outcome::Cancelled,
+            None => Outcome::Open,
+        }
+    }
+
+    /// The way up, the path, and the search; the folder to go to.
+    fn path_row(&mut self, ui: &mut Ui) -> Option<PathBuf> {
+        let mut went = None;
+        ui.horizontal(|ui| {
+            let parent = self.folder.parent().map(Path::to_path_buf);
+            let up = ui.add_enabled(parent.is_some(), Button::new("⬆"));
+            if up.on_hover_text("To the folder around this one (Alt+Up)").clicked() {
+                went.clone_from(&parent);
+            }
+            if ui.button("⟳").on_hover_text("Read the folder again").clicked() {
+                went = Some(self.folder.clone());
+            }
+            let search = 170.0;
+            let mut path = self.path.clone().unwrap_or_else(|| self.folder.display().to_string());
+            let width = (ui.available_width() - search - ui.spacing().item_spacing.x).max(80.0);
+            let field = ui.add(TextEdit::singleline(&mut path).desired_width(width));
+            if field.changed() {
+                self.path = Some(path);
+            }
+            if field.lost_focus()
+                && let Some(typed) = self.path.take()
+                && ui.input(|input| input.key_pressed(Key::Enter))
+            {
+                went = Some(self.folder.join(home_for_tilde(&typed)));
+            }
+            let search = TextEdit::singleline(&mut self.filter.part)
+                .hint_text("Find")
+                .desired_width(f32::INFINITY);
+            let search = ui.add(search);
+            if !self.has_begun && !self.saves() {
+                search.request_focus();
+            }
+            if search.changed() {
+                // The field shows what was typed in the next frame.
+                ui.ctx().request_repaint();
+                // The first that is found is what Enter opens.
+                let shown = listing::shown(&self.entries, &self.filter, self.order);
+                let first = shown.first().filter(|_| !self.filter.part.is_empty());
+                self.chosen = first.map(|place| self.entries[*place].name.clone());
+            }
+        });
+        // A path to a file is that file.
+        match went {
+            Some(file) if file.is_file() => {
+                let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                self.go_to(file.parent().unwrap_or(&file));
+                self.choose(name);
+                None
+            }
+            went => went,
+        }
+    }
+
+    fn choose(&mut self, name: String) {
+        if self.saves() && self.entries.iter().any(|entry| entry.name == name && !entry.is_folder) {
+            self.name.clone_from(&name);
+        }
+        self.chosen = Some(name);
+        self.shows_chosen = true;
+    }
+
+    /// The folders that one can go to at once; the one that was clicked.
+    fn place_list(&self, ui: &mut Ui, height: f32) -> Option<PathBuf> {
+        let mut went = None;
+        ui.vertical(|ui| {
+            ui.set_width(PLACES);
+            ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                for (heading, is_recent) in [("Places", false), ("Recent", true)] {
+                    let mut places = self
+                        .places
+                        .iter()
+                        .filter(|place| place.is_recent == is_recent)
+                        .peekable();
+                    if places.peek().is_some() {
+                        ui.label(RichText::new(heading).small().weak());
+                    }
+                    for place in places {
+                        let button = Button::selectable(place.folder == self.folder, &place.name).truncate();
+                        let button = button.min_size(egui::vec2(PLACES, 0.0));
+                        let response = ui.add(button).on_hover_text(place.folder.display().to_string());
+                        if response.clicked() {
+                            went = Some(place.folder.clone());
+                        }
+                    }
+                    ui.add_space(6.0);
+                }
+            });
+        });
+        went
+    }
+
+    /// The files; the name of one that was clicked twice.
+    fn table(&mut self, ui: &mut Ui, height: f32) -> Option<String> {
+        if let Some(problem) = &self.problem {
+            ui.colored_label(ui.visuals().error_fg_color, problem);
+            return None;
+        }
+        let shown = listing::shown(&self.entries, &self.filter, self.order);
+        let scrolls = std::mem::take(&mut self.shows_chosen);
+        let clicked = table::show(
+            ui,
+            height,
+            &self.entries,
+            &shown,
+            self.chosen.as_deref(),
+            scrolls,
+            &mut self.order,
+        )?;
+        let name = self.entries[clicked.place].name.clone();
+        self.choose(name.clone());
+        self.shows_chosen = false;
+        clicked.twice.then_some(name)
+    }
+
+    /// The name and the format, or what is listed; the buttons.
+    fn foot(&mut self, ui: &mut Ui) -> Option<Outcome> {
+        let mut outcome = None;
+        let mut accepts = false;
+        ui.horizontal(|ui| {
+            match self.purpose.clone() {
+                Purpose::Save(formats, _) => self.name_row(ui, formats),
+                Purpose::Open(extensions) => {
+                    let mut lists_all = self.filter.extensions.is_empty();
+                    let known = extensions.join(", ");
+                    if ui
+                        .checkbox(&mut lists_all, "All files")
+                        .on_hover_text(format!("Otherwise those with the endings {known}"))
+                        .changed()
+                    {
+                        self.filter.extensions = if lists_all { Vec::new() } else { extensions.to_vec() };
+                    }
+                }
+            }
+            ui.checkbox(&mut self.filter.shows_hidden, "Hidden")
+                .on_hover_text("Also what begins with a dot");
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let can = if self.saves() {
+                    !self.name.trim().is_empty()
+                } else {
+                    self.chosen.is_some()
+                };
+                let does = if self.saves() { "Save" } else { "Open" };
+                let button = look::primary(ui, does).min_size(egui::vec2(70.0, 0.0));
+                accepts = ui.add_enabled(can, button).clicked();
+                if ui.button("Cancel").on_hover_text("Esc").clicked() {
+                    outcome = Some(Outcome::Cancelled);
+                }
+                if self.saves() {
+                    self.folder_button(ui);
+                }
+            });
+        });
+        if accepts {
+            let name = if self.saves() {
+                self.name.clone()
+            } else {
+                self.chosen.clone().unwrap_or_default()
+            };
+            outcome = self.accept(&name).or(outcome);
+        }
+        outcome
+    }
+
+    fn name_row(&mut self, ui: &mut Ui, formats: &[(&'static str, &'static str)]) {
+        ui.label("Name");
+        let id = Id::new("name of the file");
+        let field = ui.add(TextEdit::singleline(&mut self.name).id(id).desired_width(220.0));
+        if !self.has_begun {
+            field.request_focus();
+            // The name without its extension is selected, to be typed over.
+            let stem = Path::new(&self.name).file_stem().unwrap_or_default();
+            let letters = stem.to_string_lossy().chars().count();
+            let mut state = egui::text_edit::TextEditState::load(ui.ctx(), id).unwrap_or_default();
+            let range = CCursorRange::two(CCursor::new(0), CCursor::new(letters));
+            state.cursor.set_char_range(Some(range));
+            state.store(ui.ctx(), id);
+        }
+        if formats.len() > 1 {
+            let now = extension(Path::new(&self.name));
+            let chosen = formats.iter().find(|(_, known)| *known == now).unwrap_or(&formats[0]);
+            ComboBox::from_id_salt("format")
+                .selected_text(chosen.0)
+                .show_ui(ui, |ui| {
+                    for (label, known) in formats {
+                        if ui.selectable_label(chosen.1 == *known, *label).clicked() {
+                            let renamed = Path::new(&self.name).with_extension(known);
+                            self.name = renamed.to_string_lossy().into_owned();
+                        }
+                    }
+                });
+        }
+    }
+
+    fn folder_button(&mut self, ui: &mut Ui) {
+        let Some(name) = &mut self.new_folder else {
+            if ui.button("New folder").clicked() {
+                self.new_folder = Some(String::new());
+            }
+            return;
+        };
+        let field = TextEdit::singleline(name)
+            .hint_text("Name, then Enter")
+            .desired_width(120.0);
+        let field = ui.add(field);
+        if field.lost_focus() {
+            let name = self.new_folder.take().unwrap_or_default();
+            if ui.input(|input| input.key_pressed(Key::Enter)) && !name.trim().is_empty() {
+                self.make_folder(&name);
+            }
+        } else {
+            field.request_focus();
+        }
+    }
+
+    fn make_folder(&mut self, name: &str) {
+        let folder = self.folder.join(name.trim());
+        match std::fs::create_dir(&folder) {
+            Ok(()) => self.go_to(&folder),
+            Err(error) => self.problem = Some(format!("{}: {error}", folder.display())),
+        }
+    }
+
+    /// The question whether to replace a file.
+    fn replace_row(&mut self, ui: &mut Ui, file: &Path) -> Option<Outcome> {
+        let mut outcome = None;
+        ui.horizontal(|ui| {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            ui.label(format!("{name} is there already. Replace it?"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.button("Keep it").clicked() {
+                    self.replaces = None;
+                }
+                if ui.add(look::danger(ui, "Replace")).clicked() {
+                    outcome = Some(Outcome::Picked(file.to_path_buf()));
+                }
+            });
+        });
+        outcome
+    }
+
+    /// The keys of the list; what Enter accepts.
+    fn keys(&mut self, ui: &Ui) -> Option<String> {
+        if egui::Popup::is_any_open(ui.ctx()) {
+            return None;
+        }
+        let (enter, up, down, alt) = ui.input(|input| {
+            let pressed = |key| input.key_pressed(key);
+            (
+                pressed(Key::Enter),
+                pressed(Key::ArrowUp),
+                pressed(Key::ArrowDown),
+                input.modifiers.alt,
+            )
+        });
+        if alt && up {
+            let parent = self.folder.parent().map(Path::to_path_buf);
+            parent.iter().for_each(|parent| self.go_to(parent));
+            return None;
+        }
+        if up || down {
+            let shown = listing::shown(&self.entries, &self.filter, self.order);
+            let is_chosen = |place: &usize| Some(&self.entries[*place].name) == self.chosen.as_ref();
+            let next = match (shown.iter().position(is_chosen), down) {
+                (None, true) => 0,
+                (None, false) => shown.len().saturating_sub(1),
+                (Some(at), true) => (at + 1).min(shown.len() - 1),
+                (Some(at), false) => at.saturating_sub(1),
+            };
+            if let Some(place) = shown.get(next) {
+                self.choose(self.entries[*place].name.clone());
+            }
+        }
+        let is_moving = up || down;
+        let wanted = match self.saves() {
+            true => Some(self.name.clone()).filter(|name| !name.trim().is_empty()),
+            false => self.chosen.clone(),
+        };
+        wanted.filter(|_| enter && !is_moving)
+    }
+
+    /// Goes into a folder of that name, or answers with the file.
+    fn accept(&mut self, name: &str) -> Option<Outcome> {
+        let path = without_dots(&self.folder.join(home_for_tilde(name.trim())));
+        if path.is_dir() {
+            self.go_to(&path);
+            return None;
+        }
+        let Purpose::Save(formats, _) = &self.purpose else {
+            return path.exists().then_some(Outcome::Picked(path));
+        };
+        // A file that was clicked in the list is written as it is called.
+        let is_known = formats.iter().any(|(_, known)| *known == extension(&path));
+        let path = match (is_known, formats.first()) {
+            (false, Some((_, first))) => {
+                let mut name = path.into_os_string();
+                name.push(format!(".{first}"));
+                PathBuf::from(name)
+            }
+            _ => path,
+        };
+        if path.exists() {
+            self.replaces = Some(path);
+            return None;
+        }
+        Some(Outcome::Picked(path))
+    }
+}
+
+/// A path without `.` and `..`. Links are not followed, so that one comes back to where one came from.
+fn without_dots(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                plain.pop();
+            }
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+/// A path whose first part `~` stands for the user's own folder.
+fn home_for_tilde(path: &str) -> PathBuf {
+    match (path.strip_prefix('~'), std::env::home_dir()) {
+        (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with(['/', '\\']) => {
+            home.join(rest.trim_start_matches(['/', '\\']))
+        }
+        _ => PathBuf::from(path),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENES: &[&str] = &["xml"];
+    const PICTURES: &[(&str, &str)] = &[("PNG", "png"), ("EXR", "exr")];
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("inner")).expect("a folder");
+        std::fs::write(folder.path().join("room.xml"), "<scene/>").expect("a file");
+        std::fs::write(folder.path().join("room.png"), "").expect("a file");
+        folder
+    }
+
+    #[test]
+    fn a_folder_is_entered_and_a_file_is_picked() {
+        let folder = folder();
+        let mut dialog = FileDialog::new("", Purpose::Open(SCENES), folder.path().to_path_buf(), Vec::new());
+        assert_eq!(dialog.accept("inner"), None);
+        assert_eq!(dialog.folder, folder.path().join("inner"));
+        assert_eq!(dialog.accept(".."), None);
+        assert_eq!(dialog.folder, folder.path());
+        assert_eq!(dialog.accept("none.xml"), None);
+        let picked = Outcome::Picked(folder.path().join("room.xml"));
+        assert_eq!(dialog.accept("room.xml"), Some(picked));
+    }
+
+    #[test]
+    fn a_saved_file_has_an_extension_and_another_one_is_replaced_only_after_a_question() {
+        let folder = folder();
+        let purpose = Purpose::Save(PICTURES, "room.png".to_owned());
+        let mut dialog = FileDialog::new("", purpose, folder.path().to_path_buf(), Vec::new());
+        assert_eq!(dialog.accept("room"), None);
+        assert_eq!(dialog.replaces, Some(folder.path().join("room.png")));
+        let picked = |name: &str| Some(Outcome::Picked(folder.path().join(name)));
+        assert_eq!(dialog.accept("new"), picked("new.png"));
+        assert_eq!(dialog.accept("new.EXR"), picked("new.EXR"));
+        assert_eq!(dialog.accept("a.b"), picked("a.b.png"));
+        assert_eq!(dialog.accept("inner/deep.exr"), picked("inner/deep.exr"));
+    }
+}
