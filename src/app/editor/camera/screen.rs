@@ -7,7 +7,7 @@ use crate::math::Ray;
 use crate::render::camera::Camera;
 
 /// A picture in the window and the camera that took it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
     /// The camera that the picture was rendered with.
     pub camera: Camera,

@@ -2,22 +2,42 @@
 
 use bevy::math::Vec2;
 
+use crate::engine::RenderFilm;
 use crate::render::film::Film;
 
 /// The distances of the picture's first hits. Without a film none is known.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Depths<'f>(Option<&'f Film>);
+pub struct Depths<'f> {
+    film: Option<&'f Film>,
+    version: Option<[u64; 2]>,
+}
 
 impl<'f> Depths<'f> {
     /// The distances in a film.
     pub fn of(film: &'f Film) -> Self {
-        Self(Some(film).filter(|film| film.width() > 0 && film.height() > 0))
+        Self {
+            film: Some(film).filter(|film| film.width() > 0 && film.height() > 0),
+            version: None,
+        }
+    }
+
+    /// The distances of the picture that is being rendered. Once every pixel has samples they have a version, which is another one after each pass.
+    pub fn rendered(film: &'f RenderFilm) -> Self {
+        Self {
+            version: (film.samples > 0).then_some([film.job, film.samples.into()]),
+            ..Self::of(&film.film)
+        }
+    }
+
+    /// Distances of the same version are the same, or so nearly that one does not see it. None: they may change at any time.
+    pub fn version(&self) -> Option<[u64; 2]> {
+        self.version
     }
 
     /// The distance in world units along the ray through a place of the picture, (0, 0) top left, (1, 1) bottom right: infinity where nothing
     /// is hit, and None where that is not known yet.
     pub fn at(&self, place: Vec2) -> Option<f32> {
-        let film = self.0?;
+        let film = self.film?;
         let pixel = |share: f32, count: u32| ((share * count as f32).max(0.0) as u32).min(count - 1);
         let (x, y) = (pixel(place.x, film.width()), pixel(place.y, film.height()));
         let depth = film.pixel(x, y)?.depth;
@@ -26,6 +46,6 @@ impl<'f> Depths<'f> {
 
     /// The number of distances in a row; 0 if none is known.
     pub fn width(&self) -> u32 {
-        self.0.map_or(0, Film::width)
+        self.film.map_or(0, Film::width)
     }
 }

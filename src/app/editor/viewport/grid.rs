@@ -3,8 +3,10 @@
 //! Lines fade where they would be too close to each other on the screen, so the far end of the grid vanishes and no level of it appears or
 //! disappears all at once.
 
+use std::sync::Arc;
+
 use bevy::math::{Vec2, Vec3};
-use bevy_egui::egui::{self, Color32, Mesh, Pos2, Rect, Shape};
+use bevy_egui::egui::{self, Color32, Id, Mesh, Pos2, Rect, Shape};
 
 use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::screen::Screen;
@@ -31,11 +33,43 @@ const MOST_LOOKS: usize = 12;
 /// What is nearer to a surface than this share of the distance is on it.
 const ON_SURFACE: f32 = 2e-3;
 
-/// Draws the grid over the picture. `up` is the world's upward axis.
+/// The grid as it was drawn last, with what it depends on.
+#[derive(Clone)]
+struct Drawn {
+    screen: Screen,
+    up: Vec3,
+    settings: GridSettings,
+    depths: [u64; 2],
+    mesh: Arc<Mesh>,
+}
+
+/// Draws the grid over the picture. `up` is the world's upward axis. While neither the view nor the picture changes, it is the mesh of the last frame.
 pub(crate) fn paint(painter: &egui::Painter, screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) {
-    if settings.shown {
-        painter.add(Shape::mesh(mesh(screen, up, settings, depths)));
+    if !settings.shown {
+        return;
     }
+    let id = Id::new("grid over the picture");
+    let version = depths.version();
+    let last: Option<Drawn> = painter.ctx().data(|data| data.get_temp(id));
+    let is_same = |last: &Drawn| {
+        (last.screen, last.up, last.settings) == (*screen, up, *settings) && Some(last.depths) == version
+    };
+    if let Some(last) = last.filter(is_same) {
+        painter.add(Shape::Mesh(last.mesh));
+        return;
+    }
+    let mesh = Arc::new(mesh(screen, up, settings, depths));
+    if let Some(depths) = version {
+        let drawn = Drawn {
+            screen: *screen,
+            up,
+            settings: *settings,
+            depths,
+            mesh: mesh.clone(),
+        };
+        painter.ctx().data_mut(|data| data.insert_temp(id, drawn));
+    }
+    painter.add(Shape::Mesh(mesh));
 }
 
 /// The triangles of all lines.

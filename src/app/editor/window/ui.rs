@@ -180,7 +180,7 @@ pub fn show_window(
         extent: model.extent,
         rulers: &settings.rulers,
         is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
-        depths: Depths::of(&scene.film.film),
+        depths: Depths::rendered(&scene.film),
         presses: &presses,
         enabled: is_free,
     };
