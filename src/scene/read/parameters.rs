@@ -34,6 +34,10 @@ pub trait Parameters {
 /// Reports a shape or an emitter that cannot be read. A plugin that Mitsuba has is a limit of this program: a warning, and the rest of the scene is
 /// worth seeing. A plugin that nobody has is a misspelt name: an error, because Mitsuba reads no such file either.
 pub fn report_left_out(reader: &mut Reader, is_known_elsewhere: bool, help: Option<String>) {
+    if reader.object().plugin.is_empty() {
+        // The empty name was reported where it stands.
+        return;
+    }
     let title = reader.object().title();
     let span = Some(reader.object().span);
     let (severity, message) = match is_known_elsewhere {
