@@ -7,12 +7,13 @@ use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::excerpt::excerpt;
 use crate::app::editor::session::toasts::{Toast, Toasts, Tone};
+use crate::app::editor::viewport::axes_widget;
 
 const WIDTH: f32 = 380.0;
-/// Points that the gizmo's bar takes at the upper edge of the picture.
-const BELOW_BAR: f32 = 46.0;
+/// The room in points from the edges of the picture, and from the axes in its corner.
+const GAP: f32 = 10.0;
 
-/// Shows the messages at the right of `place`, below the bar at its upper edge. Errors wait while a question is open: the answer may solve them.
+/// Shows the messages at the right of `place`, below the axes in its corner. Errors wait while a question is open: the answer may solve them.
 pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
     let current = toasts.current();
     if current.is_empty() {
@@ -23,7 +24,10 @@ pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rec
     Area::new(Id::new("toasts"))
         .order(Order::Foreground)
         .pivot(Align2::RIGHT_TOP)
-        .fixed_pos(place.right_top() + egui::vec2(-10.0, BELOW_BAR))
+        .fixed_pos(egui::pos2(
+            place.right() - GAP,
+            axes_widget::place(place).bottom() + GAP,
+        ))
         .constrain_to(place)
         .show(context, |ui| {
             ui.set_width(width);
