@@ -29,6 +29,8 @@ pub enum Line {
         members: Vec<Entity>,
         /// Whether all of them are left out of the picture; None if they cannot be.
         hidden: Option<bool>,
+        /// Whether all of them are locked.
+        locked: bool,
         /// What has the transform of the folder, if it has one.
         frame: Option<Entity>,
     },
@@ -303,6 +305,7 @@ impl<'a> Writer<'a> {
                         members: others.chain(frame).collect(),
                         frame,
                         hidden: self.hidden(&members),
+                        locked: members.iter().all(|&index| self.items[index].locked),
                     });
                     if is_open {
                         self.folder(&path, depth + 1, &members);

@@ -55,11 +55,13 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
                     depth,
                     members,
                     hidden,
+                    locked,
                     frame,
                 } => {
                     Folder {
                         path,
                         hidden: *hidden,
+                        locked: *locked,
                         depth: *depth,
                         members,
                         frame: *frame,
@@ -192,6 +194,8 @@ struct Folder<'a> {
     path: &'a str,
     /// Whether all members are hidden; None if they cannot be.
     hidden: Option<bool>,
+    /// Whether all members are locked.
+    locked: bool,
     depth: usize,
     members: &'a [Entity],
     /// What has the transform of the folder.
@@ -240,6 +244,13 @@ impl Folder<'_> {
                 };
                 if marks::mark(ui, help, !hidden, marks::eye).clicked() {
                     commands.push(Command::Hide(self.members.to_vec(), !hidden));
+                }
+                let help = match self.locked {
+                    true => "Unlock everything in the folder",
+                    false => "Lock everything in the folder",
+                };
+                if marks::mark(ui, help, self.locked, marks::padlock).clicked() {
+                    commands.push(Command::Lock(self.members.to_vec(), !self.locked));
                 }
             }
         });
