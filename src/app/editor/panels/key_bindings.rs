@@ -82,14 +82,18 @@ pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, press
     (edited != *bound).then_some(edited)
 }
 
+/// Whether keys are chosen for flying.
+fn flies(name: &str) -> bool {
+    bindables().any(|own| own.name == name && own.is_held())
+}
+
 /// Gives the key of a press to an action, unless it means something already.
 fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut KeyBindings) {
     state.answer = None;
     if press.key == Key::Escape {
         return;
     }
-    let is_held = bindables().any(|own| own.name == name && own.is_held());
-    let key = match is_held {
+    let key = match flies(name) {
         true => Shortcut::plain(press.key),
         false => press.shortcut(),
     };
@@ -108,6 +112,9 @@ fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut Key
 fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
     let Some(answer) = state.answer.clone() else {
         let text = match state.waiting {
+            Some(name) if flies(name) => {
+                "Press the new key. It counts without Shift and Ctrl, which fly fast and slowly. Esc: leave it as it is"
+            }
             Some(_) => "Press the new key, with the modifiers that you want. Esc: leave it as it is",
             None => "Click a key to choose another one",
         };
