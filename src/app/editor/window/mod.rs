@@ -6,6 +6,7 @@ pub(crate) mod docking;
 pub(crate) mod dropping;
 pub(crate) mod file_dialog;
 pub mod full_film;
+pub(crate) mod late_quit;
 pub mod palette;
 pub(crate) mod preview;
 pub mod recovery_question;

@@ -8,6 +8,7 @@ use bevy_egui::{EguiClipboard, EguiContexts, egui};
 use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
+use super::late_quit::LateQuit;
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
@@ -77,6 +78,7 @@ pub struct Shell<'w, 's> {
     clipboard: ResMut<'w, EguiClipboard>,
     mouse: Res<'w, AccumulatedMouseMotion>,
     unsaved_question: Local<'s, UnsavedQuestion>,
+    late_quit: Local<'s, LateQuit>,
 }
 
 pub fn show_window(
@@ -255,6 +257,8 @@ pub fn show_window(
     };
     shell.unsaved_question.hold(commands, unsaved.edits);
     shell.unsaved_question.show(&context, unsaved, commands);
+    let image = model.status.awaited_image.as_ref();
+    shell.late_quit.hold(commands, image, &mut said.toasts);
     let asks = shell.trusted.question.is_some();
     toasts::show(&mut said.toasts, asks, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
