@@ -10,8 +10,8 @@ use super::gather::{Naming, NamingItem, shape_kind};
 use super::{EditorModel, Item, Outline};
 use crate::scene::changes::Changes;
 use crate::scene::{
-    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, SceneId, SecondNestedIn, Sensor, Shape,
-    UsesMaterial,
+    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, SceneId, SceneStatus, SecondNestedIn,
+    Sensor, Shape, UsesMaterial,
 };
 
 /// The whole list is made anew if more things than these have changed.
@@ -223,12 +223,28 @@ fn sorted(items: impl Iterator<Item = Placed>) -> Vec<Item> {
     items.into_iter().map(|(_, item)| item).collect()
 }
 
-pub(crate) fn gather_outline(mut model: ResMut<EditorModel>, mut news: OutlineNews, things: Things) {
-    let changed = news.read();
-    if changed.is_empty() {
+/// Brings the list up to date. While a scene is being opened it is empty: a part of the scene cannot be edited, and the list would be made anew in
+/// every frame.
+pub(crate) fn gather_outline(
+    mut model: ResMut<EditorModel>,
+    mut news: OutlineNews,
+    things: Things,
+    status: Option<Res<SceneStatus>>,
+    mut was_opening: Local<bool>,
+) {
+    let is_opening = status.is_some_and(|status| status.is_opening);
+    let is_opened = std::mem::replace(&mut *was_opening, is_opening) && !is_opening;
+    if is_opening {
+        if *model.0.outline != Outline::default() {
+            model.0.outline = Arc::default();
+        }
         return;
     }
-    if changed.len() > MOST_EDITED {
+    let changed = news.read();
+    if changed.is_empty() && !is_opened {
+        return;
+    }
+    if is_opened || changed.len() > MOST_EDITED {
         model.0.outline = Arc::new(things.all());
     } else {
         things.update(Arc::make_mut(&mut model.0.outline), &changed);
