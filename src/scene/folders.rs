@@ -27,10 +27,10 @@ pub(crate) struct FreeFolders {
 }
 
 impl FreeFolders {
-    /// Finds a free folder for a copy of each of these. `names` are those of the scene when this is called first.
-    pub fn find(&mut self, names: &HashSet<String>, copied: impl IntoIterator<Item = String>) {
+    /// Finds a free folder for a copy of each of these. `names` gives those of the scene when a folder is copied first.
+    pub fn find(&mut self, mut names: impl FnMut() -> HashSet<String>, copied: impl IntoIterator<Item = String>) {
         for folder in copied {
-            let taken = self.taken.get_or_insert_with(|| folders_of(names));
+            let taken = self.taken.get_or_insert_with(|| folders_of(&names()));
             let latest = self.latest.get(&folder).unwrap_or(&folder);
             let free = free_name(taken, latest);
             taken.insert(free.clone());
@@ -58,7 +58,7 @@ mod tests {
         let names = HashSet::from(names);
         let mut folders = FreeFolders::default();
         for copy in ["house-3", "house-4"] {
-            folders.find(&names, ["house/room".to_owned(), "house".to_owned()]);
+            folders.find(|| names.clone(), ["house/room".to_owned(), "house".to_owned()]);
             assert_eq!(folders.in_copy("house/room/ball"), Some(format!("{copy}/room/ball")));
             assert_eq!(folders.in_copy("house/"), Some(format!("{copy}/")));
             assert_eq!(folders.in_copy("house-2/"), None);

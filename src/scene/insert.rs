@@ -6,9 +6,9 @@ use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::folders::FreeFolders;
-use super::free_name::free_name;
-use super::names::each_name;
+use super::names::{TakenNames, each_name};
 use super::write::gather::describe_entities;
+use super::write::identities;
 use super::{
     DeclaredIn, DocumentOrder, FirstNested, InstanceOf, Material, MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld,
     UsesMaterial,
@@ -43,25 +43,30 @@ pub fn names(world: &mut World) -> HashSet<String> {
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let mut order = next_order(world);
-    let mut taken = names(world);
     let mut inserted = Inserted::default();
     let mut folders = FreeFolders::default();
     let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
     let frames = frames.filter_map(|frame| frame.identity.id.as_deref()?.strip_suffix('/'));
-    folders.find(&taken, frames.map(str::to_owned));
+    folders.find(|| names(world), frames.map(str::to_owned));
+    let ids = identities(scene).filter_map(|identity| identity.id.as_deref());
+    let mut taken = TakenNames::like(world, ids);
     let in_folder = |name: &str| folders.in_copy(name).unwrap_or_else(|| name.to_owned());
     let mut spawn = |world: &mut World, identity: &Identity| {
         let entity = world.spawn(DocumentOrder(order)).id();
         order = order.saturating_add(1);
         let name = match &identity.id {
             Some(id) => {
-                let id = free_name(&taken, &in_folder(id));
+                // What is in a folder that was found free needs no number.
+                let id = taken.take(&in_folder(id));
                 world.entity_mut(entity).insert(SceneId(id.clone()));
                 id
             }
-            None => in_folder(&identity.name),
+            None => {
+                let name = in_folder(&identity.name);
+                taken.note(&name);
+                name
+            }
         };
-        taken.insert(name.clone());
         world.entity_mut(entity).insert(Name::new(name));
         inserted.all.push(entity);
         entity
@@ -324,6 +329,7 @@ fn places(is_used: &[bool]) -> Vec<Option<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::free_name::free_name;
     use crate::scene::names::{free_name_for, is_taken};
 
     /// Both ways to find a free name agree.
@@ -340,6 +346,10 @@ mod tests {
             "y-8",
             "z-4294967294",
             "z-4294967295",
+            "f/",
+            "f-2/",
+            "f-3",
+            "g/-2",
         ];
         for wanted in [
             "ball",
@@ -352,6 +362,10 @@ mod tests {
             "x-0",
             "y-+7",
             "z-4294967294",
+            "f/",
+            "f",
+            "g/",
+            "f-2/",
             "",
         ] {
             let mut world = World::new();

@@ -21,8 +21,8 @@ struct ForeignIds {
 #[derive(Debug, Default)]
 pub(crate) struct TakenNames {
     exact: HashSet<String>,
-    /// The numbers that are taken of each stem, such as 3 of `ball` by `ball-3`.
-    numbers: HashMap<String, HashSet<u32>>,
+    /// The numbers that are taken of each stem, such as 3 of `ball` by `ball-3`; then those of folders, whose names end with a slash.
+    numbers: [HashMap<String, HashSet<u32>>; 2],
 }
 
 impl TakenNames {
@@ -32,39 +32,48 @@ impl TakenNames {
         let mut names: HashSet<&str> = HashSet::default();
         for name in wanted {
             names.insert(name);
-            taken.numbers.entry(stem(name).0.to_owned()).or_default();
+            let (stem, _, is_folder) = stem(name);
+            taken.numbers[usize::from(is_folder)]
+                .entry(stem.to_owned())
+                .or_default();
         }
         each_name(world, |name| {
             if names.contains(name) {
                 taken.exact.insert(name.to_owned());
             }
-            if let Some((stem, number)) = numbered(name)
-                && let Some(numbers) = taken.numbers.get_mut(stem)
-            {
-                numbers.insert(number);
-            }
+            taken.note_number(name);
         });
         taken
     }
 
-    /// The name, which must be among those that were looked for, with a number if it is taken. From now on the result is taken as well.
-    pub fn take(&mut self, wanted: &str) -> String {
-        let name = if self.exact.contains(wanted) {
-            let (stem, number) = stem(wanted);
-            let taken = self.numbers.get(stem);
-            let is_free = |number: &u32| taken.is_none_or(|taken| !taken.contains(number));
-            let next = (number.saturating_add(1)..u32::MAX).find(is_free).unwrap_or(u32::MAX);
-            format!("{stem}-{next}")
-        } else {
-            wanted.to_owned()
-        };
-        if let Some((stem, number)) = numbered(&name)
-            && let Some(numbers) = self.numbers.get_mut(stem)
+    fn note_number(&mut self, name: &str) {
+        if let Some((stem, number, is_folder)) = numbered(name)
+            && let Some(numbers) = self.numbers[usize::from(is_folder)].get_mut(stem)
         {
             numbers.insert(number);
         }
-        self.exact.insert(name.clone());
+    }
+
+    /// The name, with a number if it is taken: see [`super::free_name::free_name`]. From now on the result is taken as well. The name must be among
+    /// those that were looked for, or a result for one of them, or known to be free.
+    pub fn take(&mut self, wanted: &str) -> String {
+        let name = if self.exact.contains(wanted) {
+            let (stem, number, is_folder) = stem(wanted);
+            let taken = self.numbers[usize::from(is_folder)].get(stem);
+            let is_free = |number: &u32| taken.is_none_or(|taken| !taken.contains(number));
+            let next = (number.saturating_add(1)..u32::MAX).find(is_free).unwrap_or(u32::MAX);
+            format!("{stem}-{next}{}", if is_folder { "/" } else { "" })
+        } else {
+            wanted.to_owned()
+        };
+        self.note(&name);
         name
+    }
+
+    /// Counts a name as taken.
+    pub fn note(&mut self, name: &str) {
+        self.note_number(name);
+        self.exact.insert(name.to_owned());
     }
 }
 
@@ -118,18 +127,29 @@ fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
     object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
-/// The part of a wanted name before its number, and the number; 1 for a name without one.
-fn stem(wanted: &str) -> (&str, u32) {
-    let parts = wanted.rsplit_once('-');
-    let numbered = parts.and_then(|(stem, number)| Some((stem, number.parse().ok()?)));
-    numbered.unwrap_or((wanted, 1))
+/// The name without the slash of a folder, and whether there is one.
+fn without_slash(name: &str) -> (&str, bool) {
+    match name.strip_suffix('/') {
+        Some(folder) => (folder, true),
+        None => (name, false),
+    }
 }
 
-/// The stem and the number of a name as [`TakenNames::take`] makes them.
-fn numbered(name: &str) -> Option<(&str, u32)> {
+/// The part of a wanted name before its number, the number, which is 1 for a name without one, and whether it is that of a folder.
+fn stem(wanted: &str) -> (&str, u32, bool) {
+    let (wanted, is_folder) = without_slash(wanted);
+    let parts = wanted.rsplit_once('-');
+    let numbered = parts.and_then(|(stem, number)| Some((stem, number.parse().ok()?)));
+    let (stem, number) = numbered.unwrap_or((wanted, 1));
+    (stem, number, is_folder)
+}
+
+/// The stem and the number of a name as [`TakenNames::take`] makes them, and whether it is that of a folder.
+fn numbered(name: &str) -> Option<(&str, u32, bool)> {
+    let (name, is_folder) = without_slash(name);
     let (stem, digits) = name.rsplit_once('-')?;
     let is_plain = digits.bytes().all(|digit| digit.is_ascii_digit()) && (digits == "0" || !digits.starts_with('0'));
-    Some((stem, digits.parse().ok().filter(|_| is_plain)?))
+    Some((stem, digits.parse().ok().filter(|_| is_plain)?, is_folder))
 }
 
 #[cfg(test)]
@@ -151,5 +171,7 @@ mod tests {
         let mut taken = TakenNames::like(&mut world, wanted);
         let given = wanted.map(|name| taken.take(name));
         assert_eq!(given, ["ball-2", "lamp-2", "ball-4", "ball-5", "sky", "sky-2"]);
+        // From a result the search goes on.
+        assert_eq!(taken.take("ball-5"), "ball-6");
     }
 }

@@ -28,6 +28,7 @@ use self::parts::Moves;
 pub use self::portable::Extensions;
 pub use self::save::{save, save_with};
 use self::writer::Writer;
+pub(in crate::scene) use self::writer::identities;
 use super::assets::gltf_scene::is_called_gltf;
 use super::description::SceneDescription;
 use super::read::mesh_search::MeshSearch;

@@ -301,7 +301,8 @@ fn id_of(identity: &Identity) -> Option<SmolStr> {
     identity.id.as_deref().map(SmolStr::from)
 }
 
-fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
+/// The identities of all things that are described.
+pub(in crate::scene) fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
     let sensors = scene.sensors.iter().map(|sensor| &sensor.identity);
     let materials = scene.materials.iter().map(|material| &material.identity);
     let groups = scene.groups.iter().map(|group| &group.identity);

@@ -181,6 +181,20 @@ pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<A
         .collect()
 }
 
+/// The world bounds of all shapes in the picture, by their entities.
+pub fn all_bounds(packed: &PackedScene) -> EntityHashMap<Aabb> {
+    let mut bounds = EntityHashMap::with_capacity(packed.entity_of_instance.len());
+    if let Some(scene) = &packed.scene {
+        for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
+            if let Some(own) = scene.geometry.bounds_of(item).filter(|own| !own.is_empty()) {
+                let all = bounds.entry(*entity).or_insert(Aabb::EMPTY);
+                *all = all.union(own);
+            }
+        }
+    }
+    bounds
+}
+
 /// Half the field of view in radians along the picture's narrower side.
 pub fn half_fov(camera: &Camera) -> f32 {
     let axis = camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)).dir;

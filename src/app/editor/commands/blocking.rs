@@ -10,8 +10,8 @@ use crate::app::editor::command::blocking::faces::pushed;
 use crate::app::editor::command::blocking::joints::{StandingWall, joints};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
-use crate::scene::free_name::free_name;
-use crate::scene::insert::{names, next_order};
+use crate::scene::insert::next_order;
+use crate::scene::names::free_name_for;
 use crate::scene::{DocumentOrder, Hidden, Locked, MemberOf, SceneId, Shape, ShapeKind, Solid, ToWorld};
 
 pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
@@ -21,7 +21,7 @@ pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
     }
     let (kind, pose) = block.shape().ok_or("What was drawn has no extent.")?;
     let order = DocumentOrder(next_order(edit.world));
-    let name = free_name(&names(edit.world), block.name.as_deref().unwrap_or(block.kind.name()));
+    let name = free_name_for(edit.world, block.name.as_deref().unwrap_or(block.kind.name()));
     let shape = Shape {
         kind,
         ..Shape::default()

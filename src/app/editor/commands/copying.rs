@@ -1,6 +1,6 @@
 //! Copies what is selected: once, beside it, or as a series of copies or instances.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
@@ -16,6 +16,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::folders::FreeFolders;
 use crate::scene::free_name::free_name;
 use crate::scene::insert::{names, next_order};
+use crate::scene::names::TakenNames;
 use crate::scene::{
     AreaLight, DocumentOrder, InstanceOf, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind, ToWorld,
 };
@@ -33,7 +34,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let series = series.filter(|_| edit.world.resource::<History>().was_just_copied());
     let aside = beside(edit.world, &selected);
     let unit = unit(edit.world);
-    let mut copier = Copier::new(edit);
+    let mut copier = Copier::new(edit, &selected);
     copier.find_folders(edit, &selected);
     let mut copies = Vec::new();
     for (number, original) in selected.into_iter().enumerate() {
@@ -70,7 +71,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
         selected = vec![as_instance(edit)?];
     }
     let unit = unit(edit.world);
-    let mut copier = Copier::new(edit);
+    let mut copier = Copier::new(edit, &selected);
     let mut all = selected.clone();
     for number in 1..series.count {
         copier.find_folders(edit, &selected);
@@ -211,9 +212,12 @@ fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
     Ok(edit.spawn((instance, InstanceOf(group), instance_name, order, pose)))
 }
 
+/// The name of a copy of a thing without a name.
+const UNNAMED: &str = "copy";
+
 /// Makes copies with names and places in the file of their own.
 struct Copier {
-    taken: HashSet<String>,
+    taken: TakenNames,
     /// The name that the last copy of a name got, from which the next one is found quickly.
     latest: HashMap<String, String>,
     /// The folders of groups that are copied.
@@ -222,9 +226,13 @@ struct Copier {
 }
 
 impl Copier {
-    fn new(edit: &mut Edit) -> Self {
+    fn new(edit: &mut Edit, originals: &[Entity]) -> Self {
+        let wanted: Vec<String> = originals
+            .iter()
+            .map(|entity| edit.world.get::<Name>(*entity).map_or(UNNAMED, Name::as_str).to_owned())
+            .collect();
         Self {
-            taken: names(edit.world),
+            taken: TakenNames::like(edit.world, wanted.iter().map(String::as_str)),
             latest: HashMap::new(),
             folders: FreeFolders::default(),
             order: next_order(edit.world),
@@ -232,12 +240,12 @@ impl Copier {
     }
 
     /// Finds folders for copies of the groups among these things.
-    fn find_folders(&mut self, edit: &Edit, originals: &[Entity]) {
+    fn find_folders(&mut self, edit: &mut Edit, originals: &[Entity]) {
         let frames = originals
             .iter()
             .filter(|entity| grouping::is_frame(edit.world, **entity));
-        let copied = frames.map(|frame| grouping::path(edit.world, *frame));
-        self.folders.find(&self.taken, copied);
+        let copied: Vec<String> = frames.map(|frame| grouping::path(edit.world, *frame)).collect();
+        self.folders.find(|| names(edit.world), copied);
     }
 
     fn copy(&mut self, edit: &mut Edit, original: Entity, pose: Affine3A) -> Result<Entity, CommandError> {
@@ -245,12 +253,12 @@ impl Copier {
         if state.placements.is_some() {
             return Err("So many instances cannot be doubled.".into());
         }
-        let name = state.name.as_ref().map_or("copy", |name| name.as_str());
+        let name = state.name.as_ref().map_or(UNNAMED, |name| name.as_str());
         let in_copy = self.folders.in_copy(name);
         let name = in_copy.as_deref().unwrap_or(name);
         let latest = self.latest.get(name).map_or(name, String::as_str);
-        let free = free_name(&self.taken, latest);
-        self.taken.insert(free.clone());
+        // What is in a folder that was found free needs no number.
+        let free = self.taken.take(latest);
         self.latest.insert(name.to_owned(), free.clone());
         let name = free;
         state.id = Some(SceneId(name.clone()));

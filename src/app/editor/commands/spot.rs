@@ -60,7 +60,9 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         false => FIRST,
     };
     let size = size.unwrap_or_else(suits);
-    let taken = taken.only_like(packed, size, up);
+    let all_bounds = picking::all_bounds(packed);
+    let bounds_of = |entity: Entity| all_bounds.get(&entity);
+    let taken = taken.only_like(bounds_of, size, up);
     let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let right = -Vec3::from(pose.matrix3.x_axis)
         .reject_from(up)
@@ -80,10 +82,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         None if taken.has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
         None => (seen, None),
     };
-    let is_passed = |entity: Entity| {
-        let bounds = picking::bounds_of(packed, entity);
-        bounds.is_some_and(|bounds| is_like(&bounds, size, up))
-    };
+    let is_passed = |entity: Entity| bounds_of(entity).is_some_and(|bounds| is_like(bounds, size, up));
     // Beside a thing of similar size, whichever side of it is seen.
     let start = match surface {
         Some(surface) if is_passed(surface.entity) => (surface.position, Some(surface)),
@@ -94,8 +93,8 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         let mut place = start;
         for _ in 0..MOST_TRIED {
             let (foot, on) = place;
-            let beside = match on.and_then(|on| picking::bounds_of(packed, on.entity)) {
-                Some(bounds) if is_like(&bounds, size, up) => {
+            let beside = match on.and_then(|on| bounds_of(on.entity)) {
+                Some(bounds) if is_like(bounds, size, up) => {
                     bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
                 }
                 _ if taken.is_at(foot, up * size, lift) => foot + way * ((APART - 1.0) * size),
@@ -186,13 +185,11 @@ impl Taken {
     }
 
     /// Removes things in whose middle a new thing may stand, such as a floor. What is in the picture has its middle there.
-    fn only_like(mut self, packed: &PackedScene, size: f32, up: Vec3) -> Self {
-        let entities: Vec<Entity> = self.places.iter().map(|(entity, _)| *entity).collect();
-        let mut bounds = picking::bounds_of_each(packed, &entities).into_iter();
-        self.places.retain_mut(|(_, place)| match bounds.next().flatten() {
+    fn only_like<'b>(mut self, bounds_of: impl Fn(Entity) -> Option<&'b Aabb>, size: f32, up: Vec3) -> Self {
+        self.places.retain_mut(|(entity, place)| match bounds_of(*entity) {
             Some(bounds) => {
                 *place = bounds.center();
-                is_like(&bounds, size, up)
+                is_like(bounds, size, up)
             }
             None => true,
         });
