@@ -293,7 +293,7 @@ impl Bvh {
                 }
             }
         }
-        // Edits leave nodes behind from which all is gone.
+        // Edits leave behind nodes that are empty.
         let is_lost = |index: &usize| !reached[*index] && self.nodes[*index].slots_used() > 0;
         if let Some(index) = (0..self.nodes.len()).find(is_lost) {
             return Err(format!("node {index} is not reached"));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 /// The number of entries in each piece but the last.
 const PIECE: usize = 64;
 
-/// A list of which copies are cheap, as long as they differ in few entries.
+/// A list whose copies are cheap as long as they differ in few entries.
 #[derive(Clone, Debug)]
 pub(super) struct Chunks<T> {
     pieces: Vec<Arc<[T]>>,

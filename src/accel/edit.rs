@@ -1,7 +1,7 @@
 //! A hierarchy over shapes that follows edits of some of them, so that an edit costs what it changes.
 //!
-//! What an edit changes leaves the hierarchy as it was built, and goes into a small one beside it, which is built anew for every edit. Hits are those
-//! of a hierarchy that is built anew over everything, but for the rounding of distances, since other shapes may share a block.
+//! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which is built anew for every edit.
+//! Rays hit the same as in a hierarchy that is built anew over everything. Only distances may be rounded otherwise, because other shapes share a block.
 
 use super::build::SplitMethod;
 use super::bvh::Bvh;
@@ -12,11 +12,11 @@ use super::shape_block::ShapeBlock;
 use super::tlas::{LEAF_SIZE, Tlas};
 use crate::math::Aabb;
 
-/// Fewer items than these are built anew in less time than it is worth.
+/// A hierarchy over fewer items than this is quickly built anew, so that edits of it are not worth the effort.
 const FEWEST: usize = 2048;
 /// The most shapes beside the hierarchy as it was built.
 const MOST_LOOSE: usize = 1024;
-/// The largest share of memory that shapes may take which are gone.
+/// The largest share of the memory of all shapes that removed ones may take.
 const MOST_WASTE: f32 = 0.25;
 
 impl Tlas {
@@ -47,7 +47,7 @@ impl Tlas {
             .collect();
         loose.sort_unstable();
         loose.dedup();
-        // What is loose already is not in the hierarchy as it was built.
+        // Shapes that are loose already are not in the hierarchy as it was built.
         touched.retain(|number| was_loose.binary_search(number).is_err());
         let instances = self.instances.edited(edits);
         if loose.len() > MOST_LOOSE.min(instances.len() / 2) || instances.waste() > MOST_WASTE {

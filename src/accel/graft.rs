@@ -33,7 +33,8 @@ impl Bvh {
         }
     }
 
-    /// The first `nodes` nodes and `leaves` entries of the order, which must be a hierarchy by [`Self::under_root`] without what is beside it.
+    /// The hierarchy without the one that [`Self::put_beside`] has put beside it. `nodes` and `leaves` are the numbers of nodes and of entries of the
+    /// order that it had before.
     pub(super) fn without_beside(&self, nodes: usize, leaves: usize) -> Self {
         Self {
             nodes: self.nodes[..nodes].to_vec(),

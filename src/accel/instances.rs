@@ -8,7 +8,7 @@ use super::instance::{Instance, Primitive};
 /// Shapes by their numbers. Copies that differ in few shapes share the memory of the others.
 #[derive(Clone, Debug, Default)]
 pub struct Instances {
-    /// The shapes in the order in which they came, with those that are gone.
+    /// The shapes in the order in which they were added, including removed ones.
     stored: Chunks<Instance>,
     /// The place in `stored` of each shape.
     places: Vec<u32>,
@@ -17,9 +17,9 @@ pub struct Instances {
 /// The difference between two lists of shapes.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeEdits {
-    /// The numbers that shapes had which are gone, ascending.
+    /// The old numbers of the removed shapes, ascending.
     pub removed: Vec<u32>,
-    /// What takes the place of shapes, by their numbers in the old list, ascending and not among those removed.
+    /// New versions of shapes that stay, by their numbers in the old list, ascending.
     pub replaced: Vec<(u32, Instance)>,
     /// New shapes by their numbers in the new list, ascending.
     pub inserted: Vec<(u32, Instance)>,
@@ -44,9 +44,9 @@ impl ShapeEdits {
         left + self.inserted_before(left)
     }
 
-    /// The number of new shapes before the one that is the `left`-th of those that stay.
+    /// The number of new shapes before the shape that comes after `left` others that stay.
     fn inserted_before(&self, left: u32) -> u32 {
-        // The n-th new shape is before it if at most `left` of those that stay are before that.
+        // A new shape is before that one if at most `left` of the shapes that stay come before the new shape.
         let (mut low, mut high) = (0, self.inserted.len());
         while low < high {
             let middle = low.midpoint(high);
@@ -82,7 +82,7 @@ impl Instances {
         self.places.iter().map(|&place| &self.stored[place as usize])
     }
 
-    /// The list after the edits. What is gone takes memory until a list is made anew.
+    /// The list after the edits. Removed shapes take memory until a list is made anew.
     pub(super) fn edited(&self, edits: &ShapeEdits) -> Self {
         let mut edited = self.clone();
         for (number, shape) in &edits.replaced {
@@ -91,7 +91,7 @@ impl Instances {
                 .replace(self.places[*number as usize] as usize, shape.clone());
         }
         for &number in &edits.removed {
-            // The mesh of a shape that is gone is let go of.
+            // A removed shape does not keep its mesh alive.
             let place = self.places[number as usize] as usize;
             let primitive = Primitive::Sphere;
             let gone = Instance {
@@ -121,7 +121,7 @@ impl Instances {
         edited
     }
 
-    /// The memory of shapes that are gone, as a share of all.
+    /// The memory of removed shapes, as a share of all.
     pub(super) fn waste(&self) -> f32 {
         1.0 - self.places.len() as f32 / self.stored.len().max(1) as f32
     }

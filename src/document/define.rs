@@ -140,7 +140,7 @@ impl Defines {
         }
     }
 
-    /// Whether a name is used by a `$name`, or stands for a value that `is_usual` does not hold for.
+    /// Whether the text refers to this name as `$name`, or gives it a value for which `is_usual` is false.
     pub fn has_other_use(&self, name: &str, is_usual: impl Fn(&str) -> bool) -> bool {
         let define = self.by_name.get(name);
         define.is_some_and(|define| define.used || !is_usual(&define.value))

@@ -1,6 +1,6 @@
 //! The unit of length of a scene, which a file says as `<default name="length_unit" value="cm"/>`.
 //!
-//! A `default` is the only tag of the format that may say something that other readers do not know. In the tree it is a property of the scene.
+//! It is a `default` because other readers of the format accept names there that they do not know. In the tree it is a property of the scene.
 
 use super::{Category, Object};
 

@@ -169,7 +169,7 @@ impl BlasCache {
             .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
     }
 
-    /// Drops finished hierarchies that `is_used` does not name.
+    /// Drops the finished hierarchies for which `is_used` is false.
     pub fn retain(&mut self, is_used: impl Fn(&Arc<Blas>) -> bool) {
         self.entries
             .retain(|_, entry| entry.ticket.is_some() || entry.built.as_ref().is_none_or(|built| is_used(&built.blas)));

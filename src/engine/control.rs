@@ -34,7 +34,7 @@ pub struct RenderControl {
     pub motion_scale: f32,
     /// The size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
-    /// The pixels of the place where the picture is shown: it gets no more of them than fit there in its own proportions. None is no such
+    /// The size in pixels of the place where the picture is shown: the picture gets no more pixels than fit there in its own proportions. None is no
     /// limit.
     pub view_size: Option<UVec2>,
     /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it when the scene or the view has changed otherwise.
@@ -98,9 +98,9 @@ pub enum ViewMode {
 /// What camera rays pass through, as [`Sight`](crate::render::sight::Sight), with shapes by their entities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SightControl {
-    /// Whether surfaces are passed that are met from behind.
+    /// Whether rays pass surfaces that they meet from behind.
     pub passes_backs: bool,
-    /// A plane before which everything is passed.
+    /// A plane; rays pass everything on its outer side.
     pub cut: Option<CutPlane>,
     /// The shapes that are seen alone. If it is empty, all are seen.
     pub only: Vec<Entity>,

@@ -22,7 +22,7 @@ const MOST_TOUCHED: usize = 4096;
 /// The shapes that may have changed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Touched {
-    /// Only these, of which some may be gone or no shapes.
+    /// Only these entities may have changed. Some may be gone, and some may be no shapes.
     These(EntityHashSet),
     All,
 }
@@ -121,7 +121,7 @@ pub(super) struct ShapeChanges<'w, 's> {
 }
 
 impl ShapeChanges<'_, '_> {
-    /// Calls `visit` for the shapes of which anything has changed that says where or what they are.
+    /// Calls `visit` for the shapes whose geometry, place or visibility may have changed.
     fn each_placed(&self, mut visit: impl FnMut(Entity)) {
         self.shapes.for_each(&mut visit);
         self.poses.for_each(&mut visit);

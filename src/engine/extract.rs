@@ -311,7 +311,7 @@ impl Extracted {
         }
     }
 
-    /// Whether the view is this one but for the number of pixels.
+    /// Whether the view differs from this one in nothing but the number of pixels.
     fn sees_as(&self, old: Option<&View>) -> bool {
         match (&self.view, old) {
             (Some(view), Some(old)) => is_same_at_other_size(old, view),

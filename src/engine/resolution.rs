@@ -14,7 +14,7 @@ pub fn fit(size: UVec2, room: UVec2) -> UVec2 {
     (size * scale + 1e-6).floor().as_uvec2().max(UVec2::ONE)
 }
 
-/// The nearest size there can be a film of, of about the same shape.
+/// The nearest possible size of a film, with about the same proportions.
 pub(super) fn possible(size: UVec2) -> UVec2 {
     let size = size.clamp(UVec2::ONE, UVec2::splat(Film::LARGEST_SIDE));
     let pixels = f64::from(size.x) * f64::from(size.y);

@@ -25,7 +25,7 @@ struct Edited {
 }
 
 impl Extracted {
-    /// Tells which instances are not where and what they were.
+    /// Brings all up to date, and tells for each instance whether its place or geometry has changed.
     pub(super) fn update_shapes(
         &mut self,
         touched: &Touched,
@@ -111,8 +111,8 @@ impl Extracted {
         moved
     }
 
-    /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes, but for what the hierarchy looks
-    /// like inside. None, and nothing is changed, where only packing all shapes does.
+    /// Packs the shapes of the world that have changed, and edits the tables. The result is the same as if all shapes were packed, except for the
+    /// nodes of the hierarchy. None, and nothing is changed, where all shapes have to be packed.
     fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,
@@ -241,7 +241,7 @@ impl Extracted {
                 Touched::These(shapes) => shapes.contains(&record.entity),
                 Touched::All => true,
             };
-            // A shape that has just gone has made the instances dirty: it is not among them.
+            // A shape that was just removed is not among these records, because its removal has packed them anew.
             if is_touched && let Ok((_, _, uses, light)) = authored.surface_bindings.get(record.entity) {
                 (record.material, record.has_light) = (uses.map(|uses| uses.0), light.is_some());
             }

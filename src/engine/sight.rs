@@ -35,7 +35,7 @@ impl SeenAlone {
             let items: Vec<u32> = items
                 .filter_map(|(item, entity)| entities.contains(entity).then_some(item))
                 .collect();
-            // Of shapes that are hidden or not loaded yet there is nothing to see: everything is shown until they are there.
+            // Shapes that are hidden or not loaded yet are not in the tables: if all are missing, everything is shown.
             self.shapes = (!items.is_empty()).then(|| {
                 let part = geometry.part(&items, SplitMethod::default());
                 Isolated(Arc::new(part))

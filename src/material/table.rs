@@ -14,7 +14,7 @@ use crate::texture::{TexturePoint, TextureTable};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialTable {
     materials: Vec<Material>,
-    /// What the models of the materials have tabulated.
+    /// The tables to which the models of the materials refer.
     tables: ShadingTables,
     /// Whether light can pass straight through any of them.
     has_null_lobe: bool,
@@ -50,7 +50,8 @@ impl MaterialTable {
         Ok(Self::checked(materials, tables))
     }
 
-    /// Whether these materials can be a table: nothing is nested that is not there, in itself, or too deep, and no id is of other tables.
+    /// Checks that these materials can be a table: nested materials exist, contain neither themselves nor too many levels, and all ids are of
+    /// `tables`.
     pub fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
         nesting::check(materials, tables)
     }

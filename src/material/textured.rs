@@ -122,7 +122,7 @@ impl TexturedBsdf {
         matches!(self, Self::ThinDielectric { .. } | Self::Hair { .. })
     }
 
-    /// Whether the tables that it has ids of are among `tables`.
+    /// Whether `tables` has all tables to whose ids the model refers.
     pub(super) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {
             Self::RoughConductor {

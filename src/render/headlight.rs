@@ -15,7 +15,7 @@ const CLAY: f32 = 0.55;
 /// The colour where there is nothing.
 const NOTHING: f32 = 0.03;
 
-/// What `ray` meets, in its own colour or in that of clay. Masks and glass are as solid as anything else.
+/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSample {
     let Some(hit) = scene.geometry.intersect(ray) else {
         return PathSample {

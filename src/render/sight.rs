@@ -11,14 +11,14 @@ use crate::accel::{Detail, Hit, RayLanes, Tlas};
 use crate::math::Ray;
 use crate::math::lanes::each_lane;
 
-/// The parts of a scene that camera rays meet; by default all of them.
+/// Which parts of a scene stop camera rays; by default all of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sight {
-    /// Whether surfaces are passed that are met from behind: those whose geometric normal points away from the camera.
+    /// Whether rays pass surfaces that they meet from behind, whose geometric normal points away from the camera.
     pub passes_backs: bool,
-    /// A plane before which everything is passed.
+    /// A plane; rays pass everything on its outer side.
     pub cut: Option<CutPlane>,
-    /// The shapes that are met; all others are passed. None: all shapes are met.
+    /// The shapes that stop rays, which pass all others. None: all shapes stop them.
     pub only: Option<Isolated>,
 }
 
@@ -31,7 +31,7 @@ pub struct CutPlane {
     pub offset: f32,
 }
 
-/// Shapes apart from the rest of their scene, where they are in it.
+/// Some shapes of a scene as a geometry of their own, at the same places.
 #[derive(Clone, Debug)]
 pub struct Isolated(pub Arc<Tlas>);
 
@@ -132,7 +132,7 @@ impl Sight {
         }
     }
 
-    /// The ray that meets the scene at `hit`, where that is all that it may meet.
+    /// A short ray around `hit`, so that it can meet nothing else of the scene.
     fn around(&self, ray: Ray, hit: &Hit) -> Ray {
         if self.only.is_none() {
             return ray;
@@ -145,7 +145,7 @@ impl Sight {
         }
     }
 
-    /// The ray if nothing that it may meet is left.
+    /// The ray for the case that nothing is left that would stop it: it is empty.
     fn nothing_met(&self, ray: Ray) -> Ray {
         match self.only {
             Some(_) => nowhere(ray),

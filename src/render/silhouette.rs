@@ -97,7 +97,7 @@ impl PixelGrid {
         })
     }
 
-    /// The same part with the smallest cells of which there are no more than about `most`.
+    /// The same part of the picture with larger cells, so that there are at most about `most`.
     pub fn with_cells(self, most: u32) -> Self {
         let pixels = self.max - self.min;
         let pixels = pixels.x as f32 * pixels.y as f32;
@@ -166,7 +166,7 @@ struct EdgeCell {
     visible: u32,
 }
 
-/// The points of the edges of `shapes`, at most a quarter of a cell of `grid` apart. `scene` is all that may hide them,
+/// Points on the edges of `shapes`, at most a quarter of a cell of `grid` apart. `scene` is the geometry that may hide them,
 /// but for what `sight` does not see of it. None if `cancel` was set in the
 /// meantime, or if there are too many. It uses all threads of the pool that it is called in.
 pub fn edges(
@@ -247,7 +247,7 @@ impl EdgeCell {
         let mut rays = grid.rays(std::array::from_fn(|lane| place.as_vec2() + sample(lane) / FINE as f32));
         let hits = shapes.shapes.intersect_packet(&rays, (1 << LANES) - 1);
         let marks = std::array::from_fn(|lane| shapes.mark(&hits[lane]));
-        // One sample of each mark tells for all of them.
+        // One sample of each mark decides for all samples of that mark.
         let is_first = |lane: usize| marks[lane] != 0 && !marks[..lane].contains(&marks[lane]);
         let firsts = (0..LANES)
             .filter(|lane| is_first(*lane))
@@ -272,7 +272,7 @@ impl EdgeCell {
     }
 }
 
-/// What has been found of a picture.
+/// The search so far.
 struct Found<'a> {
     grid: &'a PixelGrid,
     width: u32,

@@ -18,7 +18,7 @@ fn around(name: &str) -> impl Iterator<Item = &str> {
 /// Finds folders for copies of groups.
 #[derive(Debug, Default)]
 pub(crate) struct FreeFolders {
-    /// None until a group is copied: most copies are of no group.
+    /// None until a group is copied.
     taken: Option<HashSet<String>>,
     /// The folder that the last copy of a folder got, from which the next one is found quickly.
     latest: HashMap<String, String>,
@@ -27,7 +27,7 @@ pub(crate) struct FreeFolders {
 }
 
 impl FreeFolders {
-    /// Finds a free folder for a copy of each of these. `names` gives those of the scene when a folder is copied first.
+    /// Finds a free folder for a copy of each of these folders. `names` gives the names in the scene, and is called at the first copy only.
     pub fn find(&mut self, mut names: impl FnMut() -> HashSet<String>, copied: impl IntoIterator<Item = String>) {
         for folder in copied {
             let taken = self.taken.get_or_insert_with(|| folders_of(&names()));

@@ -38,8 +38,8 @@ pub fn names(world: &mut World) -> HashSet<String> {
     names
 }
 
-/// Adds everything but settings. Ids that are taken get numbers, and so do folders of groups, with all that is in them; of sensors their films come along. What shapes use of materials that are
-/// there already, equal and of the same id, is not added again.
+/// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders of groups with everything in
+/// them. A material is not added again if the scene has an equal one of the same id: shapes use that one then.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let mut order = next_order(world);

@@ -97,7 +97,7 @@ pub(super) fn apply_scenes(
     }
     if let Some(opening) = world.remove_resource::<Opening>() {
         go_on_opening(world, opening);
-        // What is read meanwhile waits until the scene is there.
+        // A scene that is read meanwhile waits until this one is complete.
         return;
     }
     let file = world.resource::<SceneFile>();

@@ -9,7 +9,7 @@ use smol_str::SmolStr;
 use super::{Authored, AuthoredScene, DocumentOrder, SceneId};
 use crate::document::{Document, Object};
 
-/// The ids of a file whose elements became no entities, such as textures.
+/// The ids of elements of the file that are no entities, such as textures.
 #[derive(Resource, Default)]
 struct ForeignIds {
     /// The files that were looked through.
@@ -17,7 +17,7 @@ struct ForeignIds {
     ids: HashSet<String>,
 }
 
-/// The taken names among those that could be given to things of some names.
+/// The names that are taken and could be in the way of names with a number.
 #[derive(Debug, Default)]
 pub(crate) struct TakenNames {
     exact: HashSet<String>,

@@ -36,9 +36,9 @@ impl Shape {
     pub(crate) fn shows_pictures_upside_down(&self) -> bool {
         match &self.kind {
             ShapeKind::Rectangle | ShapeKind::Cylinder { .. } => true,
-            // Programs that write such files count from the bottom up.
+            // Programs that write such files count v from the bottom up.
             ShapeKind::Mesh(file) => file.format != MeshFormat::Serialized && !file.flip_tex_coords,
-            // There v grows downwards, or around the middle.
+            // On these shapes v grows downwards, or around the middle.
             ShapeKind::Sphere { .. }
             | ShapeKind::Cube
             | ShapeKind::Disk
@@ -87,7 +87,7 @@ pub enum ShapeKind {
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
     Instance,
-    /// Nothing that is seen: the transform of the folder whose name, with a slash behind it, it has.
+    /// It is invisible: it holds the transform of a folder, and its name is that of the folder with a slash behind it.
     Frame,
 }
 

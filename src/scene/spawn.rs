@@ -27,10 +27,10 @@ pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     spawning.finish(world);
 }
 
-/// A scene that takes the place of the one that is there, step by step.
+/// A new scene that replaces the present one step by step.
 pub(super) struct Spawning {
     scene: Arc<SceneDescription>,
-    /// What is left of the scene before.
+    /// The entities of the former scene that are still to be despawned.
     old: Vec<Entity>,
     /// The entities of the new scene, once the old ones are gone.
     entities: Option<Entities>,
@@ -124,7 +124,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         ..FileBase::default()
     };
     let mut new_ids = HashMap::new();
-    // Where nothing has an id, nothing has to give way.
+    // If nothing has an id, none can be taken twice.
     let has_ids = world.query::<&SceneId>().iter(world).next().is_some();
     for thing in Thing::all(scene) {
         let entity = thing.entity(&entities);

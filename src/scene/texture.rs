@@ -22,12 +22,12 @@ pub enum Parameter<T> {
 pub struct ChosenPicture {
     /// The absolute path.
     pub path: PathBuf,
-    /// What is applied to uv before the look-up if there was no picture before it.
+    /// The transform of uv if there was no picture before.
     pub to_uv: Affine2,
 }
 
 impl<P: Into<PathBuf>> From<P> for ChosenPicture {
-    /// The picture as uv has it.
+    /// The picture is applied as uv says.
     fn from(path: P) -> Self {
         Self {
             path: path.into(),

@@ -7,7 +7,8 @@
 use super::{ConductorSpecular, MicroalbedoId, Microfacet, ShadingTables, microalbedo};
 use crate::color::Rgb;
 
-/// What makes up for the light that a rough metal loses between its microfacets: where its table is, and what does not depend on directions.
+/// The compensation for the light that a rough metal loses between its microfacets: an id of its table, and the factors that do not depend on
+/// directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation {
     table: MicroalbedoId,
@@ -28,7 +29,7 @@ impl Compensation {
         }
     }
 
-    /// The table that it takes albedos from.
+    /// The table of albedos.
     pub(crate) fn table(&self) -> MicroalbedoId {
         self.table
     }

@@ -199,7 +199,7 @@ impl Bsdf {
         sample
     }
 
-    /// Whether the tables that it has ids of are among `tables`.
+    /// Whether `tables` has all tables to whose ids the model refers.
     pub(crate) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {
             Self::RoughConductor(rough) => {

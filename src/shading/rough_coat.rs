@@ -31,7 +31,7 @@ pub(super) struct CoatLayer {
     internal_reflectance: f32,
 }
 
-/// What tells coats apart: the distribution, and the bits of the index of refraction and of the roughness, which is None where it varies.
+/// The key of a coat: the distribution, and the bits of the index of refraction and of the roughness, which is None where it varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct CoatKey {
     pub kind: MicrofacetKind,
@@ -58,7 +58,7 @@ impl CoatKey {
 /// the scenes that come later.
 pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
     static COMPUTED: LazyLock<Mutex<HashMap<CoatKey, Arc<[CoatLayer]>>>> = LazyLock::new(Mutex::default);
-    // No entry is half made when a thread dies with the lock.
+    // A thread that panics while it holds the lock leaves no incomplete entry.
     let mut computed = COMPUTED.lock().unwrap_or_else(PoisonError::into_inner);
     let compute = || match key.alpha {
         Some(alpha) => Arc::from([CoatLayer::new(key.kind, key.eta(), f32::from_bits(alpha))]),

@@ -31,7 +31,7 @@ pub struct ShadingTables {
     /// The layers of all coats, those of a coat side by side.
     layers: Vec<CoatLayer>,
     microalbedos: Vec<Microalbedo>,
-    /// Finds what is there already.
+    /// An index of the coats that are there already.
     coat_ids: HashMap<CoatKey, CoatId>,
     microalbedo_ids: HashMap<MicrofacetKind, MicroalbedoId>,
 }

@@ -46,7 +46,7 @@ use viewport::gather::ViewportScene;
 use viewport::state::ViewportState;
 use window::widgets::Widgets;
 
-/// The part of a frame that may go into making the entities of a scene that is opened.
+/// The longest part of a frame in which entities of a scene that is being opened are made.
 const LONGEST_OPENING: Duration = Duration::from_millis(20);
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.

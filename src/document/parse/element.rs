@@ -158,7 +158,7 @@ impl Parser {
                 match (name, tag.take("value")) {
                     (Some((name, _)), Some((value, _))) => {
                         self.defines.add_default(&name, &value);
-                        // The first one counts, as for all names.
+                        // If there are several, the first one counts, as for all names.
                         if is_unit(object, &name, &value) && !names.contain(UNIT, &object.properties) {
                             let value = Value::String(value.into_owned());
                             self.add_property(object, names, UNIT.into(), value, tag.span);

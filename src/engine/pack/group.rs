@@ -39,7 +39,7 @@ pub(in crate::engine) struct Layout {
 }
 
 impl Layout {
-    /// Sorts shapes of the world and of each group, in order: what becomes part of the hierarchy, and a record of each that stays.
+    /// Divides the shapes of the world and of each group, in order, into what goes into the hierarchy and a record of each that is kept.
     pub fn new(
         in_world: (Instances, Vec<InstanceRecord>),
         members: Vec<(Vec<Instance>, Vec<InstanceRecord>)>,

@@ -38,7 +38,7 @@ pub(in crate::engine) struct MaterialSource<'a> {
 pub(in crate::engine) struct PackedMaterials {
     /// The fixed ones, then one per source in their order.
     pub materials: Vec<material::Material>,
-    /// The tables that models of `materials` have ids of.
+    /// The tables to which models of `materials` refer.
     pub tables: ShadingTables,
     pub ids: EntityHashMap<MaterialId>,
 }

@@ -112,7 +112,7 @@ impl Checker<'_> {
                 beam_width,
             }) => {
                 *cutoff_angle = self.within(&CUTOFF_ANGLE, *cutoff_angle, otherwise);
-                // A cutoff that is moved below the beam takes it along.
+                // A cutoff that is moved below the beam narrows the beam as well.
                 let (beam, most) = (beam_width.min(*cutoff_angle), *cutoff_angle);
                 *beam_width = self.number(BEAM_WIDTH.name, beam, 0.0, most, most);
             }

@@ -22,7 +22,7 @@ use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
 use crate::texture::Parameter;
 
-/// The part of a shape that is looked up where its record does not say enough.
+/// The data of a shape that is looked up where its record is not enough.
 pub(in crate::engine) struct SurfaceSource<'s> {
     pub name: String,
     /// None for a shape without an area light.

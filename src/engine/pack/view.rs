@@ -96,7 +96,7 @@ pub(in crate::engine) fn pack_view(
             ViewMode::Path if control.strategy_split => Shown::StrategyThirds,
             ViewMode::Path => Shown::Radiance,
         },
-        // It depends on the geometry as well.
+        // The sight depends on the geometry as well.
         sight: Sight::default(),
         light_groups: LightGroups::default(),
         sequence: match sampler.sequence {

@@ -8,7 +8,7 @@ use crate::geometry::polygon::triangulate;
 /// The mesh so far.
 pub(super) struct Facets {
     mesh: MeshData,
-    /// The place with the texture coordinates (0, 0).
+    /// The point that has the texture coordinates (0, 0).
     origin: Vec3,
 }
 
@@ -23,7 +23,8 @@ impl Facets {
     /// Adds a flat polygon, counter-clockwise as seen from outside. One without area adds nothing.
     pub fn polygon(&mut self, corners: &[Vec3]) {
         let [first, ..] = corners else { return };
-        // Newell's normal holds for polygons that are not convex, too. Single precision does not hold the squares of all lengths.
+        // Newell's normal holds for polygons that are not convex, too. It needs double precision, because squares of large lengths overflow in single
+        // precision.
         let turned = corners.iter().zip(corners.iter().cycle().skip(1));
         let from_first = |corner: &Vec3| corner.as_dvec3() - first.as_dvec3();
         let area: DVec3 = turned.map(|(a, b)| from_first(a).cross(from_first(b))).sum();

@@ -108,7 +108,7 @@ impl IntoObject<'_> {
     }
 }
 
-/// The steps of a map without a turn, each where it does something.
+/// The steps of a map that only scales and moves. A step that would do nothing is left out.
 fn scaled_and_moved(scale: Vec3, by: Vec3) -> Vec<TransformOp> {
     let scale = (scale != Vec3::ONE).then_some(TransformOp::Scale(scale));
     let by = (by != Vec3::ZERO).then_some(TransformOp::Translate(by));

@@ -45,7 +45,7 @@ fn short(numbers: Vec3) -> Vec3 {
     })
 }
 
-/// Points with so many digits of the largest coordinate among them: beside 3 a coordinate of 2.4e-7 is nothing.
+/// Rounds the points to a unit that gives the largest of all coordinates `digits` digits: beside 3, a coordinate of 2.4e-7 becomes 0.
 pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; N] {
     let largest = points
         .iter()
@@ -123,7 +123,7 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
             TransformOp::LookAt {
                 origin,
                 target,
-                // A camera that is upright is described by short numbers.
+                // An upright camera gets short numbers.
                 up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
                     Vec3::Y
                 } else {
@@ -136,7 +136,7 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
             let made = step.affine();
             made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED)
                 && made.translation.abs_diff_eq(map.translation, SHORTENED * distance)
-                // The places of a tiny scene are lost beside the distance to the target.
+                // In a tiny scene the digits of places would be lost beside the distance to the target.
                 && moved(&made) <= MOVED * origin.as_dvec3().length()
         };
         [6, 7]

@@ -32,7 +32,7 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
         materials: Vec::new(),
     };
     if extensions == Extensions::Approximate {
-        // What is in a group stands where it is by itself.
+        // The members of a group have poses in the world, so that they stay where they are without the transform of the folder.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
         root.children.retain(|child| !is_frame(child));
     }
@@ -42,9 +42,9 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
     files.map(|(name, text)| (target.with_file_name(name), text)).collect()
 }
 
-/// The meshes that are written beside the scene, each content once, and what goes to the top level.
+/// The mesh files that are written beside the scene, of which no two have the same content, and the materials that move to the top level.
 struct BesideFiles<'s> {
-    /// The name of the scene, with which all their names begin.
+    /// The name of the scene's file, with which the names of all meshes begin.
     stem: &'s str,
     list: Vec<(String, String)>,
     /// The materials with ids inside of parts that are left out: others may refer to them.
@@ -52,7 +52,7 @@ struct BesideFiles<'s> {
 }
 
 impl BesideFiles<'_> {
-    /// The name of the file with this text. `kind` is a part of it if it is a new one.
+    /// The name of the file with this text. If there is none yet, it is added, and `kind` gives a part of its name from its number.
     fn name_of(&mut self, text: String, kind: impl FnOnce(usize) -> String) -> String {
         if let Some((name, _)) = self.list.iter().find(|(_, known)| *known == text) {
             return name.clone();

@@ -82,7 +82,7 @@ impl<'s> Writer<'s> {
         depth
     }
 
-    /// The first use by the owner is the declaration; every other use needs an id to refer to.
+    /// The first use by the owner becomes the declaration. Every other use refers to it and needs its id.
     fn name_what_is_referred_to(&mut self, uses: &[(DeclarationPlace, usize)]) {
         let mut taken: HashSet<String> = HashSet::new();
         for identity in identities(self.scene) {

@@ -51,9 +51,9 @@ const REST: Duration = Duration::from_millis(400);
 enum Act {
     /// The command that performs the measured act for the given time; None if the scene has nothing to apply it to.
     Command(fn(&mut World, usize) -> Option<Command>),
-    /// The same for one shape, which the command selects first.
+    /// The command that performs the act on one shape, which is selected first.
     OnShape(fn(Entity, usize) -> Command),
-    /// The same for what shows in the panels alone.
+    /// The command for an act on one shape that only the panels show, and not the picture.
     InPanels(fn(Entity, usize) -> Command),
     /// Reads the file of the largest mesh again, as if it had changed: a new mesh and a new acceleration structure.
     ReadMesh,

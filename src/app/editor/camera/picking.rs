@@ -117,7 +117,7 @@ pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
     None
 }
 
-/// The first surface that the camera sees along a ray that comes from it: it passes what the camera does not see, and what `is_passed` names.
+/// The first surface that the camera sees along one of its rays. The ray passes what the camera does not see, and what `is_passed` names.
 pub fn seen_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref());
     let ray = view.map_or(*ray, |view| view.sight.narrow(&scene.geometry, *ray));

@@ -26,8 +26,8 @@ pub fn unit_of_scene(extent: f32) -> f64 {
     unit_below(OF_SCENE * extent)
 }
 
-/// The unit of places that follow from others, such as those of things that are aligned, a hundredth of [`unit_of_scene`]: a gap of a whole unit
-/// would be seen.
+/// The unit of places that are computed from other places, such as those of aligned things. It is a hundredth of [`unit_of_scene`], because a gap of
+/// a whole unit would be visible.
 pub fn fine_unit(extent: f32) -> f64 {
     1e-2 * unit_of_scene(extent)
 }
@@ -71,7 +71,7 @@ pub fn sum_of_places(one: Vec3, other: Vec3) -> Vec3 {
     Vec3::new(sum(one.x, other.x), sum(one.y, other.y), sum(one.z, other.z))
 }
 
-/// A move without what rounding has left in it: along an axis that was turned to x, y and z are zero.
+/// A move without the errors of rounding: if the axis of the move has been turned to x, its y and z become exactly zero.
 pub(crate) fn without_residue(by: Vec3) -> Vec3 {
     rounded_place(by, unit_below(RESIDUE * by.abs().max_element()))
 }

@@ -94,7 +94,7 @@ impl Solid {
     }
 }
 
-/// What the picture has of these things. Groups that stand there as instances are taken by their bounds.
+/// The solids of these things that are in the picture. An instance counts as the box around its group.
 pub fn solids_of(packed: &PackedScene, entities: &[Entity]) -> Vec<Solid> {
     solids_of_each(packed, entities).concat()
 }

@@ -78,7 +78,7 @@ impl AdditionKind {
         }
     }
 
-    /// Half the height of a thing whose size does not matter to who adds it.
+    /// Half the height of a thing that is added without a size.
     pub(crate) fn usual_size(self) -> f32 {
         match self {
             Self::Solid(plugin) => Solid::of_plugin(plugin).map_or(1.0, |part| 0.5 * part.corners()[1].z),

@@ -61,12 +61,12 @@ pub enum Way {
     Around {
         /// The axis of the world: 0, 1 or 2.
         axis: usize,
-        /// Degrees from the first to where the last would be followed by the first again, 360 for a whole ring.
+        /// Degrees that all steps take together, including the one from the last thing back to the first; 360 for a whole ring.
         degrees: f32,
         /// A point on the axis.
         center: Vec3,
     },
 }
 
-/// The most things of a series.
+/// The largest number of things in a series.
 pub const LONGEST_SERIES: u32 = 10_000;

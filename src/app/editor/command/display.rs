@@ -67,7 +67,7 @@ pub enum DisplayMode {
     BvhSteps,
     /// Surfaces in their own colours, lit from the camera alone: there at once, whatever the lights are.
     Headlight,
-    /// The same in one grey for all.
+    /// All surfaces in the same grey, lit from the camera alone.
     Clay,
 }
 
@@ -103,7 +103,7 @@ impl DisplayMode {
         }
     }
 
-    /// The mode itself, if its film shows something else than light and what comes with it.
+    /// The mode itself, if it needs a film of its own, because no film of light contains what it shows.
     pub(crate) fn with_own_film(self) -> Option<Self> {
         matches!(self, Self::BvhSteps | Self::Headlight | Self::Clay).then_some(self)
     }

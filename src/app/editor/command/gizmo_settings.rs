@@ -130,7 +130,7 @@ pub struct GizmoSettings {
     pub steps: Steps,
     /// What moves snap to.
     pub snap: Snapping,
-    /// Whether no handles are shown, so that clicks only select. The key of a mode shows them again.
+    /// Whether the handles are hidden, so that clicks only select. The key of a mode shows them again.
     pub is_hidden: bool,
 }
 

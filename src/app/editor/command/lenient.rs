@@ -1,4 +1,4 @@
-//! Reads values of preferences that a later version may have words for which this one does not know.
+//! Reads values of preferences that may be words of a later version, which this one does not know.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};

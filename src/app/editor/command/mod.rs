@@ -113,7 +113,7 @@ pub enum Command {
     /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
     Pick(Vec2, Extend),
 
-    /// Selects everything in the group around the active thing; again: in the group around that.
+    /// Selects everything in the group around the active thing. Given again, it selects everything in the next group outwards.
     SelectGroup,
 
     // Commands that move the view. None of them edits the scene, except `MoveCameraToView`.
@@ -147,7 +147,7 @@ pub enum Command {
     Reshape(Entity, Shape, Affine3A, Reshaping),
     /// Removes the selection.
     Delete,
-    /// Copies the selection beside it, or on along a series of copies; the copies become the selection.
+    /// Copies the selection. The copies stand beside the originals, or continue the series if these are copies too, and become the selection.
     Duplicate,
     /// Makes a series of copies or instances of the selection.
     MakeSeries(Series),

@@ -19,7 +19,7 @@ pub enum NavigationPreset {
 }
 
 impl NavigationPreset {
-    /// All presets with their names and what is particular to them.
+    /// All presets with their names and descriptions.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (
             Self::Sunroom,

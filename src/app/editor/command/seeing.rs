@@ -45,7 +45,7 @@ impl Seeing {
         Self { walls, ..self }
     }
 
-    /// What is to be told of it over the picture.
+    /// The text about it over the picture.
     pub fn notes(&self) -> impl Iterator<Item = &'static str> {
         let walls = (self.walls != Walls::Shown).then_some("Walls hidden");
         walls.into_iter().chain(self.cut.map(|_| "Cut open"))

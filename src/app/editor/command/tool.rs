@@ -2,7 +2,7 @@
 
 use super::blocking::{BlockKind, OpeningKind};
 
-/// A tool. It ends with Escape and after its use, except for those that are used many times: those of paths and distances, and all that block out.
+/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths and distances, and all that block out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.

@@ -76,7 +76,7 @@ fn extents(edit: &mut Edit, axis: usize) -> Result<Vec<(Unit, Range<f32>)>, Comm
     let mut extents = extent_of_each(edit.world, &all, Vec3::AXES[axis.min(2)]).into_iter();
     let with_extent = units.into_iter().filter_map(|unit| {
         let mut own: Vec<Option<Range<f32>>> = extents.by_ref().take(unit.all.len()).collect();
-        // The origin of a group, which is the last, is no part of its extent.
+        // The last of them is the group's origin, which is no part of its extent.
         if own.len() > 1 {
             own.pop();
         }
@@ -125,7 +125,7 @@ fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(&Unit, f32)>) -> Result<
         .flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));
     let poses = each.filter_map(|(entity, by)| {
         let pose = edit.world.get::<ToWorld>(entity)?.0;
-        // What is in line already keeps its numbers.
+        // Things that are in line already keep their numbers.
         let by = rounding::rounded(by, unit);
         let place = rounding::moved(pose.translation.into(), Vec3::AXES[axis.min(2)] * by, unit);
         let translation = place.into();

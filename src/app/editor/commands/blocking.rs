@@ -44,7 +44,7 @@ pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) ->
 
 /// Joins a new wall to those that stand where it begins and ends.
 fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
-    // Members of groups are not where their poses say, and hidden walls are not seen.
+    // The pose of a member of a group is not its place in the world, and hidden walls are not seen.
     type Free = (Without<MemberOf>, Without<Hidden>, Without<Locked>);
     let mut shapes = edit.world.query_filtered::<(Entity, &Shape, &ToWorld), Free>();
     let walls: Vec<StandingWall> = shapes

@@ -145,7 +145,7 @@ fn before_in_series(world: &World, entity: Entity) -> Option<Affine3A> {
     ObjectState::is_in_scene(world, original).then_some(pose.0)
 }
 
-/// The move to the right, as the picture shows it, to beside things of this size: the next multiple of the step.
+/// The move that takes a copy beside these things, to the right as the picture shows it. It is a multiple of the step.
 fn beside(world: &World, things: &[Entity]) -> Vec3 {
     let step = placing::step(world, Direction::Right);
     let direction = step.normalize_or_zero();

@@ -16,9 +16,9 @@ use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::{ObjectState, Sensor, Shape, ShapeKind, ToWorld};
 
-/// The longest side of what is fitted, as a share of the height of what is seen where it stands.
+/// The longest side of fitted things, as a share of the height that the picture shows at their distance.
 const SHARE: f32 = 1.0 / 3.0;
-/// The digits of the factor.
+/// The number of significant digits of the factor.
 const DIGITS: i32 = 2;
 
 /// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is seen in its middle.
@@ -56,7 +56,7 @@ pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandEr
     things::transform(edit, poses)
 }
 
-/// What an import has made is selected: the size of a mesh is told when it has been read.
+/// Notes the meshes that an import has made, which are selected: their size is told once they have been read.
 pub fn note_import(world: &mut World) {
     let made = world.resource::<Selection>().entities().to_vec();
     let is_mesh = |entity: &Entity| {

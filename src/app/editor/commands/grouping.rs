@@ -141,7 +141,7 @@ fn take_out(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
     }
 }
 
-/// Calls a folder otherwise, and with it everything in it. If there is such a folder already, it gets a number.
+/// Renames a folder and everything in it. If there is a folder of that name already, it gets a number.
 pub fn rename_folder(edit: &mut Edit, from: &str, to: &str) {
     if from == to {
         return;
@@ -158,7 +158,7 @@ pub fn rename_folder(edit: &mut Edit, from: &str, to: &str) {
     }
 }
 
-/// The poses with those of members of groups that are moved without them.
+/// Adds the poses of the members of moved groups, unless these are moved themselves.
 pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<(Entity, Affine3A)> {
     let frames = poses.iter().filter(|(entity, _)| is_frame(edit.world, *entity));
     let frames: Vec<(Entity, Affine3A)> = frames.copied().collect();
@@ -195,7 +195,7 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
 pub struct Unit {
     /// The thing, or the transform of the group.
     pub lead: Entity,
-    /// All of it, the lead last.
+    /// The thing, or everything in the group with its transform last.
     pub all: Vec<Entity>,
 }
 
@@ -213,7 +213,7 @@ pub fn units_of(world: &mut World, things: Vec<Entity>) -> Vec<Unit> {
         .iter()
         .map(|frame| members(world, *frame).into_iter().collect())
         .collect();
-    // Also groups in groups are part of something else.
+    // Groups inside other groups are part of these.
     let is_part = |entity: &Entity| insides.iter().any(|inside| inside.contains(entity));
     let leads = things.into_iter().filter(|entity| !is_part(entity));
     let units = leads.map(|lead| {

@@ -142,7 +142,7 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entit
     }
 }
 
-/// The others without what moves with one of the groups among them anyway, and without groups that the thing itself is in.
+/// The others, but not what moves with one of the groups among them anyway, and not groups that contain the thing itself.
 fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) -> Vec<Entity> {
     let all = others.iter().copied().chain([thing]);
     let frames: Vec<Entity> = all.filter(|entity| grouping::is_frame(world, *entity)).collect();

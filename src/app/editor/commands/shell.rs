@@ -35,7 +35,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         }
         ShellCommand::ShowTutorial(step) => {
             world.get_resource_or_init::<Tutorial>().go_to(step);
-            // The page that it was begun from would cover it.
+            // The start page would cover the tutorial that was begun from it.
             let sheet = &mut world.resource_mut::<Requests>().sheet;
             *sheet = sheet.filter(|sheet| *sheet != Sheet::Start);
         }
@@ -46,7 +46,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
     Ok(())
 }
 
-/// Another preference counts for the open window as well.
+/// A changed preference takes effect in the open window as well.
 fn show_tone_map(world: &mut World, tone_map: ToneMap) {
     let is_new = world
         .get_resource::<Preferences>()

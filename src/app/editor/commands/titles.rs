@@ -10,7 +10,7 @@ use crate::scene::{Locked, ObjectState, ToWorld};
 /// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
 pub struct Title {
     verb: String,
-    /// What the edit is about; None for what it makes, which is selected after it.
+    /// The things that the edit is about; None for things that it makes, which are selected after it.
     subject: Option<String>,
 }
 
@@ -19,7 +19,7 @@ impl Title {
     pub fn before(world: &World, command: &Command) -> Self {
         let selected = || {
             let selected = world.resource::<Selection>().entities().iter().copied();
-            // What is locked stays as it is.
+            // Locked things stay as they are.
             let free = selected.filter(|entity| world.get::<Locked>(*entity).is_none());
             subject(world, &free.collect::<Vec<_>>())
         };

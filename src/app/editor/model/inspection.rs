@@ -114,8 +114,8 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     })
 }
 
-/// What the panel shows of the materials of a thing: of itself, if it is one, or else of the one it uses, and those nested in it. What has not
-/// changed since the frame `before` is shared with it.
+/// The materials that the panel shows of a thing: itself, if it is a material, or else the one that it uses, and those nested in it. A material that
+/// has not changed is shared with the list of the frame before.
 fn inspected_materials(
     thing: &Inspected,
     materials: &Query<MaterialParts>,

@@ -1,4 +1,4 @@
-//! Keeps the list of all things up to date: of those that have changed the lines are replaced, and the others stay.
+//! Keeps the list of all things up to date: only the lines of things that have changed are replaced.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::scene::{
     Sensor, Shape, UsesMaterial,
 };
 
-/// The whole list is made anew if more things than these have changed.
+/// The whole list is made anew if more things than this have changed.
 const MOST_EDITED: usize = 16_384;
 
 #[derive(SystemParam)]
@@ -85,7 +85,7 @@ pub(crate) struct Things<'w, 's> {
 /// An item with its place in the order of the file.
 type Placed = (u32, Item);
 
-/// The item of a shape among the lights, where the kind says more than the material.
+/// The item of a shape in the list of lights, where its kind says more than its material.
 fn shining(naming: &NamingItem) -> Placed {
     let (order, item) = naming.item("area");
     (order, Item { uses: None, ..item })

@@ -27,7 +27,7 @@ impl CameraAngles {
         let [up, ahead] = axes.map(|axis| Vec3::from(axis).normalize_or_zero());
         let level = ahead.with_y(0.0);
         let pitch = ahead.y.clamp(-1.0, 1.0).asin();
-        // Straight up or down, the upper edge of the picture says where the camera would look.
+        // If the camera looks straight up or down, the direction of the picture's upper edge gives the heading.
         let heading = match level.length() > STRAIGHT {
             true => level,
             false => up.with_y(0.0) * -ahead.y.signum(),
@@ -65,7 +65,7 @@ impl CameraAngles {
 pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
     let mut angles = CameraAngles::of(pose);
     let mut row = |text, angle: &mut f32, most: f32| {
-        // The pose gives the angle back with another last digit, at which a text that is being typed would be dropped.
+        // The pose would give the angle back with another last digit, and a text that is being typed would be lost.
         let drag = DragValue::new(angle)
             .speed(0.5)
             .range(-most..=most)

@@ -10,11 +10,11 @@ use crate::scene::{Shape, ShapeKind};
 
 /// The cosine of the largest angle between an axis of a thing and one of the world that counts as none.
 const ALONG: f32 = 0.99999;
-/// An extent below this share of the largest is no extent: a rectangle has no thickness.
+/// An extent below this share of the largest counts as none, such as the thickness of a rectangle.
 const FLAT: f32 = 1e-5;
 
-/// Shows the extents of a box; what is typed scales `to_world` so that it fills as much of the world, about the middle of the box. True if
-/// edited. Without a pose, or if it is turned, the numbers are only shown.
+/// Shows the extents of a box. A new extent scales `to_world` about the middle of the box, so that the box gets that extent. True if edited.
+/// Without a pose, or if it is turned, the numbers are only shown.
 pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affine3A>, shape: Option<&Shape>) -> bool {
     let extent = bounds.extent();
     let scalable = to_world.filter(|pose| shape.is_some() && axes_of(&pose.matrix3).is_some());

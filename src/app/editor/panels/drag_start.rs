@@ -1,4 +1,4 @@
-//! Finds what a drag takes along. Where several events come in one frame, egui looks for it where the pointer is at the end of the frame; users mean
+//! Finds what is dragged. Where several events come in one frame, egui looks at where the pointer is at the end of the frame, but users mean
 //! what they pressed.
 
 use bevy_egui::egui::{Response, Ui};

@@ -22,7 +22,7 @@ pub fn excerpt(ui: &mut Ui, lines: &str) {
     });
 }
 
-/// Breaks the line and the line of marks below it together. The number of the line and a bar stand before the first, a bar before the others.
+/// Breaks the line and the line of marks below it at the same columns. The first part has the line's number and a bar before it, the others a bar.
 fn broken(lines: &str, columns: usize) -> String {
     let Some((line, marks)) = lines.split_once('\n') else {
         return lines.to_owned();

@@ -20,7 +20,7 @@ pub struct KeyList {
     query: String,
     /// The action that waits for its key.
     waiting: Option<&'static str>,
-    /// What became of the last press, if it was not simply taken.
+    /// Why the last press was not simply taken; None if it was.
     answer: Option<Answer>,
 }
 
@@ -38,7 +38,7 @@ enum Answer {
 }
 
 impl KeyList {
-    /// The list of what is called so.
+    /// A list that shows the entries whose names contain `query`.
     pub fn searching(query: &str) -> Self {
         Self {
             query: query.to_owned(),
@@ -46,13 +46,13 @@ impl KeyList {
         }
     }
 
-    /// Whether the next press is to be a key of the list: nothing else may take it.
+    /// Whether the next press chooses a key: then nothing else may use it.
     pub fn waits(&self) -> bool {
         self.waiting.is_some()
     }
 }
 
-/// Shows the list. Some if keys were chosen or reset; `presses` are those of this frame.
+/// Shows the list. It returns the new keys if some were chosen or reset. `presses` are those of this frame.
 pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, presses: &[Press]) -> Option<KeyBindings> {
     let mut edited = bound.clone();
     if let (Some(name), Some(press)) = (state.waiting, presses.first()) {
@@ -64,7 +64,7 @@ pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, press
             .hint_text("Search by name or key")
             .desired_width(COLUMNS[0]);
         if ui.add(search).gained_focus() {
-            // What is typed is searched, and is no key.
+            // While the user types into the search field, presses choose no key.
             state.waiting = None;
         }
         let reset = ui.add_enabled(!edited.is_empty(), egui::Button::new("Reset all"));
@@ -198,7 +198,7 @@ fn row(ui: &mut Ui, own: &Bindable, keys: &str, state: &mut KeyList, edited: &mu
         if button.clicked() {
             state.waiting = (!waits).then_some(own.name);
             state.answer = None;
-            // A field that is typed in would get the press as well.
+            // A text field would get the press as well.
             ui.memory_mut(|memory| memory.stop_text_input());
         }
         if edited.of(own.name).is_some() {

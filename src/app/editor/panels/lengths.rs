@@ -39,7 +39,7 @@ fn lengths<R>(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> R) -> R {
     tagged(ui, LENGTHS, unit, content)
 }
 
-/// Lets other units be typed into a number that is a length. It counts when it is complete: `30cm` is never 30 metres.
+/// Lets other units be typed into a number that is a length. A unit has an effect once it is complete, so that `30cm` is never 30 metres.
 pub(super) fn with_units<'a>(ui: &Ui, drag: DragValue<'a>) -> DragValue<'a> {
     match tag(ui, LENGTHS) {
         Some(unit) => drag

@@ -65,7 +65,7 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     }
 }
 
-/// The pixels of the film that are traced, and how few of them are shown.
+/// The rows for which pixels of the film are traced, and how a picture of few pixels is shown.
 fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut resolution = model.resolution;
     let choices = Resolution::ALL.map(|(choice, _, label)| (choice, label));

@@ -13,7 +13,7 @@ const GAP: f32 = 4.0;
 const ICON: f32 = 20.0;
 /// How far the rows of a section are indented, in points.
 const INDENT: i8 = 6;
-/// The fonts of egui have no bold face: the title is painted twice, so far apart in points.
+/// The distance in points between two paintings of the title, which make it bold: the fonts of egui have no bold face.
 const BOLD: f32 = 0.5;
 
 /// A section that a click on its header opens and closes. It is open at first.

@@ -7,7 +7,7 @@ use super::{fields, lengths};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
 
-/// What is filled in so far. It stays while the window is open.
+/// The entries so far. They stay while the window is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesForm {
     count: u32,
@@ -35,7 +35,7 @@ impl Default for SeriesForm {
     }
 }
 
-/// Shows the form. `suggested` is a step that suits the selection, in world units. True when it is done with.
+/// Shows the form. `suggested` is a step that suits the selection, in world units. True when the form is to be closed.
 pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mut Vec<Command>) -> bool {
     ui.horizontal(|ui| {
         ui.selectable_value(&mut form.is_ring, false, "Along a line");

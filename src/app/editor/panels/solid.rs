@@ -15,7 +15,7 @@ pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     let mut changed = false;
     part.visit_mut(&mut |info, value| match value {
         SolidValue::Length(length) => {
-            // What is smaller already stays as it is.
+            // A length that is smaller already is not changed.
             let range = info.range.start().min(*length)..=*info.range.end();
             changed |= lengths::length(ui, info, length, speed, range);
         }

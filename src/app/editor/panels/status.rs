@@ -229,7 +229,7 @@ pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
     }
 }
 
-/// The part of so many samples of every pixel that is done, from 0 to 1, and the seconds until all are; None before that can be known.
+/// The share of the wanted samples that is done, from 0 to 1, and the seconds until all are done; None while that is unknown.
 pub(crate) fn progress_of(status: &RenderStatus, samples: u32) -> (f32, Option<f64>) {
     let pixels = f64::from(status.size.x) * f64::from(status.size.y);
     let wanted = pixels * f64::from(samples.max(1));

@@ -217,7 +217,7 @@ fn shown_name(texture: &Texture) -> String {
     }
 }
 
-/// The mark of the menu: the squares of a texture, bright where there is one.
+/// The mark of the menu: squares of a checkerboard, bright if the parameter has a texture.
 fn squares(ui: &Ui, button: egui::Rect, is_textured: bool) {
     let color = match is_textured {
         true => ui.visuals().text_color(),

@@ -1,4 +1,4 @@
-//! The distance of what the picture shows, to hide behind it what is drawn over it.
+//! The distances of the surfaces in the picture, by which lines that are drawn over it are hidden where they lie behind.
 
 use bevy::math::Vec2;
 

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::engine::{RenderFilm, RenderStatus};
 
-/// The most points; then every second one is left out.
+/// The largest number of points. When it is reached, every second one is left out.
 const MOST: usize = 64;
 
 /// The noise at numbers of samples, of the present picture.
@@ -45,7 +45,7 @@ impl NoiseTrend {
     }
 }
 
-/// Follows the picture.
+/// Notes the present noise of the picture.
 pub fn follow_noise(mut trend: ResMut<NoiseTrend>, film: Res<RenderFilm>, status: Res<RenderStatus>) {
     trend
         .bypass_change_detection()

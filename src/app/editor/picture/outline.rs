@@ -55,7 +55,7 @@ impl Level {
 /// The opacity of a line whose thing is hidden, as a share of that in plain sight.
 const HIDDEN: f32 = 0.4;
 
-/// Lines on a part of the picture.
+/// An image of lines that covers a part of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutlineImage {
     /// Pixels of the whole picture that it lies on.
@@ -103,7 +103,7 @@ impl OutlineImage {
         image
     }
 
-    /// Notes for the pixels around a point how much of them a disc covers whose edge is smooth over a pixel up to `reach`.
+    /// Notes how much of the pixels around a point is covered by a disc of radius `reach` with an edge that is smooth over a pixel.
     fn cover(&self, coverage: &mut [u8], at: Vec2, reach: f32) {
         let at = at - self.min.as_vec2();
         let last = self.size.as_vec2() - 1.0;
@@ -119,7 +119,7 @@ impl OutlineImage {
         }
     }
 
-    /// The rectangle that it takes of a picture in the window.
+    /// The part that it takes up of a picture in the window.
     fn place(&self, picture: Rect) -> Rect {
         let corner = |pixel: UVec2| {
             let film = pixel.as_vec2() / self.picture.as_vec2();
@@ -152,7 +152,7 @@ fn over(below: Color32, color: [f32; 4], covered: f32) -> Color32 {
 #[derive(Clone, Debug, Default)]
 pub struct SelectionOutline {
     image: Option<Arc<OutlineImage>>,
-    /// Tells images apart.
+    /// The number of the image, which tells it from earlier ones.
     number: u64,
 }
 
@@ -165,7 +165,7 @@ impl SelectionOutline {
         self.image.as_deref()
     }
 
-    /// Takes the place of what was shown.
+    /// Shows this image in place of the last one.
     pub(crate) fn replace(&mut self, image: Option<OutlineImage>) {
         self.image = image.map(Arc::new);
         self.number += 1;

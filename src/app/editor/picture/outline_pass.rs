@@ -1,7 +1,7 @@
 //! Finds the outline anew whenever what it depends on has changed: first with cells so coarse that it is there in the next frame, then, when nothing
 //! changes any more, with a ray for each pixel.
 //!
-//! It has threads of its own, because those that render are busy until a picture is done. They have little to do, and the window's priority.
+//! It has threads of its own, because those that render are busy until a picture is done. Its threads work little and run with the window's priority.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -136,7 +136,7 @@ impl OutlinePass {
             return;
         };
         if let Some(running) = &self.running {
-            // A quick one is let come to its end: while the camera moves there would never be one otherwise.
+            // A quick search is not cancelled: otherwise there would never be an outline while the camera moves.
             if running.request != request && !running.is_quick {
                 self.cancel();
             }
@@ -289,7 +289,7 @@ mod tests {
         }
     }
 
-    /// Frames until the finest outline of the request is there.
+    /// Runs frames until the finest outline of the request is there.
     fn settle(pass: &mut OutlinePass, request: &OutlineRequest) {
         let begin = Instant::now();
         loop {

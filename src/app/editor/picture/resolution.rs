@@ -19,7 +19,7 @@ use crate::scene::{self, ActiveSensor};
 const SETTLING: Duration = Duration::from_millis(200);
 /// The time without a change after which the full film is traced, if the user wants that.
 const REST: Duration = Duration::from_secs(5);
-/// A film that needs more than this share of the memory budget is traced in full only if the user asks for it.
+/// A film that takes more than this share of the memory budget is traced in full only if the user confirms it.
 const LARGE_SHARE: f64 = 0.25;
 
 /// The pixels of the place where the picture is shown.
@@ -28,7 +28,7 @@ pub struct PicturePlace {
     /// The pixels as of the last frame. None before the first, and without a window.
     room: Option<UVec2>,
     since: Option<Instant>,
-    /// The pixels that count.
+    /// The pixels that pictures are made for.
     settled: Option<UVec2>,
 }
 
@@ -110,7 +110,7 @@ mod tests {
         assert!(place.is_settled());
         place.note(UVec2::new(800, 600));
         assert!(!place.is_settled());
-        // There is nothing to lose yet.
+        // There is no picture yet that would begin anew.
         place.settle(false, begin);
         assert_eq!(place.settled, Some(UVec2::new(800, 600)));
         for width in 801..900 {

@@ -173,7 +173,7 @@ pub fn update_picture(
     picture.revision += 1;
 }
 
-/// The mode that a film can be shown in that has been shown as `shown`: some modes have a film of their own, and until that is begun the old one
+/// The mode in which to show a film that was last shown as `shown`. Some modes have a film of their own: until that is begun, the old one
 /// must not be taken for it.
 fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
     if shown.with_own_film() == wanted.with_own_film() {

@@ -1,4 +1,4 @@
-//! The selection as lines: the edges of its triangles, and a net over shapes that have none.
+//! The selection drawn as lines: the edges of its triangles, or a net over shapes without triangles.
 
 use std::collections::HashSet;
 use std::f32::consts::TAU;
@@ -12,11 +12,11 @@ use crate::app::editor::command::selection::Selection;
 use crate::engine::PackedScene;
 use crate::geometry::mesh::MeshData;
 
-/// The most triangles whose edges are drawn. Of more only some are, spread evenly.
+/// The most triangles whose edges are drawn. Of larger meshes only some are drawn, spread evenly.
 const MOST_TRIANGLES: usize = 6000;
 /// The most lines of all shapes together.
 const MOST_LINES: usize = 24_000;
-/// The pieces of a circle.
+/// The number of segments of a circle.
 const PIECES: usize = 32;
 
 /// The lines as they were last made.
@@ -184,7 +184,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [2, 1, 3], [0, 3, 9]],
             ..MeshData::default()
         };
-        // Two triangles share an edge; the third one has a corner that there is not.
+        // Two triangles share an edge; the third one refers to a vertex that does not exist.
         assert_eq!(edges(&mesh, 1).len(), 6);
         assert_eq!(edges(&mesh, 3).len(), 3);
         for primitive in [Primitive::Rectangle, Primitive::Disk, Primitive::Cylinder] {

@@ -1,4 +1,4 @@
-//! The question to the user before a film is traced in full that takes much memory.
+//! The question to the user before the full film is traced, if that takes much memory.
 
 use bevy::math::UVec2;
 
@@ -8,7 +8,7 @@ use crate::memory::Bytes;
 /// The question. It is shown until it is answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FullFilmQuestion {
-    /// What was asked for.
+    /// The request that the question is about.
     pub request: FullFilm,
     /// The pixels of the film.
     pub size: UVec2,
@@ -30,7 +30,7 @@ impl FullFilmQuestion {
         )
     }
 
-    /// The answer that goes on.
+    /// The request to render, as confirmed by the user.
     pub fn confirmed(self) -> FullFilm {
         FullFilm {
             is_confirmed: true,

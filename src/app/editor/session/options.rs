@@ -10,13 +10,13 @@ use bevy::prelude::*;
 pub struct WindowOptions {
     /// The scene; None opens an empty window.
     pub scene: Option<PathBuf>,
-    /// Nobody has named the scene, so that the start page is of use.
+    /// Whether the start page is shown, because no scene was named.
     pub begins: bool,
     /// The values for the scene file's `$name` parameters.
     pub defines: Vec<(String, String)>,
     /// The name or index of the camera the first scene is seen with; None is its first.
     pub camera: Option<String>,
-    /// The size of the window's content in points; None for the one that it had when it was last closed, at first [`Self::FIRST_SIZE`].
+    /// The size of the window's content in points. None: the size that it had when it was last closed, or else [`Self::FIRST_SIZE`].
     pub size: Option<UVec2>,
     /// The number of worker threads; see [`crate::app::threads::worker_count`].
     pub threads: Option<i32>,

@@ -44,7 +44,7 @@ pub struct ViewsFile {
     last: Option<StoredView>,
     /// Whether scenes may begin with the view that they were left with.
     returns: bool,
-    /// The scene did not begin with the view that it was left with, and was not looked at freely since then: that view stays in the file.
+    /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view since.
     keeps_last: bool,
     /// The next scene begins with a camera that was asked for.
     begins_at_camera: bool,
@@ -59,7 +59,7 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with the view that they were left with, but the first one not where a camera was asked for.
+    /// Lets scenes begin with the view that they were left with, except the first one if the user asked for a camera.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,
@@ -156,7 +156,7 @@ pub fn follow_views(
             if file.scene != scene {
                 file.scene = scene;
                 file.written = StoredViews::default();
-                // Nothing of it is in the file under this name.
+                // The file has no views of a scene of this name.
                 (file.last_written, file.keeps_last) = (None, false);
             }
         }
@@ -269,7 +269,7 @@ mod tests {
         file.open(Path::new("b.xml"));
         assert_eq!(file.last, None);
         file.leave().expect("a writable folder");
-        // Views under numbers are beside it.
+        // The file also has the views under numbers.
         file.open(Path::new("a.xml"));
         assert_eq!(file.last, left);
         file.store(views(60.0)).expect("a writable folder");

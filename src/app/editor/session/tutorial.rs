@@ -38,10 +38,10 @@ pub const LESSONS: [Lesson; 5] = [
     },
 ];
 
-/// The frames in which the view has to move until one has looked around.
+/// The number of frames in which the view has to move before the step of looking around counts as done.
 const ENOUGH_LOOKING: u32 = 6;
 
-/// How far the user is.
+/// The user's progress in the tutorial.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tutorial {
     /// The step that is shown; None while there is no tutorial.

@@ -18,7 +18,7 @@ pub fn remembered(attended: bool) -> Option<WindowPlace> {
 }
 
 impl WindowPlace {
-    /// The place of a window now; None where it has none of its own, as in full screen.
+    /// The present place of a window; None in full screen and the like, where the system decides on it.
     pub(super) fn of(window: &Window) -> Option<Self> {
         let position = match window.position {
             WindowPosition::At(position) => Some(position.to_array()),

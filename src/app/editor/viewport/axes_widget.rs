@@ -44,11 +44,11 @@ pub fn place(panel: Rect) -> Rect {
 /// An end of an axis on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End {
-    /// From the origin along the axis, in the world.
+    /// The unit vector from the origin towards this end, in world space.
     pub direction: Vec3,
     /// The middle of its ball.
     pub at: Pos2,
-    /// The share of its length that it points away from the viewer.
+    /// The share of the axis that points away from the viewer: 1 if it does so exactly, -1 if it points at the viewer.
     away: f32,
 }
 

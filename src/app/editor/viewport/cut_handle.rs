@@ -16,7 +16,7 @@ const COLOR: Color32 = Color32::from_rgb(110, 190, 255);
 /// The length of the arrow and the size of its tip in points.
 const ARROW: f32 = 44.0;
 const TIP: f32 = 9.0;
-/// An axis that looks shorter than this share of its length across the view is followed by moving up and down.
+/// If the axis looks shorter than this share of its length, because it points at the viewer, the plane follows vertical moves of the pointer.
 const SHORTEST: f32 = 0.15;
 
 /// Draws the plane, and moves it with its arrow. `bounds` is the scene's.

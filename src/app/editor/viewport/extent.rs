@@ -16,7 +16,7 @@ pub(super) fn paint(painter: &Painter, screen: &Screen, bounds: &Aabb, unit: Len
     };
     let extent = bounds.extent();
     for axis in 0..3 {
-        // An extent of nothing has no edges of its own.
+        // A box that is flat along an axis has no edges there.
         if extent[axis] <= 1e-5 * extent.max_element() {
             continue;
         }

@@ -118,7 +118,7 @@ impl SelectionBounds {
     }
 }
 
-/// What moves with selected groups and is not selected itself, as it was last found.
+/// The things that move with selected groups without being selected themselves, as of the last search.
 #[derive(Default)]
 struct UnselectedMembers {
     of: Option<Selection>,
@@ -192,7 +192,7 @@ impl Sources<'_, '_> {
         targets.collect()
     }
 
-    /// What moves with selected groups and is not selected itself.
+    /// The things that move with selected groups without being selected themselves.
     fn unselected_members(&self) -> Vec<Entity> {
         let frames = self.selection.entities().iter().filter(|entity| {
             let shape = self.movable.get(**entity).ok().and_then(|(_, shape, ..)| shape);

@@ -18,19 +18,19 @@ use crate::app::editor::picture::depths::Depths;
 const LINES: i32 = 60;
 /// Each level has lines ten times as far apart as the one before.
 const LEVELS: u32 = 3;
-/// The distance of lines on the screen, in points, from which and up to which they become visible.
+/// Lines become visible while their distance on the screen, in points, grows from the first of these numbers to the second.
 const APPEAR: [f32; 2] = [9.0, 40.0];
-/// The distance from which and up to which they become stronger still.
+/// Lines become stronger while their distance on the screen grows from the first of these numbers to the second.
 const STRONG: [f32; 2] = [70.0, 300.0];
-/// The opacity that lines have then.
+/// The opacity that lines gain while they become visible, and then while they become stronger.
 const FAINT: f32 = 0.16;
 const FIRM: f32 = 0.16;
 const AXIS: f32 = 0.75;
-/// The distance along a line, in points, from one look at the depth of the picture to the next.
+/// The distance along a line, in points, between two places where the depth of the picture is looked up.
 const LOOK: f32 = 4.0;
-/// The most looks from one vertex to the next.
+/// The most such places from one vertex of a line to the next.
 const MOST_LOOKS: usize = 12;
-/// What is nearer to a surface than this share of the distance is on it.
+/// A point counts as on a surface if it is nearer to it than this share of the distance from the camera.
 const ON_SURFACE: f32 = 2e-3;
 
 /// The grid as it was drawn last, with what it depends on.
@@ -125,7 +125,7 @@ impl<'v> View<'v> {
         };
         let way = world - self.eye.unwrap_or_else(|| self.screen.camera.unproject(film, 0.0));
         let distance = way.length();
-        // A pixel is as wide as this at that distance, and the plane is as much deeper at its edge than in its middle.
+        // The width of a pixel at that distance, times the slope of the plane, is how much the depth of the plane varies within the pixel.
         let width = self.pixel * self.eye.map_or(1.0, |_| distance);
         let grazing = (way.dot(normal) / distance).abs().max(1e-3);
         distance <= seen + ON_SURFACE * distance + width / grazing
@@ -168,7 +168,7 @@ impl Lines<'_> {
         let [along, across] = [along, across].map(|axis| self.plane.axes[axis]);
         let step = step * 10f32.powi(level as i32);
         let first = (self.middle.dot(across) / step).round();
-        // Farther away whole numbers of steps cannot be told apart.
+        // Farther away, single precision cannot tell neighbouring numbers of steps apart.
         if first.is_nan() || first.abs() > 1e6 {
             return;
         }
@@ -195,7 +195,7 @@ impl Lines<'_> {
         if is_across && self.view.eye.is_none() && self.view.screen.forward().dot(axis).abs() > 0.999 {
             return;
         }
-        // The axis across the plane is in no plane of the grid: any that faces the viewer will do.
+        // The axis at right angles to the plane lies in no plane of the grid, so that any normal towards the viewer will do.
         let normal = match is_across {
             true => axis.cross(self.view.screen.forward()).cross(axis).normalize_or_zero(),
             false => self.plane.normal,

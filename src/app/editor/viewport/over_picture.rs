@@ -1,4 +1,4 @@
-//! Whether the pointer is on the picture itself, where tools and the mouse's habits may take a press.
+//! Whether the pointer is on the picture itself, where tools and navigation may use a press.
 
 use bevy_egui::egui::{Response, Ui};
 

@@ -58,7 +58,7 @@ enum Hold {
 const POINTS_PER_NOTCH: f32 = 50.0;
 /// The points of a dolly's drag that count as one notch of the wheel.
 const POINTS_PER_STEP: f32 = 25.0;
-/// The points that a box has to be drawn before it is shown; a click draws none.
+/// The size in points from which a box of selection is shown: a click draws none.
 const LEAST_BOX: f32 = 4.0;
 /// The distance at which things are taken to be where nothing is seen, as a share of the scene.
 const NOWHERE: f32 = 0.5;

@@ -1,4 +1,4 @@
-//! What all questions of the program look like: a heading, sentences that say what each answer leads to, and one row of buttons. What loses something
+//! The look of all questions of the program: a heading, sentences about what each answer does, and one row of buttons. An answer that loses something
 //! stands at the left, apart from the others; the usual answer stands at the right, in the colour of the primary button.
 
 use bevy_egui::egui::{self, Id, Modal, ModalResponse, RichText, Ui};
@@ -19,7 +19,7 @@ pub fn question<R>(
     })
 }
 
-/// What an answer leads to.
+/// The consequence of an answer, as a sentence.
 pub fn consequence(ui: &mut Ui, answer: &str, what: &str) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -12,7 +12,7 @@ use crate::app::editor::session::full_film_question::FullFilmQuestion;
 /// The answer that renders it.
 const RENDER: &str = "Render the full film";
 
-/// Asks, if there is something to ask.
+/// Shows the question if there is one.
 pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, commands: &mut Vec<Command>) {
     let Some(question) = asked else {
         return;
@@ -50,7 +50,7 @@ pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, c
     }
 }
 
-/// Shows how far the full film is that will be saved. `viewport` is the place of the picture's panel.
+/// Shows the progress of the full film that will be saved. `viewport` is the rectangle of the picture's panel.
 pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, commands: &mut Vec<Command>) {
     let Some(image) = &status.awaited_image else {
         return;

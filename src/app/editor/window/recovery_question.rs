@@ -154,7 +154,7 @@ mod tests {
         let today = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970");
         let clock = clock_of(today.as_secs()).expect("a time");
         assert!(clock.len() == 5 && clock.as_bytes()[2] == b':', "{clock}");
-        // Any zone is less than a day away.
+        // Every time zone differs from universal time by less than a day.
         assert!(clock_of(86_400).is_some_and(|clock| clock.starts_with("1970-01-0")));
         assert_eq!(clock_of(u64::MAX), None);
     }

@@ -9,7 +9,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
 use crate::scene::write::OnChange;
 
-/// Asks, if there is something to ask.
+/// Shows the question if there is one.
 pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec<Command>) {
     let Some(question) = &mut requests.save_question else {
         return;

@@ -87,7 +87,7 @@ fn pages(
     commands: &mut Vec<Command>,
 ) -> bool {
     if keys.waits() {
-        // The press belongs to the list: Esc must not close the sheet, nor Tab go on to another control.
+        // The list uses the press: Esc must not close the sheet, and Tab must not move on to another control.
         context.input_mut(|input| input.events.retain(|event| !is_typed(event)));
     }
     let modal = Modal::new(Id::new("preferences")).show(context, |ui| {

@@ -63,7 +63,7 @@ fn set_style(style: &mut Style, theme: Theme) {
     }
 }
 
-/// The greys of a field: they differ hardly from a light panel, so that an edge has to tell them apart.
+/// The greys of a field. They hardly differ from a light panel, so that fields have an edge.
 fn field(widget: &mut WidgetVisuals, fill: u8, edge: u8) {
     widget.weak_bg_fill = Color32::from_gray(fill);
     widget.bg_fill = Color32::from_gray(fill);

@@ -28,7 +28,7 @@ pub fn fly(world: &mut World, time: usize) -> Option<Command> {
     Some(Command::MoveView(turned))
 }
 
-/// The mesh of the most triangles, by a hundredth of the scene.
+/// Moves the mesh with the most triangles by a hundredth of the scene's size.
 pub fn drag(world: &mut World, time: usize) -> Option<Command> {
     let (entity, pose) = largest_mesh(world)?;
     let by = 0.01 * world.resource::<ViewSettings>().navigation.scene_size * sign(time);
@@ -113,7 +113,7 @@ pub fn undo(world: &mut World, time: usize) -> Option<Command> {
     })
 }
 
-/// A shape from the middle of the list, for each time another.
+/// A shape from the middle of the list, another one each time.
 pub fn middle_shape(world: &mut World, time: usize) -> Option<Entity> {
     let mut shapes = world.query_filtered::<Entity, (With<Shape>, Without<Hidden>)>();
     let count = shapes.iter(world).count();

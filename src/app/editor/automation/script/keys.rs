@@ -7,7 +7,7 @@ use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::actions::bindings::{bind, bindables, reserved};
 
-/// Gives an action a key; if it was that of another action, that one gets the key that this one had.
+/// Gives an action a key. If another action has that key, the two exchange their keys.
 pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Result<Command, ScriptError> {
     let own = bindables().find(|own| own.name == action);
     let own = own.ok_or_else(|| format!("no action is called `{action}`"))?;

@@ -12,7 +12,7 @@ pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item 
     format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-/// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
+/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one could be changed unnoticed.
 pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
     let (mut by_id, mut by_name) = (Vec::new(), Vec::new());

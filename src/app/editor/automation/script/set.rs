@@ -25,7 +25,7 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
             return Ok(Command::Transform(vec![(entity, pose)]));
         }
     }
-    // Tells more than that something else has no such parameter.
+    // This error tells more than that another component has no such parameter.
     let mut wrong_value = None;
     macro_rules! attempt {
         ($of:expr, $component:ty, $assign:path, $command:expr) => {

@@ -93,7 +93,7 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     let control = app.world().resource::<RenderControl>();
     assert_eq!((control.exact_samples, control.full_until_change), (None, true));
     assert!(samples >= 3);
-    // Now it is there and saved at once.
+    // Now the full film is there, so that the image is saved at once.
     let again = folder.path().join("again.png");
     apply(app.world_mut(), Command::SaveImage(again.clone())).expect("saved");
     assert!(again.exists());
@@ -138,7 +138,7 @@ fn the_full_film_as_a_setting_hides_no_change() {
     let path = folder.path().join("sky.png");
     let mut app = app();
     begin_to_save(&mut app, &path);
-    // So many are not there before the end of the test.
+    // The picture does not get so many samples before the test ends.
     const MANY: u32 = 1_000_000_000;
     app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
     app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
@@ -147,7 +147,7 @@ fn the_full_film_as_a_setting_hides_no_change() {
     app.world_mut().resource_mut::<RenderControl>().view_size = None;
     update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 3);
     assert!(app.world().contains_resource::<AwaitedImage>());
-    // There is one at a time.
+    // Only one image can be waited for at a time.
     let other = folder.path().join("other.png");
     let request = FullFilm {
         save_to: Some(other),

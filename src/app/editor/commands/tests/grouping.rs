@@ -47,7 +47,7 @@ fn what_is_in_a_group_moves_with_it() {
         [left, right, group].map(|it| name(&world, it)),
         ["group/left", "group/right", "group/"]
     );
-    // Its place is the middle of the bounds of what is in it.
+    // The group's place is the middle of the bounds of its members.
     assert_eq!(Vec3::from(pose(&world, group).translation), Vec3::new(1.0, 0.5, 0.0));
     let turned =
         Affine3A::from_rotation_translation(bevy::math::Quat::from_rotation_y(std::f32::consts::FRAC_PI_2), Vec3::Y);
@@ -63,7 +63,7 @@ fn what_is_in_a_group_moves_with_it() {
         place(&world, left)
     );
     assert!(place(&world, right).abs_diff_eq(Vec3::new(0.0, 1.0, -2.0), 1e-5));
-    // What is moved as well is where it was put, and what is locked stays.
+    // A member that is moved as well is where it was put, and a locked one stays.
     say(&mut world, Command::Undo);
     say(&mut world, Command::Lock(vec![right], true));
     let [to, own] = [5.0, 7.0].map(|x| Affine3A::from_translation(Vec3::X * x));
@@ -93,7 +93,7 @@ fn groups_are_in_groups_and_come_out_again() {
     let moved = Affine3A::from_translation(Vec3::X) * pose(&world, outer);
     say(&mut world, Command::Transform(vec![(outer, moved)]));
     assert_eq!(pose(&world, left).translation.x, before + 1.0);
-    // From a ball to its group, and on to the group around that.
+    // The first selects the group of a ball, the next the group around that.
     select(&mut world, &[left]);
     say(&mut world, Command::SelectGroup);
     assert_eq!(

@@ -33,7 +33,7 @@ fn views_along_an_axis_hide_walls_until_another_view() {
     say(&mut world, Command::LookThrough(camera));
     assert!(!sight(&world).passes_backs);
 
-    // Who has hidden them keeps them hidden.
+    // Walls that the user has hidden stay hidden.
     let hidden = Seeing::default().with_walls_switched();
     say(&mut world, Command::SetSeeing(hidden));
     say(&mut world, Command::LookAlong(AxisView::Front));

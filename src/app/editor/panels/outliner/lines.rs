@@ -31,7 +31,7 @@ pub enum Line {
         hidden: Option<bool>,
         /// Whether all of them are locked.
         locked: bool,
-        /// What has the transform of the folder, if it has one.
+        /// The entity that has the transform of the folder, if there is one.
         frame: Option<Entity>,
     },
     Item {
@@ -63,7 +63,7 @@ pub struct Lines {
 /// Lines in order. Plain things that follow each other in the outline are kept as a range.
 #[derive(Clone, Debug, Default)]
 pub struct LineList {
-    /// The parts, and the number of lines before each.
+    /// The parts of the list, each with the number of lines before it.
     parts: Vec<(usize, Part)>,
     len: usize,
 }

@@ -198,7 +198,7 @@ struct Folder<'a> {
     locked: bool,
     depth: usize,
     members: &'a [Entity],
-    /// What has the transform of the folder.
+    /// The entity that has the transform of the folder.
     frame: Option<Entity>,
     is_selected: bool,
 }

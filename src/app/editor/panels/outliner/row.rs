@@ -152,7 +152,7 @@ impl Row<'_> {
     fn name(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
         let item = self.item;
         let selected = self.model.selection.contains(item.entity);
-        // In a list of a hundred spheres the material says more than the kind, which has its drawing.
+        // In a list of a hundred spheres the material says more than the kind, which the mark shows.
         let hint = self.model.outline.material_of(item).map_or(item.kind, leaf);
         let kind = RichText::new(hint).weak().small();
         let name = leaf(&item.name);

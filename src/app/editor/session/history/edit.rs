@@ -112,7 +112,7 @@ impl<'w> Edit<'w> {
         self.world.insert_resource(self.selection);
     }
 
-    /// Writes the step into the history; without one nothing is written where nothing changed.
+    /// Writes the step into the history, unless nothing has changed.
     pub fn finish(self, label: String, merge: Option<(u64, MergeKey)>) {
         let changes = self.before.into_iter().filter_map(|(entity, before)| {
             let change = ObjectChange::between(&before, &ObjectState::of(self.world, entity))?;

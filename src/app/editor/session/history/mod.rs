@@ -59,7 +59,7 @@ impl History {
         (done.collect(), undone.collect())
     }
 
-    /// Whether the last step made copies, but for moves since.
+    /// Whether the last step other than moves made copies.
     pub(crate) fn was_just_copied(&self) -> bool {
         let mut kinds = self.done.iter().rev().map(|entry| entry.kind);
         kinds.find(|kind| *kind != StepKind::Move) == Some(StepKind::Copy)
@@ -96,7 +96,7 @@ impl History {
         !self.saved_is_lost && self.position() == self.saved_at
     }
 
-    /// The scene as it is now is in the file.
+    /// Notes that the file holds the scene as it is now.
     pub fn note_saved(&mut self) {
         self.saved_at = self.position();
         self.saved_is_lost = false;
@@ -106,7 +106,7 @@ impl History {
         }
     }
 
-    /// The scene is not that of any file.
+    /// Notes that no file holds the scene.
     pub fn note_unsaved(&mut self) {
         self.saved_is_lost = true;
     }
@@ -211,7 +211,7 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
     });
     let shared: Vec<(Entity, SceneId)> = shared.collect();
     for (entity, id) in shared {
-        // Of several that come back one may keep it.
+        // If several come back with the same id, one of them may keep it.
         let mut all = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
         if all.iter(world).any(|(other, its)| other != entity && *its == id) {
             let free = free_name_for(world, &id.0);

@@ -18,7 +18,7 @@ use crate::scene::{LengthUnit, ShapeKind, Solid};
 /// The state of the tool that draws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::app::editor::viewport) struct DrawState {
-    /// The place under the pointer from which one would draw.
+    /// The place under the pointer, where a drawing would begin.
     spot: Option<Spot>,
     phase: Option<Phase>,
     /// The numbers typed for the present phase.
@@ -51,9 +51,9 @@ enum Phase {
 const HEIGHT: f32 = 2.5;
 const THICKNESS: f32 = 0.2;
 const FLOOR_HEIGHT: f32 = 0.1;
-/// The steps of the grid of which scenes in metres are taken to be.
+/// Scenes with a grid step in this range are taken to be in metres.
 const METRES: std::ops::RangeInclusive<f32> = 0.005..=1.0;
-/// The step of such a scene, for the sizes in other ones.
+/// The usual step of a scene in metres, to which sizes in other scenes are proportional.
 const USUAL_STEP: f32 = 0.1;
 
 impl DrawState {

@@ -1,4 +1,4 @@
-//! What the tools that block out act on: the model, the hand, and how what the hand shows is measured.
+//! The input of the tools that block out: the data that they act on, the mouse, and the conversion of pointer positions to places.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec3};
@@ -36,7 +36,7 @@ pub struct BlockingModel<'a> {
     pub unit: LengthUnit,
     /// The packed scene, to find surfaces.
     pub packed: &'a PackedScene,
-    /// What cannot be changed in the picture.
+    /// The shapes that are locked.
     pub locked: &'a EntityHashSet,
 }
 
@@ -61,7 +61,7 @@ pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction
     let between = origin - ray.origin;
     let cosine = direction.dot(towards);
     let sine_squared = 1.0 - cosine * cosine;
-    // Closer to end on, a pixel would be a mile.
+    // If the line were seen more nearly end on, one pixel would stand for a very long way.
     const END_ON: f32 = 3e-3;
     (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
 }

@@ -70,7 +70,7 @@ impl BlockingState {
             self.push = PushState::default();
         }
         let is_over = is_over(ui, response);
-        // It asks the context, which must not be held then.
+        // The call locks egui's context, so that it must not be locked here already.
         let clicked = response.clicked_by(PointerButton::Primary);
         let mut hand = ui.input(|input| Hand {
             pointer: input.pointer.latest_pos().unwrap_or(screen.picture.center()),
@@ -101,7 +101,7 @@ impl BlockingState {
             ui.ctx().request_repaint();
         }
         Rest {
-            // A press that waits may be the tool's.
+            // A press that waits for the shape to be looked up may be meant for the tool.
             pointer: !uses_pointer && self.waiting.is_none(),
             presses: rest,
         }
@@ -127,7 +127,7 @@ impl BlockingState {
             .map(|seen| seen.entity)
             .filter(|entity| !model.locked.contains(entity));
         if needs_target && hovered.is_some() && model.target.map(|target| target.entity) != hovered {
-            // What is not known after a frame is no shape that can be changed.
+            // If nothing is known of the shape after a frame, it is none that the tools can change.
             let is_new = std::mem::take(asked) && waited.is_none();
             self.waiting = is_new.then_some(hand.pointer);
         }

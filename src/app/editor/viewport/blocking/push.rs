@@ -24,7 +24,7 @@ struct Held {
     /// The shape as it was at the press.
     target: BlockTarget,
     face: Face,
-    /// The place where the pointer took hold.
+    /// The place in the world where the face was pressed.
     grabbed: Vec3,
     /// The way of the face so far, in world units.
     by: f32,
@@ -44,7 +44,7 @@ impl PushState {
         self.held = None;
     }
 
-    /// Puts the face back.
+    /// Moves the face back to where it was at the press.
     pub fn cancel(&mut self, commands: &mut Vec<Command>) {
         if let Some(held) = self.held.take().filter(|held| held.by != 0.0) {
             let BlockTarget { entity, shape, pose } = held.target;
@@ -76,7 +76,7 @@ impl PushState {
         let Some(held) = &mut self.held else {
             return false;
         };
-        // What was typed before the button is let go counts, too.
+        // A number that was typed before the button was released counts, too.
         if let Some(by) = held.way(screen, model, hand)
             && by != held.by
             && let Some((kind, pose)) = pushed(&held.target.shape.kind, &held.target.pose, held.face, by)

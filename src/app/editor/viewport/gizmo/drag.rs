@@ -34,7 +34,7 @@ pub enum Change {
     },
     /// Factors along the axes.
     Scaled(Vec3),
-    /// A turn about the origin of the frame, then a move in world units: onto a surface that is aslant.
+    /// A turn about the origin of the frame, then a move in world units, for snapping to a tilted surface.
     Laid {
         /// The turn.
         turn: Quat,
@@ -69,7 +69,7 @@ pub struct Drag {
     /// The unit of the scene, for lengths that are typed.
     pub(super) lengths: LengthUnit,
     pub(super) settings: GizmoSettings,
-    /// The place where the pointer took hold.
+    /// The place in the world where the face was pressed.
     grabbed: Pos2,
     /// The place where it was seen last, and below the angle up to there: a ring may be turned more than once.
     last: Pos2,
@@ -86,12 +86,12 @@ const FARTHEST: f32 = 10.0;
 const POINTS_PER_DOUBLING: f32 = 100.0;
 /// The smallest factor of a drag, so that things can be enlarged again.
 const SMALLEST_FACTOR: f32 = 0.01;
-/// Degrees to which the pointer turns: fewer than a pixel of a ring stands for.
+/// Rotations by the pointer are rounded to this many degrees, which is less than a pixel of the ring stands for.
 const FINEST_TURN: f64 = 0.1;
-/// The digits of a factor that the pointer chooses, and of the lengths of axes that are scaled.
+/// The significant digits of a scale factor that the pointer chooses, and of the lengths of scaled axes.
 const FACTOR_DIGITS: i32 = 4;
 const LENGTH_DIGITS: i32 = 6;
-/// Places that follow from a typed turn or factor are rounded to this share of what a pointer would place them by.
+/// Places that result from a typed rotation or factor are rounded to this share of the unit that is used for the pointer.
 pub(super) const TYPED_SHARE: f64 = 1e-3;
 /// Places on steps are rounded to this share of a step.
 const STEP_SHARE: f32 = 1e-3;
@@ -119,7 +119,7 @@ impl Drag {
         }
     }
 
-    /// The same, with lengths that are typed in a scene of this unit.
+    /// The drag, with lengths that are typed in a scene of this unit.
     pub(crate) fn with_unit(self, unit: LengthUnit) -> Self {
         Self { lengths: unit, ..self }
     }
@@ -129,7 +129,7 @@ impl Drag {
         self.settings.mode
     }
 
-    /// Whether the key belongs to what is typed; then it has been taken in.
+    /// Whether the key belongs to the typed text; if so, it has been added to it.
     pub(crate) fn press(&mut self, press: &Press) -> bool {
         let is_unit = |typed: &mut Typed| typed.press_unit(press.key, press.modifiers.shift);
         self.typed.press(press.key) || (self.settings.mode == Mode::Move && is_unit(&mut self.typed))
@@ -460,7 +460,7 @@ pub fn lowest_point(targets: &[Target], up: Vec3) -> Option<Vec3> {
     (!all.is_empty()).then(|| all.center() - up * (0.5 * all.extent().dot(up.abs())))
 }
 
-/// The factors with which the axes get lengths of few digits.
+/// The scale factors, changed slightly so that the axes get lengths of few digits.
 fn short_factors(axes: &Mat3A, factors: Vec3) -> Vec3 {
     let factor = |axis: Vec3A, factor: f32| {
         let length = axis.length();

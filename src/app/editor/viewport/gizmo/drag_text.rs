@@ -1,4 +1,4 @@
-//! The line about a drag: how far it has come, and what keys do to it.
+//! The line of text about a drag: the change so far, and the keys that act on it.
 
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};

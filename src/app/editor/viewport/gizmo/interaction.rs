@@ -28,7 +28,7 @@ use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 use crate::scene::LengthUnit;
 
-/// Where the figures of a drag are from the pointer, in points.
+/// The offset from the pointer to the figures of a drag, in points.
 const READ_OUT: Vec2 = Vec2::new(18.0, 14.0);
 
 /// The data that the gizmo acts on.
@@ -79,7 +79,7 @@ struct Held {
     drag: Drag,
     by: Hold,
     change: Option<Change>,
-    /// What is dragged, as it was at the press.
+    /// The dragged things as they were at the press.
     solids: Vec<Solid>,
     /// The place that the drag snaps to.
     snapped: Option<SnapPoint>,
@@ -305,7 +305,7 @@ impl GizmoState {
 
     /// A line about a drag by the keyboard; None without one.
     pub fn note(&self, screen: &Screen, model: &GizmoModel) -> Option<String> {
-        // What follows the pointer has its figures there.
+        // The figures of a drag by the mouse are shown at the pointer.
         let held = self.held.as_ref().filter(|held| held.by == Hold::Keys)?;
         if held.change.is_none() {
             let same = actions::key_text(action_of(held.drag.mode()), model.bound);

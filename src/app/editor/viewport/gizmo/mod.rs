@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(at(Pivot::Middle), Some(Vec3::new(2.0, 0.0, 0.0)));
         assert_eq!(at(Pivot::Active), Some(Vec3::new(8.0, 0.0, 0.0)));
         assert_eq!(at(Pivot::Median), Some(Vec3::new(2.0, 0.0, 0.0)));
-        // Handles that move things are at the things.
+        // Handles for moves are in the middle of the things themselves.
         assert_eq!(at(Pivot::World), at(Pivot::Middle));
         let turning = GizmoSettings {
             pivot: Pivot::World,

@@ -51,7 +51,7 @@ impl Drag {
         }
     }
 
-    /// What the constraint leaves of a move to a place that was found.
+    /// The part of a move to a found place that the constraint allows.
     fn onto(&mut self, screen: &Screen, by: Vec3) -> Change {
         let pixel = screen.units_per_point(screen.depth(self.frame.origin));
         self.unit = TYPED_SHARE * rounding::unit_of_pixel(pixel);

@@ -52,7 +52,7 @@ impl Typed {
         true
     }
 
-    /// Whether the key goes on with the unit of a length, such as `cm` or `'`; then it has been taken in.
+    /// Whether the key continues the unit of a length, such as `cm` or `'`; if so, it has been added to the text.
     pub fn press_unit(&mut self, key: Key, shift: bool) -> bool {
         let letter = match key {
             Key::M => 'm',
