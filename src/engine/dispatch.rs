@@ -85,7 +85,7 @@ pub(super) fn dispatch_job(
             control.motion_scale < 1.0,
             since,
         );
-        new.failure = reserved.err();
+        new.failure = reserved.err().map(|shortage| shortage.to_string());
         status.last_restart = new.begun;
         *job = Some(new);
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
-use crate::memory::{self, Reservation};
+use crate::memory::{self, Reservation, Shortage};
 use crate::render::film::Film;
 use crate::render::tile::{Tile, TilePreview};
 use crate::render::view::View;
@@ -33,6 +33,15 @@ pub struct RenderFilm {
     memory: Option<Reservation>,
 }
 
+/// Says that a film does not fit into the memory budget. Its size is in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a film of {width} x {height} pixels needs {shortage}")]
+pub(super) struct FilmShortage {
+    width: u32,
+    height: u32,
+    shortage: Shortage,
+}
+
 impl RenderFilm {
     /// The tiles that changed since the last call, each once, in no order.
     pub(crate) fn take_dirty(&mut self) -> Vec<Tile> {
@@ -45,13 +54,17 @@ impl RenderFilm {
     }
 
     /// Reserves the memory for the film of this view, in place of the former reservation.
-    pub(super) fn reserve(&mut self, view: &View) -> Result<(), String> {
+    pub(super) fn reserve(&mut self, view: &View) -> Result<(), FilmShortage> {
         let bytes = Film::memory_bytes(view.width, view.height, view.light_groups.count());
         let result = match &mut self.memory {
             Some(memory) => memory.resize(bytes),
             None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
         };
-        result.map_err(|shortage| format!("a film of {} x {} pixels needs {shortage}", view.width, view.height))
+        result.map_err(|shortage| FilmShortage {
+            width: view.width,
+            height: view.height,
+            shortage,
+        })
     }
 
     /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the previews of the picture

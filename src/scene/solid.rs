@@ -9,7 +9,7 @@ use bevy::math::Vec3;
 use bevy::reflect::Reflect;
 
 use super::parameter_info::ParameterInfo;
-use crate::document::value::{fields, format_float, parse_float};
+use crate::document::value::{ValueError, fields, format_float, parse_float};
 
 /// A building part.
 #[derive(Reflect, Clone, Debug, PartialEq)]
@@ -287,22 +287,33 @@ pub fn openings_text(openings: &[Opening]) -> String {
     openings.iter().map(text).collect::<Vec<_>>().join("; ")
 }
 
-/// Reads the text of openings. The error says what is wrong with it.
-pub fn parse_openings(text: &str) -> Result<Vec<Opening>, String> {
+/// Says what is wrong with the text of openings.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OpeningsError {
+    /// A part of the text is not a number.
+    #[error(transparent)]
+    Value(#[from] ValueError),
+    /// An opening has more or fewer than four numbers.
+    #[error("expected four numbers (from, sill, width, height), found `{0}`")]
+    Numbers(String),
+    /// An opening has no extent.
+    #[error("expected openings with a width and a height above 0")]
+    Extent,
+    /// There are more openings than a part may have.
+    #[error("expected at most {most} openings, found {0}", most = Solid::MOST_OPENINGS)]
+    Count(usize),
+}
+
+/// Reads the text of openings.
+pub fn parse_openings(text: &str) -> Result<Vec<Opening>, OpeningsError> {
     let mut openings = Vec::new();
     for part in text.split(';').filter(|part| !part.trim().is_empty()) {
-        let numbers: Vec<f32> = fields(part)
-            .map(parse_float)
-            .collect::<Result<_, _>>()
-            .map_err(|error| error.to_string())?;
+        let numbers: Vec<f32> = fields(part).map(parse_float).collect::<Result<_, _>>()?;
         let &[from, sill, width, height] = numbers.as_slice() else {
-            let part = part.trim();
-            return Err(format!(
-                "expected four numbers (from, sill, width, height), found `{part}`"
-            ));
+            return Err(OpeningsError::Numbers(part.trim().to_owned()));
         };
         if !(width > 0.0 && height > 0.0) {
-            return Err("expected openings with a width and a height above 0".to_owned());
+            return Err(OpeningsError::Extent);
         }
         openings.push(Opening {
             from,
@@ -313,10 +324,7 @@ pub fn parse_openings(text: &str) -> Result<Vec<Opening>, String> {
     }
     match openings.len() {
         0..=Solid::MOST_OPENINGS => Ok(openings),
-        count => Err(format!(
-            "expected at most {} openings, found {count}",
-            Solid::MOST_OPENINGS
-        )),
+        count => Err(OpeningsError::Count(count)),
     }
 }
 
@@ -344,7 +352,10 @@ mod tests {
     fn openings_that_are_none_are_refused_with_what_is_expected() {
         for text in ["1 2 3", "1 2 3 4 5", "1 2 x 4", "1 2 0 4", "1 2 3 -4", "1 2 nan 4"] {
             assert!(
-                parse_openings(text).is_err_and(|error| error.starts_with("expected") || error.contains("number")),
+                parse_openings(text).is_err_and(|error| {
+                    let error = error.to_string();
+                    error.starts_with("expected") || error.contains("number")
+                }),
                 "{text}"
             );
         }

@@ -67,18 +67,30 @@ impl InstanceRecord {
     }
 }
 
-/// Packs a shape; None while its mesh is not there. `mesh` is what the shape's kind names, if it names one. The error says why the shape has no
-/// extent or no place.
+/// Says why a shape has no extent or no place.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub(in crate::engine) enum ShapeError {
+    #[error("a sphere of radius {radius} is left out")]
+    Sphere { radius: f32 },
+    #[error("a cylinder of radius {radius} and length {length} is left out")]
+    Cylinder { radius: f32, length: f32 },
+    #[error("a triangle without an area is left out")]
+    Triangle,
+    #[error("its transform cannot be inverted, the shape is left out")]
+    Transform,
+}
+
+/// Packs a shape; None while its mesh is not there. `mesh` is what the shape's kind names, if it names one.
 pub(in crate::engine) fn pack_instance(
     source: &ShapeSource,
     mesh: Option<&BuiltMesh>,
-) -> Result<Option<(Instance, InstanceRecord)>, String> {
+) -> Result<Option<(Instance, InstanceRecord)>, ShapeError> {
     let ShapeSource { shape, to_world, .. } = *source;
     let mesh_primitive = || mesh.map(|mesh| Primitive::Mesh(mesh.blas.clone()));
     let (primitive, world_from_local, face_normals) = match &shape.kind {
         ShapeKind::Sphere { center, radius } => {
             if radius.is_nan() || *radius <= 0.0 {
-                return Err(format!("a sphere of radius {radius} is left out"));
+                return Err(ShapeError::Sphere { radius: *radius });
             }
             let scale = Affine3A::from_scale(Vec3::splat(*radius));
             let world_from_unit = to_world * Affine3A::from_translation(*center) * scale;
@@ -90,7 +102,8 @@ pub(in crate::engine) fn pack_instance(
             let axis = *p1 - *p0;
             let (length, direction) = (axis.length(), axis.try_normalize());
             let (Some(direction), true) = (direction, *radius > 0.0) else {
-                return Err(format!("a cylinder of radius {radius} and length {length} is left out"));
+                let radius = *radius;
+                return Err(ShapeError::Cylinder { radius, length });
             };
             // The start of the angle is Mitsuba's choice as well.
             let Frame { s, t, n } = Frame::from_normal(direction);
@@ -107,7 +120,7 @@ pub(in crate::engine) fn pack_instance(
         ShapeKind::Triangle { corners: [a, b, c] } => {
             let (u, v) = (*b - *a, *c - *a);
             let Some(normal) = u.cross(v).try_normalize() else {
-                return Err("a triangle without an area is left out".to_owned());
+                return Err(ShapeError::Triangle);
             };
             let local_from_unit = Affine3A::from_mat3_translation(Mat3::from_cols(u, v, normal), *a);
             (mesh_primitive(), to_world * local_from_unit, true)
@@ -118,7 +131,7 @@ pub(in crate::engine) fn pack_instance(
         return Ok(None);
     };
     let Some(mut instance) = Instance::new(primitive, world_from_local) else {
-        return Err("its transform cannot be inverted, the shape is left out".to_owned());
+        return Err(ShapeError::Transform);
     };
     instance.face_normals = face_normals;
     instance.flip_normals = shape.flip_normals;
@@ -140,7 +153,7 @@ pub(in crate::engine) fn pack_instance(
 mod tests {
     use super::*;
 
-    fn pack(shape: &Shape, to_world: Affine3A) -> Result<Instance, String> {
+    fn pack(shape: &Shape, to_world: Affine3A) -> Result<Instance, ShapeError> {
         let source = ShapeSource {
             order: DocumentOrder(0),
             entity: Entity::PLACEHOLDER,
@@ -150,7 +163,7 @@ mod tests {
             has_light: false,
         };
         let packed = pack_instance(&source, None)?;
-        packed.map(|(instance, _)| instance).ok_or_else(String::new)
+        Ok(packed.expect("it needs no mesh").0)
     }
 
     fn sphere(center: Vec3, radius: f32) -> Shape {
@@ -209,7 +222,10 @@ mod tests {
         ];
         for (shape, to_world) in cases {
             let error = pack(&shape, to_world).expect_err("it has no extent or no place");
-            assert!(error.ends_with("left out"), "{shape:?} {to_world:?} {error}");
+            assert!(
+                error.to_string().ends_with("left out"),
+                "{shape:?} {to_world:?} {error}"
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Traces the full film where only the pixels of the window are traced as a rule: on demand, and before the picture is saved.
+//! Traces the full film on demand and before the picture is saved, where usually only the pixels of the window are traced.
 //!
 //! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had when it was to be saved. A change of the
 //! scene or the view in between begins the picture anew: then nothing is saved, and the user is told.
@@ -11,7 +11,7 @@ use super::finished;
 use super::world::control;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::resolution::{FullFilm, Resolution};
-use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
+use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage, ImageNotSaved};
 use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
@@ -23,7 +23,7 @@ use crate::memory;
 
 pub fn set_resolution(world: &mut World, resolution: Resolution) {
     world.resource_mut::<ViewSettings>().resolution = resolution;
-    // An image that is waited for keeps its demand, which notices changes of the scene.
+    // The demand of an image that is waited for stays as it is, because it notices changes of the scene.
     if resolution != Resolution::Full || !world.contains_resource::<AwaitedImage>() {
         control(world, |control| control.full_until_change = false);
     }
@@ -100,7 +100,7 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// Goes on where the user would have been asked, for callers that cannot answer: they have asked for it.
+/// Takes the user's consent for granted, for callers that cannot be asked.
 pub fn confirm(world: &mut World) -> Result<(), CommandError> {
     match world.resource_mut::<Requests>().full_film_question.take() {
         Some(question) => render(world, question.confirmed()),
@@ -109,7 +109,7 @@ pub fn confirm(world: &mut World) -> Result<(), CommandError> {
 }
 
 /// Ends the wait for an image.
-fn end(world: &mut World, outcome: Result<(), String>) {
+fn end(world: &mut World, outcome: Result<(), ImageNotSaved>) {
     if let Some(image) = world.remove_resource::<AwaitedImage>() {
         control(world, |control| control.exact_samples = image.exact_before);
         world.insert_resource(EndedImage(outcome));
@@ -126,23 +126,26 @@ pub fn follow_awaited_image(world: &mut World) {
     if status.state == RenderState::Failed {
         let reason = status.errors.first().cloned().unwrap_or_default();
         control(world, |control| control.full_until_change = false);
-        let message = format!("{file} was not saved: {reason}");
-        world.resource_mut::<Toasts>().error(Topic::Saving, &message, None);
-        return end(world, Err(message));
+        let error = ImageNotSaved::Failed { file, reason };
+        world
+            .resource_mut::<Toasts>()
+            .error(Topic::Saving, error.to_string(), None);
+        return end(world, Err(error));
     }
     // The engine takes the demand back when the scene or the view changes, whether the setting asks for the full film as well or not.
     if !world.resource::<RenderControl>().full_until_change {
-        let reason = "the scene, the view or the resolution was changed before the full film was there";
-        let message = format!("{file} was not saved: {reason}.");
-        world.resource_mut::<Toasts>().reject(&message);
-        return end(world, Err(message));
+        let error = ImageNotSaved::Changed { file };
+        world.resource_mut::<Toasts>().reject(error.to_string());
+        return end(world, Err(error));
     }
     let is_complete = status.state == RenderState::Done && status.samples >= image.samples && !is_smaller(world);
     if !is_complete || (image.is_denoised && !is_denoised(world)) {
         return;
     }
-    let outcome = super::files::save_image(world, &image.path).map_err(|error| error.to_string());
-    if let Err(message) = &outcome {
+    let outcome = super::files::save_image(world, &image.path);
+    let outcome = outcome.map_err(|error| ImageNotSaved::NotWritten(error.to_string()));
+    if let Err(error) = &outcome {
+        let message = error.to_string();
         world.resource_mut::<Toasts>().error(Topic::Saving, message, None);
     }
     end(world, outcome);

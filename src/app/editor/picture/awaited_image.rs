@@ -24,6 +24,28 @@ impl AwaitedImage {
     }
 }
 
-/// The end of the wait: the reason why the picture was not saved, if it was not.
+/// The end of the wait.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
-pub struct EndedImage(pub Result<(), String>);
+pub struct EndedImage(pub Result<(), ImageNotSaved>);
+
+/// Says why a picture that was waited for was not saved.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ImageNotSaved {
+    /// Rendering has failed.
+    #[error("{file} was not saved: {reason}")]
+    Failed {
+        /// The name of the file.
+        file: String,
+        /// The message of the renderer.
+        reason: String,
+    },
+    /// The full film was given up.
+    #[error("{file} was not saved: the scene, the view or the resolution was changed before the full film was there.")]
+    Changed {
+        /// The name of the file.
+        file: String,
+    },
+    /// The file could not be written, as the message says.
+    #[error("{0}")]
+    NotWritten(String),
+}

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
-use crate::scene::solid::{file_range, parse_openings};
+use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
     Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
     ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture,
@@ -23,6 +23,8 @@ pub enum AssignError {
     Unknown { known: Vec<&'static str> },
     #[error(transparent)]
     Value(#[from] ValueError),
+    #[error(transparent)]
+    Openings(#[from] OpeningsError),
     /// The value is of the right kind, but the parameter does not take it.
     #[error("{0}")]
     Refused(String),
@@ -281,9 +283,7 @@ impl Assign<'_> {
             SolidValue::Count(count) => self.value(info.name, count, |text| {
                 parse_integer_within(text, &info.range).map(|number| number as u32)
             }),
-            SolidValue::Openings(openings) => self.value(info.name, openings, |text| {
-                parse_openings(text).map_err(AssignError::Refused)
-            }),
+            SolidValue::Openings(openings) => self.value(info.name, openings, |text| Ok(parse_openings(text)?)),
         }
     }
 }

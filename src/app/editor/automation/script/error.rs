@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::assign::AssignError;
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::picture::awaited_image::ImageNotSaved;
 use crate::document::value::ValueError;
 
 /// Says why a line of a script is not carried out, without the place of the line.
@@ -25,6 +26,8 @@ pub enum ScriptError {
     },
     #[error(transparent)]
     Command(#[from] CommandError),
+    #[error(transparent)]
+    Image(#[from] ImageNotSaved),
     /// The picture could not be saved; `kept` says where it is instead.
     #[error("{error}; {kept}")]
     Kept { error: CommandError, kept: String },
