@@ -8,23 +8,14 @@ use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
-use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::blocking::block::{Block, corners};
 use sunroom::app::editor::command::blocking::{BlockKind, OpeningKind, Reshaping};
-use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
-use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
-use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::tool::Tool;
 use sunroom::app::editor::input::actions::ActionContext;
-use sunroom::app::editor::model::Outline;
-use sunroom::app::editor::picture::denoiser::DenoiserState;
-use sunroom::app::editor::picture::outline::SelectionOutline;
-use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::viewport::axes_widget;
 use sunroom::app::editor::viewport::blocking::hand::BlockTarget;
-use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
@@ -34,7 +25,7 @@ use sunroom::render::camera::Camera;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{Opening, Shape, ShapeKind, Solid};
 
-use crate::support::{context, presses};
+use crate::support::{ViewportContent, presses};
 
 struct Window {
     tool: Tool,
@@ -90,8 +81,10 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
         is_known: true,
     };
-    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), packed(has_box));
-    let (things, selection) = (Outline::default(), Selection::default());
+    let content = ViewportContent {
+        packed: packed(has_box),
+        ..ViewportContent::default()
+    };
     let target = BlockTarget {
         entity: cube(),
         shape: Shape {
@@ -102,52 +95,15 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
     };
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
-            let locked = Default::default();
+            let presses = presses(ui);
+            let empty = content.model([800, 600], pose(), window.camera, &presses);
             let model = ViewportModel {
-                picture: Some((egui::TextureId::default(), [800, 600])),
-                proportions: [800, 600],
-                mouse: egui::Vec2::ZERO,
-                placeholder: "",
-                pose: Some(pose()),
-                camera: Some(window.camera),
-                boxes: &boxes,
-                outline: &outline,
-                wireframe: &Default::default(),
-                icons: &[],
-                gizmo: GizmoModel {
-                    settings: GizmoSettings::default(),
-                    targets: &[],
-                    length_step: STEP,
-                    grid: Default::default(),
-                    up: Vec3::Y,
-                    unit: Default::default(),
-                    packed: &packed,
-                    bound: &NO_BINDINGS,
-                },
-                denoiser: DenoiserState::Idle,
-                preset: Default::default(),
                 block: (has_box && window.is_known).then_some(&target),
-                locked: &locked,
-                things: &things,
-                packed: &packed,
-                paths: &Default::default(),
-                legend: None,
-                captions: &[],
-                region: None,
-                navigation: Navigation {
-                    scene_size: 10.0,
-                    ..Navigation::default()
-                },
                 keys: ActionContext {
                     tool: window.tool,
-                    ..context(&selection)
+                    ..empty.keys
                 },
-                extent: None,
-                rulers: &[],
-                is_empty: false,
-                depths: Default::default(),
-                presses: &presses(ui),
-                enabled: true,
+                ..empty
             };
             let mut commands = Vec::new();
             let mut whole = ui.new_child(egui::UiBuilder::new().max_rect(egui::Rect::from_min_size(Pos2::ZERO, SIZE)));

@@ -1,6 +1,9 @@
 //! What tests of the editor share.
 
+use bevy::ecs::entity::EntityHashSet;
+use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui;
+use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
@@ -8,6 +11,16 @@ use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
+use sunroom::app::editor::model::Outline;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::picture::outline::SelectionOutline;
+use sunroom::app::editor::picture::overlay::BoxList;
+use sunroom::app::editor::picture::paths::PathInspector;
+use sunroom::app::editor::picture::wireframe::Wireframe;
+use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
+use sunroom::app::editor::viewport::model::ViewportModel;
+use sunroom::engine::PackedScene;
+use sunroom::render::camera::Camera;
 
 /// The keys that went down this frame, as the window hands them to the editor.
 pub fn presses(ui: &egui::Ui) -> Vec<Press> {
@@ -45,5 +58,73 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         seeing: Default::default(),
         isolated: false,
         flying: false,
+    }
+}
+
+/// What the viewport refers to, empty as long as a test adds nothing.
+#[derive(Default)]
+pub struct ViewportContent {
+    pub selection: Selection,
+    pub packed: PackedScene,
+    pub boxes: BoxList,
+    pub outline: SelectionOutline,
+    pub wireframe: Wireframe,
+    pub paths: PathInspector,
+    pub things: Outline,
+    pub locked: EntityHashSet,
+}
+
+impl ViewportContent {
+    /// The viewport with a picture of this size in pixels, and with handles that act on nothing.
+    pub fn model<'a>(
+        &'a self,
+        size: [u32; 2],
+        pose: Affine3A,
+        camera: Camera,
+        presses: &'a [Press],
+    ) -> ViewportModel<'a> {
+        ViewportModel {
+            picture: Some((egui::TextureId::default(), size)),
+            proportions: size,
+            mouse: egui::Vec2::ZERO,
+            placeholder: "",
+            pose: Some(pose),
+            camera: Some(camera),
+            boxes: &self.boxes,
+            outline: &self.outline,
+            wireframe: &self.wireframe,
+            icons: &[],
+            gizmo: GizmoModel {
+                settings: GizmoSettings::default(),
+                targets: &[],
+                length_step: 0.5,
+                grid: Default::default(),
+                up: Vec3::Y,
+                unit: Default::default(),
+                packed: &self.packed,
+                bound: &NO_BINDINGS,
+            },
+            denoiser: DenoiserState::Idle,
+            preset: Default::default(),
+            block: None,
+            locked: &self.locked,
+            things: &self.things,
+            packed: &self.packed,
+            paths: &self.paths,
+            legend: None,
+            captions: &[],
+            region: None,
+            navigation: Navigation {
+                scene_size: 10.0,
+                ..Navigation::default()
+            },
+            keys: context(&self.selection),
+            extent: None,
+            rulers: &[],
+            is_empty: false,
+            depths: Default::default(),
+            presses,
+            enabled: true,
+        }
     }
 }

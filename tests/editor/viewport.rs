@@ -4,33 +4,26 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
-use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
-use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::navigation_preset::NavigationPreset;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::tool::Tool;
 use sunroom::app::editor::command::{Command, Direction};
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
-use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::model::freedom::Freedom;
-use sunroom::app::editor::picture::denoiser::DenoiserState;
-use sunroom::app::editor::picture::outline::SelectionOutline;
-use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::viewport::gizmo::Target;
 use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::icons::{Icon, IconKind};
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
-use sunroom::engine::PackedScene;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
 
-use crate::support::{context, presses};
+use crate::support::{ViewportContent, context, presses};
 
 fn entity(index: u32) -> Entity {
     Entity::from_raw_u32(index).expect("a small index is valid")
@@ -85,58 +78,28 @@ pub fn window() -> Harness<'static, Window> {
         kind: IconKind::Bulb,
         pose: Affine3A::from_translation(lamp()),
     };
-    let selection = Selection::of([entity(1)]);
-    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), PackedScene::default());
-    let things = Outline::default();
+    let content = ViewportContent {
+        selection: Selection::of([entity(1)]),
+        ..ViewportContent::default()
+    };
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
-            let locked = Default::default();
+            let presses = presses(ui);
+            let empty = content.model([800, 600], pose(), window.camera, &presses);
             let model = ViewportModel {
-                picture: Some((egui::TextureId::default(), [800, 600])),
-                proportions: [800, 600],
-                mouse: egui::Vec2::ZERO,
-                placeholder: "",
-                pose: Some(pose()),
-                camera: Some(window.camera),
-                boxes: &boxes,
-                outline: &outline,
-                wireframe: &Default::default(),
                 icons: &[lamp],
                 gizmo: GizmoModel {
                     settings: window.gizmo,
                     targets: &[window.target],
-                    length_step: 0.5,
-                    grid: Default::default(),
-                    up: Vec3::Y,
-                    unit: Default::default(),
-                    packed: &packed,
-                    bound: &NO_BINDINGS,
-                },
-                denoiser: DenoiserState::Idle,
-                block: None,
-                locked: &locked,
-                things: &things,
-                packed: &packed,
-                paths: &Default::default(),
-                legend: None,
-                captions: &[],
-                region: None,
-                navigation: Navigation {
-                    scene_size: 10.0,
-                    ..Navigation::default()
+                    ..empty.gizmo
                 },
                 preset: window.preset,
                 keys: ActionContext {
                     gizmo: window.gizmo,
                     tool: window.tool,
-                    ..context(&selection)
+                    ..empty.keys
                 },
-                extent: None,
-                rulers: &[],
-                is_empty: false,
-                depths: Default::default(),
-                presses: &presses(ui),
-                enabled: true,
+                ..empty
             };
             let mut commands = Vec::new();
             let mut whole = ui.new_child(egui::UiBuilder::new().max_rect(egui::Rect::from_min_size(Pos2::ZERO, SIZE)));

@@ -11,8 +11,35 @@ mod rebuilding;
 mod stopping;
 mod view_size;
 
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
-use sunroom::scene::{ActiveSensor, DocumentOrder, Film, Sensor, ToWorld};
+use sunroom::color::Rgb;
+use sunroom::engine::{EnginePlugin, RenderControl, RenderState, RenderStatus};
+use sunroom::scene::{
+    ActiveSensor, DocumentOrder, Emitter, EmitterKind, Film, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
+};
+
+/// A ball of radius 1 before a grey sky, seen as [`look_along`] says. One thread renders.
+fn ball(center: Vec3, width: u32, height: u32) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
+    let world = app.world_mut();
+    world.spawn((
+        DocumentOrder(0),
+        Emitter::from(EmitterKind::Constant {
+            radiance: Rgb::splat(0.5),
+        }),
+    ));
+    let kind = ShapeKind::Sphere { center, radius: 1.0 };
+    let flip_normals = false;
+    world.spawn((DocumentOrder(1), Shape { kind, flip_normals }));
+    look_along(world, width, height);
+    world.resource_mut::<RenderControl>().threads = NonZeroUsize::MIN;
+    app
+}
 
 /// Looks along +z from the origin, with a film of so many pixels and four samples of each.
 fn look_along(world: &mut World, width: u32, height: u32) {
@@ -22,8 +49,21 @@ fn look_along(world: &mut World, width: u32, height: u32) {
         sample_count: 4,
         ..default()
     };
-    let sensor = world
-        .spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film))
-        .id();
+    let camera = (DocumentOrder(3), Sensor::default(), ToWorld::default(), film);
+    let sensor = world.spawn(camera).id();
     world.insert_resource(ActiveSensor(Some(sensor)));
+}
+
+/// Updates until the picture is done.
+fn finish(app: &mut App) -> RenderStatus {
+    let begin = Instant::now();
+    loop {
+        app.update();
+        let status = app.world().resource::<RenderStatus>();
+        if status.state == RenderState::Done {
+            return status.clone();
+        }
+        assert!(begin.elapsed() < Duration::from_secs(600), "{status:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }

@@ -1,42 +1,20 @@
 //! When pictures stop, and that going on loses nothing.
 
-use std::num::NonZeroUsize;
-use std::time::{Duration, Instant};
-
-use bevy::asset::AssetPlugin;
 use bevy::math::{Affine3A, Rect, Vec3};
 use bevy::prelude::*;
 use sunroom::color::Rgb;
-use sunroom::engine::{EnginePlugin, RenderControl, RenderFilm, RenderState, RenderStatus, StopReason};
+use sunroom::engine::{RenderControl, RenderFilm, RenderStatus, StopReason};
 use sunroom::render::film::Film;
-use sunroom::scene::{DocumentOrder, Emitter, EmitterKind, ScenePlugin, Shape, ShapeKind, ToWorld};
+use sunroom::scene::{DocumentOrder, Emitter, EmitterKind, ToWorld};
 
-use crate::look_along;
+use crate::ball;
 
 const ENDLESS: u32 = 1 << 30;
 
 /// A ball under a lamp, 80 x 40 pixels: three tiles by two.
 fn studio(control: impl FnOnce(&mut RenderControl)) -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
+    let mut app = ball(Vec3::Z * 4.0, 80, 40);
     let world = app.world_mut();
-    world.spawn((
-        DocumentOrder(0),
-        Emitter::from(EmitterKind::Constant {
-            radiance: Rgb::splat(0.5),
-        }),
-    ));
-    let ball = ShapeKind::Sphere {
-        center: Vec3::Z * 4.0,
-        radius: 1.0,
-    };
-    world.spawn((
-        DocumentOrder(1),
-        Shape {
-            kind: ball,
-            flip_normals: false,
-        },
-    ));
     let lamp = Affine3A::from_translation(Vec3::new(0.0, 4.0, 4.0));
     world.spawn((
         DocumentOrder(2),
@@ -45,25 +23,13 @@ fn studio(control: impl FnOnce(&mut RenderControl)) -> App {
         }),
         ToWorld(lamp),
     ));
-    look_along(world, 80, 40);
-    let mut settings = world.resource_mut::<RenderControl>();
-    settings.threads = NonZeroUsize::MIN;
-    control(&mut settings);
+    control(&mut world.resource_mut::<RenderControl>());
     app
 }
 
 /// Updates until the picture is done and returns why it is.
 fn finish(app: &mut App) -> Option<StopReason> {
-    let begin = Instant::now();
-    loop {
-        app.update();
-        let status = app.world().resource::<RenderStatus>();
-        if status.state == RenderState::Done {
-            return status.stopped_by;
-        }
-        assert!(begin.elapsed() < Duration::from_secs(600), "{status:?}");
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    crate::finish(app).stopped_by
 }
 
 fn change(app: &mut App, change: impl FnOnce(&mut RenderControl)) {

@@ -1,44 +1,16 @@
 //! Pictures with fewer pixels than the film, because the place where they are shown has no more.
 
-use std::num::NonZeroUsize;
-use std::time::{Duration, Instant};
-
-use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
 use sunroom::color::{Rgb, luminance};
-use sunroom::engine::{EnginePlugin, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::scene::{
-    DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, ReconstructionFilter, ScenePlugin, Sensor, Shape,
-    ShapeKind, ToWorld,
-};
+use sunroom::engine::{RenderControl, RenderFilm, RenderStatus};
+use sunroom::scene::{Film, IntegratorSettings, ReconstructionFilter, Sensor, Shape, ToWorld};
 
-use crate::look_along;
+use crate::{ball, finish};
 
 /// A ball before a sky, with a film of 400 x 200 pixels.
 fn studio() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
-    let world = app.world_mut();
-    world.spawn((
-        DocumentOrder(0),
-        Emitter::from(EmitterKind::Constant {
-            radiance: Rgb::splat(0.5),
-        }),
-    ));
-    let ball = ShapeKind::Sphere {
-        center: Vec3::new(0.3, 0.1, 4.0),
-        radius: 1.0,
-    };
-    world.spawn((
-        DocumentOrder(1),
-        Shape {
-            kind: ball,
-            flip_normals: false,
-        },
-    ));
-    look_along(world, 400, 200);
-    let mut control = world.resource_mut::<RenderControl>();
-    control.threads = NonZeroUsize::MIN;
+    let mut app = ball(Vec3::new(0.3, 0.1, 4.0), 400, 200);
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
     control.interactive = true;
     control.view_size = Some(UVec2::new(100, 90));
     app
@@ -55,16 +27,6 @@ fn status(app: &App) -> RenderStatus {
 fn film_size(app: &App) -> (u32, u32) {
     let film = &app.world().resource::<RenderFilm>().film;
     (film.width(), film.height())
-}
-
-fn finish(app: &mut App) {
-    let begin = Instant::now();
-    app.update();
-    while status(app).state != RenderState::Done {
-        assert!(begin.elapsed() < Duration::from_secs(600), "{:?}", status(app));
-        std::thread::sleep(Duration::from_millis(1));
-        app.update();
-    }
 }
 
 #[test]

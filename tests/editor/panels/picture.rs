@@ -1,31 +1,24 @@
 //! The picture: its keys, its mouse, and what is dropped on it.
 
-use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::math::{Affine3A, Vec2};
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
-use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
-use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
-use sunroom::app::editor::picture::denoiser::DenoiserState;
-use sunroom::app::editor::picture::outline::SelectionOutline;
-use sunroom::app::editor::picture::overlay::BoxList;
-use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
-use sunroom::engine::PackedScene;
 use sunroom::render::camera::Camera;
 
 use super::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
-use crate::support::{context, presses};
+use crate::support::{ViewportContent, presses};
 
 /// The picture in a panel of 340 x 240 points, with a text field and a number above it.
 pub struct Picture {
@@ -44,8 +37,10 @@ pub fn picture() -> Harness<'static, Picture> {
         number: 1.0,
         pose: Affine3A::IDENTITY,
     };
-    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), PackedScene::default());
-    let (selection, things) = (Selection::of([entity(1)]), Outline::default());
+    let content = ViewportContent {
+        selection: Selection::of([entity(1)]),
+        ..ViewportContent::default()
+    };
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
             ui.horizontal(|ui| {
@@ -53,46 +48,12 @@ pub fn picture() -> Harness<'static, Picture> {
                 let name = ui.label("number").id;
                 ui.add(egui::DragValue::new(&mut picture.number)).labelled_by(name);
             });
-            let locked = Default::default();
+            let presses = presses(ui);
+            let camera = Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None);
+            let empty = content.model([200, 100], picture.pose, camera, &presses);
             let model = ViewportModel {
-                picture: Some((egui::TextureId::default(), [200, 100])),
-                proportions: [200, 100],
-                mouse: egui::Vec2::ZERO,
-                placeholder: "",
-                pose: Some(picture.pose),
-                camera: Some(Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None)),
-                boxes: &boxes,
-                outline: &outline,
-                wireframe: &Default::default(),
-                icons: &[],
-                gizmo: GizmoModel {
-                    settings: GizmoSettings::default(),
-                    targets: &[],
-                    length_step: 1.0,
-                    grid: Default::default(),
-                    up: Vec3::Y,
-                    unit: Default::default(),
-                    packed: &packed,
-                    bound: &NO_BINDINGS,
-                },
-                denoiser: DenoiserState::Idle,
-                preset: Default::default(),
-                block: None,
-                locked: &locked,
-                packed: &packed,
-                things: &things,
-                paths: &Default::default(),
-                legend: None,
-                captions: &[],
-                region: None,
                 navigation: Navigation::default(),
-                keys: context(&selection),
-                extent: None,
-                rulers: &[],
-                is_empty: false,
-                depths: Default::default(),
-                presses: &presses(ui),
-                enabled: true,
+                ..empty
             };
             viewport(ui, &model, &mut picture.state, &mut picture.commands);
         },
