@@ -1,6 +1,7 @@
 //! The icons of the toolbar, drawn as lines on a square of 16 by 16 points, and the button that has one.
 
 use std::f32::consts::TAU;
+use std::ops::RangeInclusive;
 
 use bevy_egui::egui::{self, Button, Color32, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
 
@@ -80,25 +81,14 @@ const BUTTON: Vec2 = vec2(26.0, 24.0);
 enum Mark {
     Line(&'static [(f32, f32)]),
     Loop(&'static [(f32, f32)]),
-    Arc {
-        middle: (f32, f32),
-        radius: f32,
-        from: f32,
-        to: f32,
-    },
-    Oval {
-        middle: (f32, f32),
-        radii: (f32, f32),
-    },
-    Dot {
-        middle: (f32, f32),
-        radius: f32,
-    },
-    /// The right half of a disk.
-    Half {
-        middle: (f32, f32),
-        radius: f32,
-    },
+    /// Middle, radius and angles.
+    Arc((f32, f32), f32, RangeInclusive<f32>),
+    /// Middle and radii.
+    Oval((f32, f32), (f32, f32)),
+    /// Middle and radius.
+    Dot((f32, f32), f32),
+    /// Middle and radius of a disk, of which the right half is painted.
+    Half((f32, f32), f32),
 }
 
 use Mark::{Arc, Dot, Half, Line, Loop, Oval};
@@ -123,12 +113,7 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
             Line(&[(12.5, 6.0), (14.5, 8.0), (12.5, 10.0)]),
         ],
         ToolIcon::Rotate => &[
-            Arc {
-                middle: (8.0, 8.5),
-                radius: 5.5,
-                from: -20.0,
-                to: 270.0,
-            },
+            Arc((8.0, 8.5), 5.5, -20.0..=270.0),
             Line(&[(5.6, 0.6), (8.4, 3.0), (5.8, 5.6)]),
         ],
         ToolIcon::Scale => &[
@@ -137,62 +122,27 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
             Line(&[(9.5, 2.0), (14.0, 2.0), (14.0, 6.5)]),
         ],
         ToolIcon::World => &[
-            Oval {
-                middle: (8.0, 8.0),
-                radii: (6.0, 6.0),
-            },
-            Oval {
-                middle: (8.0, 8.0),
-                radii: (2.6, 6.0),
-            },
+            Oval((8.0, 8.0), (6.0, 6.0)),
+            Oval((8.0, 8.0), (2.6, 6.0)),
             Line(&[(2.0, 8.0), (14.0, 8.0)]),
         ],
         ToolIcon::Local => &[
             Loop(&[(6.5, 2.0), (14.0, 6.5), (9.5, 14.0), (2.0, 9.5)]),
-            Dot {
-                middle: (8.0, 8.0),
-                radius: 1.5,
-            },
+            Dot((8.0, 8.0), 1.5),
         ],
         ToolIcon::Magnet => &[
             Line(&[(3.2, 2.0), (3.2, 8.5)]),
             Line(&[(12.8, 2.0), (12.8, 8.5)]),
-            Arc {
-                middle: (8.0, 8.5),
-                radius: 4.8,
-                from: 0.0,
-                to: 180.0,
-            },
+            Arc((8.0, 8.5), 4.8, 0.0..=180.0),
             Line(&[(1.6, 4.8), (4.8, 4.8)]),
             Line(&[(11.2, 4.8), (14.4, 4.8)]),
         ],
-        ToolIcon::Shading => &[
-            Oval {
-                middle: (8.0, 8.0),
-                radii: (6.0, 6.0),
-            },
-            Half {
-                middle: (8.0, 8.0),
-                radius: 6.0,
-            },
-        ],
+        ToolIcon::Shading => &[Oval((8.0, 8.0), (6.0, 6.0)), Half((8.0, 8.0), 6.0)],
         ToolIcon::Denoise => &[
-            Dot {
-                middle: (2.5, 4.0),
-                radius: 1.1,
-            },
-            Dot {
-                middle: (4.5, 9.5),
-                radius: 1.1,
-            },
-            Dot {
-                middle: (2.0, 12.5),
-                radius: 1.1,
-            },
-            Dot {
-                middle: (6.0, 6.0),
-                radius: 1.1,
-            },
+            Dot((2.5, 4.0), 1.1),
+            Dot((4.5, 9.5), 1.1),
+            Dot((2.0, 12.5), 1.1),
+            Dot((6.0, 6.0), 1.1),
             Line(&[(8.0, 11.5), (9.5, 8.5), (11.0, 7.2), (12.5, 6.8), (14.5, 6.6)]),
         ],
         ToolIcon::Grid => &[
@@ -237,10 +187,7 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
         ToolIcon::Door => &[
             Line(&[(1.0, 14.5), (15.0, 14.5)]),
             Line(&[(3.8, 14.5), (3.8, 1.5), (12.2, 1.5), (12.2, 14.5)]),
-            Dot {
-                middle: (9.8, 8.5),
-                radius: 1.1,
-            },
+            Dot((9.8, 8.5), 1.1),
         ],
         ToolIcon::Window => &[
             Loop(&[(2.5, 2.0), (13.5, 2.0), (13.5, 12.5), (2.5, 12.5)]),
@@ -262,9 +209,9 @@ pub fn paint(painter: &Painter, icon: ToolIcon, rect: Rect, color: Color32) {
     let corner = rect.center() - Vec2::splat(0.5 * EDGE);
     let at = |&(x, y): &(f32, f32)| corner + vec2(x, y);
     let stroke = Stroke::new(LINE, color);
-    let arc = |middle: &(f32, f32), radius: f32, from: f32, to: f32| -> Vec<Pos2> {
+    let arc = |middle: &(f32, f32), radius: f32, angles: RangeInclusive<f32>| -> Vec<Pos2> {
         let steps = 24;
-        let angles = (0..=steps).map(|step| egui::lerp(from..=to, step as f32 / steps as f32) / 360.0 * TAU);
+        let angles = (0..=steps).map(|step| egui::lerp(angles.clone(), step as f32 / steps as f32) / 360.0 * TAU);
         angles.map(|angle| at(middle) + radius * Vec2::angled(angle)).collect()
     };
     for mark in marks(icon) {
@@ -275,22 +222,17 @@ pub fn paint(painter: &Painter, icon: ToolIcon, rect: Rect, color: Color32) {
             Loop(points) => {
                 painter.add(Shape::closed_line(points.iter().map(at).collect(), stroke));
             }
-            Arc {
-                middle,
-                radius,
-                from,
-                to,
-            } => {
-                painter.line(arc(middle, *radius, *from, *to), stroke);
+            Arc(middle, radius, angles) => {
+                painter.line(arc(middle, *radius, angles.clone()), stroke);
             }
-            Oval { middle, radii } => {
+            Oval(middle, radii) => {
                 painter.add(Shape::ellipse_stroke(at(middle), vec2(radii.0, radii.1), stroke));
             }
-            Dot { middle, radius } => {
+            Dot(middle, radius) => {
                 painter.circle_filled(at(middle), *radius, color);
             }
-            Half { middle, radius } => {
-                let half = arc(middle, *radius, -90.0, 90.0);
+            Half(middle, radius) => {
+                let half = arc(middle, *radius, -90.0..=90.0);
                 painter.add(Shape::convex_polygon(half, color, Stroke::NONE));
             }
         }

@@ -28,7 +28,7 @@ pub struct ActionContext<'a> {
     pub panels_shown: bool,
     /// The selection, which many actions need.
     pub selection: &'a Selection,
-    /// A tool that is in use is given up by its own key.
+    /// The tool in use. Its own key ends it.
     pub tool: Tool,
     /// The keys that the user has chosen.
     pub bound: &'a KeyBindings,

@@ -1,4 +1,4 @@
-//! The actions of the menu *Arrange*: what moves snap to, steps, series, alignment and distribution.
+//! The actions of the menu *Arrange*: what moves snap to, steps, series, alignment and distribution, in the order of the menu.
 
 use bevy_egui::egui::Key;
 
@@ -39,11 +39,23 @@ macro_rules! nudge {
     };
 }
 
-macro_rules! align {
-    ($name:literal, $label:literal, $axis:literal, $side:ident, $to:ident) => {
-        action(Group::Arrange, $name, $label, &[], |context| {
-            context.with_selection(Command::Align($axis, Side::$side, Reference::$to))
-        })
+macro_rules! alignments {
+    ($name:literal, $with:literal, $to:ident, [$(($axis:literal, $letter:literal, $title:literal)),*]) => {
+        &[$(
+            alignments!(@ $name, $with, $to, $axis, $letter, $title, "low", "low sides", Low),
+            alignments!(@ $name, $with, $to, $axis, $letter, $title, "middle", "middles", Middle),
+            alignments!(@ $name, $with, $to, $axis, $letter, $title, "high", "high sides", High),
+        )*]
+    };
+    (@ $name:literal, $with:literal, $to:ident, $axis:literal, $letter:literal, $title:literal,
+        $side_name:literal, $sides:literal, $side:ident) => {
+        action(
+            Group::Arrange,
+            concat!($name, "-", $letter, "-", $side_name),
+            concat!("Align ", $sides, $with, " along ", $title),
+            &[],
+            |context| context.with_selection(Command::Align($axis, Side::$side, Reference::$to)),
+        )
     };
 }
 
@@ -55,7 +67,7 @@ macro_rules! distribute {
     };
 }
 
-/// The actions in the order of the menu.
+/// Snapping, pivots, steps, dropping and series.
 pub const ACTIONS: &[Action] = &[
     snap_to!("snap-increments", "Snap to increments", Increments),
     snap_to!("snap-grid", "Snap to the grid", Grid),
@@ -113,78 +125,21 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Arrange, "fit-to-view", "Fit to view", &[], |context| {
         context.with_selection(Command::FitToView(context.selection.entities().to_vec()))
     }),
-    align!("align-x-low", "Align low sides along X", 0, Low, Bounds),
-    align!("align-x-middle", "Align middles along X", 0, Middle, Bounds),
-    align!("align-x-high", "Align high sides along X", 0, High, Bounds),
-    align!("align-y-low", "Align low sides along Y", 1, Low, Bounds),
-    align!("align-y-middle", "Align middles along Y", 1, Middle, Bounds),
-    align!("align-y-high", "Align high sides along Y", 1, High, Bounds),
-    align!("align-z-low", "Align low sides along Z", 2, Low, Bounds),
-    align!("align-z-middle", "Align middles along Z", 2, Middle, Bounds),
-    align!("align-z-high", "Align high sides along Z", 2, High, Bounds),
-    align!(
-        "align-active-x-low",
-        "Align low sides with the active along X",
-        0,
-        Low,
-        Active
-    ),
-    align!(
-        "align-active-x-middle",
-        "Align middles with the active along X",
-        0,
-        Middle,
-        Active
-    ),
-    align!(
-        "align-active-x-high",
-        "Align high sides with the active along X",
-        0,
-        High,
-        Active
-    ),
-    align!(
-        "align-active-y-low",
-        "Align low sides with the active along Y",
-        1,
-        Low,
-        Active
-    ),
-    align!(
-        "align-active-y-middle",
-        "Align middles with the active along Y",
-        1,
-        Middle,
-        Active
-    ),
-    align!(
-        "align-active-y-high",
-        "Align high sides with the active along Y",
-        1,
-        High,
-        Active
-    ),
-    align!(
-        "align-active-z-low",
-        "Align low sides with the active along Z",
-        2,
-        Low,
-        Active
-    ),
-    align!(
-        "align-active-z-middle",
-        "Align middles with the active along Z",
-        2,
-        Middle,
-        Active
-    ),
-    align!(
-        "align-active-z-high",
-        "Align high sides with the active along Z",
-        2,
-        High,
-        Active
-    ),
+];
+
+/// Alignment with the box around the selection.
+pub const ALIGN: &[Action] = alignments!("align", "", Bounds, [(0, "x", "X"), (1, "y", "Y"), (2, "z", "Z")]);
+
+/// Alignment with the active thing.
+pub const ALIGN_WITH_ACTIVE: &[Action] = alignments!(
+    "align-active",
+    " with the active",
+    Active,
+    [(0, "x", "X"), (1, "y", "Y"), (2, "z", "Z")]
+);
+
+/// Even spacing.
+pub const DISTRIBUTE: &[Action] = &[
     distribute!("distribute-x-gaps", "Equal gaps along X", 0, Gaps),
     distribute!("distribute-x-middles", "Equal distances along X", 0, Middles),
     distribute!("distribute-y-gaps", "Equal gaps along Y", 1, Gaps),

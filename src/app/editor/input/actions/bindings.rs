@@ -7,12 +7,12 @@ use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::press::Press;
 
-/// Something that keys can be chosen for.
+/// An action, or a direction of flight, for which keys can be chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Bindable {
     /// The name in scripts and preferences.
     pub name: &'static str,
-    /// The text that users read.
+    /// The text in the list.
     pub label: &'static str,
     /// The heading above it; None for flying.
     pub group: Option<Group>,
@@ -113,7 +113,8 @@ fn meet((key, flies): (&Shortcut, bool), (other, other_flies): (&Shortcut, bool)
     key == other || key.key == other.key && (flies && can_fly(other) || other_flies && can_fly(key))
 }
 
-/// What the key does already, but for `name`; what has this very key comes first. A key that flies can meet two keys.
+/// The actions other than `name` that a press of the key would mean; those that have this very key come first. A key that flies can clash with two
+/// keys.
 pub fn owners(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<Bindable> {
     let flies = bindables().any(|own| own.name == name && own.is_held());
     let meets = |other: &Bindable| {
@@ -133,7 +134,8 @@ pub fn reserved(key: &Shortcut) -> Option<&'static str> {
     found.map(|(_, what)| *what)
 }
 
-/// Gives `name` the key alone: all others give up the keys that meet it. The first of them gets the first key that `name` had, if that is free then.
+/// Gives `name` the key alone: all others lose the keys that clash with it. The first of them gets the first key that `name` had, if that is free
+/// then.
 pub fn bind(bound: &mut KeyBindings, name: &str, key: Shortcut) {
     let Some(own) = bindables().find(|own| own.name == name) else {
         return;
@@ -221,7 +223,7 @@ mod tests {
             assert_eq!(keys("fly-up", &bound), [letter]);
             assert_eq!(keys(gizmo, &bound), ["E"]);
         }
-        // The key of the other is left alone where nothing meets it, whatever its letter.
+        // The key of the other action stays where nothing clashes with it, even if it has the same letter.
         let mut bound = KeyBindings::default();
         bound.set("hide", vec![key("Alt+F6"), key("F6")]);
         bind(&mut bound, "redo", key("F6"));
@@ -235,7 +237,7 @@ mod tests {
         assert_eq!(flies("W"), ["fly-ahead"]);
         assert_eq!(flies("Shift+W"), ["fly-ahead"]);
         assert_eq!(flies("Ctrl+W"), [""; 0]);
-        // A letter with Control is free for flying, one alone is not.
+        // A letter with Control does not clash with flying, a letter alone does.
         assert_eq!(names(&key("N"), "fly-up", &bound), ["denoise"]);
         assert_eq!(names(&key("K"), "fly-up", &bound), [""; 0]);
     }
