@@ -15,6 +15,8 @@ pub(crate) struct ParameterInfo {
     pub values: &'static str,
     /// The bounds of a number, or of the channels of a colour whose kind does not say them.
     pub range: RangeInclusive<f32>,
+    /// The bounds that a slider offers, if they are narrower; numbers beyond them can be typed.
+    pub offered: Option<RangeInclusive<f32>>,
     /// The default of a number that is one of several parts of a parameter; the declaration of the plugin has those of all others.
     pub usual: f32,
     /// Stands behind the number in the panel.
@@ -30,6 +32,7 @@ impl ParameterInfo {
             about,
             values,
             range: f32::MIN..=f32::MAX,
+            offered: None,
             usual: 0.0,
             unit: "",
         }
@@ -70,6 +73,17 @@ impl ParameterInfo {
     pub const fn within(mut self, range: RangeInclusive<f32>) -> Self {
         self.range = range;
         self
+    }
+
+    /// Sets the bounds that a slider offers.
+    pub const fn offering(mut self, offered: RangeInclusive<f32>) -> Self {
+        self.offered = Some(offered);
+        self
+    }
+
+    /// The bounds of a slider.
+    pub fn slider_range(&self) -> RangeInclusive<f32> {
+        self.offered.as_ref().unwrap_or(&self.range).clone()
     }
 
     /// Sets the default.

@@ -120,6 +120,12 @@ const HIGHEST_INDEX: f32 = 100.0;
 /// The indices of refraction of dielectrics.
 pub(crate) const INDICES: RangeInclusive<f32> = 0.01..=HIGHEST_INDEX;
 
+/// The indices of refraction that sliders offer.
+pub(crate) const OFFERED_INDICES: RangeInclusive<f32> = 1.0..=3.0;
+
+/// The roughness that sliders offer: at zero there would be no rough surface.
+const OFFERED_ROUGHNESS: RangeInclusive<f32> = 0.001..=1.0;
+
 /// The largest absorption coefficient of a hair, factor on it, and concentration of a pigment: blacker than any.
 const MOST_ABSORPTION: f32 = 1e6;
 
@@ -153,6 +159,7 @@ pub(crate) const ALPHA: ParameterInfo = ParameterInfo::new(
     "0.0001 to 1 and beyond, or a texture; 0.001 to 0.01 polished, 0.1 to 0.3 satin, 0.5 matt",
 )
 .within(1e-4..=100.0)
+.offering(OFFERED_ROUGHNESS)
 .usually(0.1);
 
 pub(crate) const ALPHA_U: ParameterInfo = ParameterInfo::new(
@@ -162,6 +169,7 @@ pub(crate) const ALPHA_U: ParameterInfo = ParameterInfo::new(
     "0.0001 to 1 and beyond, or a texture",
 )
 .within(1e-4..=100.0)
+.offering(OFFERED_ROUGHNESS)
 .usually(0.1);
 
 pub(crate) const ALPHA_V: ParameterInfo = ParameterInfo::new(
@@ -171,6 +179,7 @@ pub(crate) const ALPHA_V: ParameterInfo = ParameterInfo::new(
     "0.0001 to 1 and beyond, or a texture",
 )
 .within(1e-4..=100.0)
+.offering(OFFERED_ROUGHNESS)
 .usually(0.1);
 
 pub(crate) const SPECULAR: ParameterInfo = ParameterInfo::new(
@@ -187,7 +196,7 @@ pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
     "Index",
     "Index of refraction inside over outside: how strongly the surface mirrors and, where it is glass, how far it bends light.",
     "0.01 to 100; plastic and glass have 1.5, water 1.33",
-).within(INDICES).usually(1.5);
+).within(INDICES).offering(OFFERED_INDICES).usually(1.5);
 
 pub(crate) const EUMELANIN: ParameterInfo = ParameterInfo::new(
     "eumelanin",
@@ -412,7 +421,8 @@ pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(
     "Angle from the axis beyond which there is no light.",
     "degrees, above 0 and up to 90",
 )
-.within(0.01..=180.0);
+.within(0.01..=180.0)
+.offering(0.1..=90.0);
 
 pub(crate) const BEAM_WIDTH: ParameterInfo = ParameterInfo::degrees(
     "beam_width",
@@ -427,7 +437,8 @@ pub(crate) const FOV: ParameterInfo = ParameterInfo::degrees(
     "Angle across the picture.",
     "degrees, above 0 and below 180",
 )
-.within(1e-3..=179.9);
+.within(1e-3..=179.9)
+.offering(1.0..=170.0);
 
 pub(crate) const FOV_AXIS: ParameterInfo = ParameterInfo::new(
     "fov_axis",

@@ -10,8 +10,8 @@ use crate::scene::declare::{PluginInfo, declare_plugins};
 use crate::scene::identity::DocumentOrder;
 use crate::scene::parameter_info::ParameterInfo;
 use crate::scene::parameters::{
-    ALPHA, Absorption, ConductorIor, Distribution, EUMELANIN, HEIGHT, INDICES, Ior, MATERIAL, ParameterMut,
-    ParameterRef, Roughness,
+    ALPHA, Absorption, ConductorIor, Distribution, EUMELANIN, HEIGHT, INDICES, Ior, MATERIAL, OFFERED_INDICES,
+    ParameterMut, ParameterRef, Roughness,
 };
 use crate::scene::texture::Parameter;
 
@@ -259,7 +259,8 @@ const INT_IOR: ParameterInfo = ParameterInfo::new(
     "Index of refraction on the side that the normal turns away from: the glass, the water, the clear layer.",
     "a medium of the list, or a number from 0.01 to 100",
 )
-.within(INDICES);
+.within(INDICES)
+.offering(OFFERED_INDICES);
 
 const EXT_IOR: ParameterInfo = ParameterInfo::new(
     "ext_ior",
@@ -267,7 +268,8 @@ const EXT_IOR: ParameterInfo = ParameterInfo::new(
     "Index of refraction on the side of the normal, air as a rule.",
     "a medium of the list, or a number from 0.01 to 100",
 )
-.within(INDICES);
+.within(INDICES)
+.offering(OFFERED_INDICES);
 
 const DISTRIBUTION: ParameterInfo = ParameterInfo::new(
     "distribution",

@@ -92,6 +92,7 @@ fn tree(scene: &SceneDescription, place: usize) -> MaterialTree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::parameters::ALPHA;
     use crate::scene::{ConductorIor, Ior, Material, ParameterInfo, ParameterRef, PrincipledIndex, Roughness};
     use crate::shading::ior;
 
@@ -120,7 +121,9 @@ mod tests {
                 matches!(index, ConductorIor::Named(name) if ior::conductor_ior(name).is_some())
             }
             ParameterRef::Roughness(roughness) | ParameterRef::UniformRoughness(roughness) => match roughness {
-                Roughness::Isotropic(alpha) => alpha.constant().is_some_and(|alpha| (0.001..=1.0).contains(&alpha)),
+                Roughness::Isotropic(alpha) => alpha
+                    .constant()
+                    .is_some_and(|alpha| ALPHA.slider_range().contains(&alpha)),
                 Roughness::Anisotropic { .. } => true,
             },
             ParameterRef::PrincipledIndex(index) => match index {

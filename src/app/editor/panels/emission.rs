@@ -96,7 +96,7 @@ impl Rows<'_> {
         let mut angle = |info: &'static ParameterInfo, value: &mut f32, range| {
             fields::slider_with(self.ui, info, value, range, |slider| slider.suffix(info.unit))
         };
-        let mut changed = angle(&CUTOFF_ANGLE, &mut cone.cutoff_angle, 0.1..=90.0);
+        let mut changed = angle(&CUTOFF_ANGLE, &mut cone.cutoff_angle, CUTOFF_ANGLE.slider_range());
         // A narrower cone has a narrower beam.
         if changed {
             cone.beam_width = cone.beam_width.min(cone.cutoff_angle);

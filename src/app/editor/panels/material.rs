@@ -1,7 +1,5 @@
 //! The parameters of a material, and what kind it is.
 
-use std::ops::RangeInclusive;
-
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
@@ -110,7 +108,7 @@ impl Rows<'_> {
                     note(ui, caption, "flat")
                 });
             }
-            ParameterMut::Float(value) => self.float(info, value, info.range.clone()),
+            ParameterMut::Float(value) => self.float(info, value),
             ParameterMut::Height(value) => {
                 self.texturable(info, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
             }
@@ -120,7 +118,7 @@ impl Rows<'_> {
             ParameterMut::Flag(value) | ParameterMut::Extension(value) => {
                 self.edit.changed |= fields::checkbox(self.ui, info, value);
             }
-            ParameterMut::Ior(value) => self.edit.changed |= dielectric_ior(self.ui, info.into(), value),
+            ParameterMut::Ior(value) => self.edit.changed |= dielectric_ior(self.ui, info, value),
             ParameterMut::ConductorIor(value) => self.conductor_ior(info, value),
             ParameterMut::Distribution(value) => {
                 let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
@@ -176,9 +174,9 @@ impl Rows<'_> {
         }
     }
 
-    fn float(&mut self, info: &'static ParameterInfo, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+    fn float(&mut self, info: &'static ParameterInfo, value: &mut Parameter<f32>) {
         self.texturable(info, "number", value, 0.5, |ui, caption, number| {
-            fields::slider(ui, caption, number, range)
+            fields::slider(ui, caption, number, info.slider_range())
         });
     }
 
@@ -192,13 +190,11 @@ impl Rows<'_> {
     }
 
     fn alphas(&mut self, value: &mut Roughness) {
-        // A roughness of zero would be no rough surface.
-        const RANGE: RangeInclusive<f32> = 0.001..=1.0;
         match value {
-            Roughness::Isotropic(alpha) => self.float(&ALPHA, alpha, RANGE),
+            Roughness::Isotropic(alpha) => self.float(&ALPHA, alpha),
             Roughness::Anisotropic { u, v } => {
-                self.float(&ALPHA_U, u, RANGE);
-                self.float(&ALPHA_V, v, RANGE);
+                self.float(&ALPHA_U, u);
+                self.float(&ALPHA_V, v);
             }
         }
     }
@@ -221,8 +217,10 @@ impl Rows<'_> {
             self.edit.changed = true;
         }
         self.edit.changed |= match value {
-            PrincipledIndex::Specular(specular) => fields::slider(self.ui, &SPECULAR, specular, SPECULAR.range.clone()),
-            PrincipledIndex::Eta(eta) => fields::slider(self.ui, &PRINCIPLED_ETA, eta, 1.0..=3.0),
+            PrincipledIndex::Specular(specular) => {
+                fields::slider(self.ui, &SPECULAR, specular, SPECULAR.slider_range())
+            }
+            PrincipledIndex::Eta(eta) => fields::slider(self.ui, &PRINCIPLED_ETA, eta, PRINCIPLED_ETA.slider_range()),
         };
     }
 }
@@ -333,7 +331,8 @@ fn positive(ui: &mut Ui, caption: Caption<'_>, value: &mut Vec3) -> bool {
     changed
 }
 
-fn dielectric_ior(ui: &mut Ui, caption: Caption<'_>, ior: &mut Ior) -> bool {
+fn dielectric_ior(ui: &mut Ui, info: &'static ParameterInfo, ior: &mut Ior) -> bool {
+    let caption = Caption::from(info);
     const NUMBER: &str = "number";
     let current = match ior {
         Ior::Named(name) => name.clone(),
@@ -354,7 +353,7 @@ fn dielectric_ior(ui: &mut Ui, caption: Caption<'_>, ior: &mut Ior) -> bool {
     }
     if let Ior::Number(index) = ior {
         let title = format!("{} index", caption.text);
-        changed |= fields::slider(ui, caption.titled(&title), index, 1.0..=3.0);
+        changed |= fields::slider(ui, caption.titled(&title), index, info.slider_range());
     }
     changed
 }

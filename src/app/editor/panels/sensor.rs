@@ -55,7 +55,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
 
 /// Shows the rows of a field of view; true if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
-    let changed = fields::slider_with(ui, &FOV, fov, 1.0..=170.0, |slider| slider.suffix(FOV.unit));
+    let changed = fields::slider_with(ui, &FOV, fov, FOV.slider_range(), |slider| slider.suffix(FOV.unit));
     let axes = [
         (FovAxis::X, "horizontal"),
         (FovAxis::Y, "vertical"),
