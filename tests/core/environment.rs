@@ -1,7 +1,8 @@
 //! Pictures of the sky and the analytic sky as lights: orientation, sampling against density, and what they send in all.
 
 use crate::statistics;
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::support::{SceneBuilder, all_around, assert_close, camera, mean_luminance, render, view};
@@ -13,7 +14,7 @@ use sunroom::render::scene::RenderScene;
 use sunroom::render::view::Strategy;
 use sunroom::sampling::{Sampler, SequenceKind, hash::pcg3d, unit_float};
 use sunroom::shading::{Bsdf, Diffuse};
-use sunroom::texture::{Image, Samples, Transfer};
+use sunroom::texture::{Image, Samples, Transfer, load_image};
 
 fn image(width: u32, height: u32, pixel: impl Fn(u32, u32) -> Rgb) -> Arc<Image> {
     let pixels = (0..width * height).flat_map(|at| pixel(at % width, at / width).to_array());
@@ -428,5 +429,33 @@ fn skies_light_the_same_however_they_are_found() {
                 reference.0,
             );
         }
+    }
+}
+
+#[test]
+fn the_environments_of_the_program_are_sound_and_equally_bright() {
+    for name in ["evening", "living-room", "noon", "overcast", "studio"] {
+        let path = Path::new(crate::ROOT).join(format!("assets/environments/{name}.hdr"));
+        let bytes = std::fs::read(&path).expect(name);
+        assert!(bytes.len() < 1_000_000, "{name} has {} bytes", bytes.len());
+        let image = load_image(&bytes).expect(name);
+        let (width, height) = (image.width(), image.height());
+        assert_eq!((width, height), (768, 384), "{name}");
+        let mut lit = 0.0;
+        for y in 0..height {
+            let theta = PI * y as f32 / (height - 1) as f32;
+            let share = theta.cos().max(0.0) * theta.sin() * (TAU / width as f32) * (PI / height as f32) / PI;
+            for x in 0..width {
+                let pixel = image.pixel(x, y);
+                assert!(
+                    pixel.is_finite() && pixel.min_element() >= 0.0,
+                    "{name} at {x}, {y}: {pixel}"
+                );
+                assert!(luminance(pixel) > 0.0, "{name} is black at {x}, {y}");
+                lit += luminance(pixel) * share;
+            }
+        }
+        // White paper that lies flat reflects a radiance of 1.
+        assert!((lit - 1.0).abs() < 0.02, "{name}: {lit}");
     }
 }
