@@ -131,6 +131,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<model::EditorModel>()
             .init_resource::<model::thumbnails::Thumbnails>()
             .init_resource::<window::preview::Previews>()
+            .init_resource::<window::assets::AssetWork>()
             .insert_resource(session::picture_cache::PictureCache::of_user(options.is_attended()))
             .init_resource::<window::dialogs::Dialogs>()
             .init_resource::<picture::frame_times::FrameTimes>()
@@ -237,6 +238,7 @@ impl Plugin for EditorPlugin {
                         picture::texture::update_picture,
                         viewport::outlining::request_outline,
                         window::preview::update_previews,
+                        window::assets::update_assets,
                         picture::pacing::hold_back_frame,
                     )
                         .chain()

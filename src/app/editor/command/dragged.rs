@@ -2,6 +2,7 @@
 
 use bevy::prelude::Entity;
 
+use super::asset_kind::FileUse;
 use super::presets::Preset;
 
 /// Things that are dragged from the list to somewhere else: into a folder, to another place, onto a shape in the picture.
@@ -11,3 +12,7 @@ pub(crate) struct Dragged(pub Vec<Entity>);
 /// A material of the library on its way to a shape in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DraggedPreset(pub Preset);
+
+/// A file of the browser on its way into the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct DraggedFile(pub FileUse);

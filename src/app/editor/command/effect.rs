@@ -32,6 +32,7 @@ impl Command {
             | Self::SetSampler(_)
             | Self::Reshape(.., Reshaping::Push) => Effect::Drag,
             Self::Import(_)
+            | Self::UseFile(_)
             | Self::MoveCameraToView
             | Self::Add(_)
             | Self::Build(_)

@@ -3,6 +3,7 @@
 use bevy::prelude::Entity;
 
 use super::Command;
+use super::asset_kind::AssetKind;
 use super::blocking::{BlockKind, Reshaping};
 
 impl Command {
@@ -11,6 +12,11 @@ impl Command {
         match self {
             Self::OnSelection(command) => command.label(),
             Self::Import(_) => "Import",
+            Self::UseFile(file) => match AssetKind::of(&file.path) {
+                Some(AssetKind::Picture | AssetKind::Environment) => "Use picture",
+                Some(AssetKind::Scene) => "Use file",
+                Some(AssetKind::Mesh) | None => "Import",
+            },
             Self::MoveCameraToView => "Move camera to view",
             Self::Add(_) => "Add",
             Self::Build(block) => match block.kind {

@@ -2,6 +2,7 @@
 
 pub mod addition;
 pub mod arrange;
+pub mod asset_kind;
 pub mod axis_view;
 pub mod blocking;
 pub mod bvh_overlay;
@@ -49,6 +50,7 @@ use crate::scene::{
 };
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
+use asset_kind::FileUse;
 use axis_view::AxisView;
 use blocking::Reshaping;
 use blocking::block::Block;
@@ -92,6 +94,8 @@ pub enum Command {
     SaveImage(PathBuf),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
+    /// Puts a file into the scene: where it was dropped, or onto the selection.
+    UseFile(Box<FileUse>),
     /// Opens a dialog that asks for a file.
     ShowDialog(FileDialogKind),
     /// Closes the window; asks first if edits would be lost.

@@ -12,6 +12,8 @@ pub enum Panel {
     Outliner,
     /// The library of materials.
     Library,
+    /// Folders of pictures, meshes and scenes.
+    Assets,
     /// The parameters of the selection.
     Inspector,
     /// Samples, limits, integrator, light mixing and comparison.
@@ -26,9 +28,10 @@ pub enum Panel {
 
 impl Panel {
     /// The panels that can be closed and shown again, in the order of the menu.
-    pub const CLOSEABLE: [Self; 7] = [
+    pub const CLOSEABLE: [Self; 8] = [
         Self::Outliner,
         Self::Library,
+        Self::Assets,
         Self::Inspector,
         Self::Render,
         Self::History,
@@ -44,7 +47,7 @@ impl Panel {
         Self::Paths,
     ];
     /// The panels at the left.
-    pub(crate) const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
+    pub(crate) const LEFT: [Self; 3] = [Self::Outliner, Self::Library, Self::Assets];
     /// The panels that are shown only on demand.
     pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
 
@@ -54,6 +57,7 @@ impl Panel {
             Self::Viewport => "View",
             Self::Outliner => "Outl.",
             Self::Library => "Lib.",
+            Self::Assets => "Assets",
             Self::Inspector => "Insp.",
             Self::Render => "Rend.",
             Self::History => "Hist.",
@@ -68,6 +72,7 @@ impl Panel {
             Self::Viewport => "Viewport",
             Self::Outliner => "Outliner",
             Self::Library => "Library",
+            Self::Assets => "Assets",
             Self::Inspector => "Inspector",
             Self::Render => "Render",
             Self::History => "History",

@@ -20,6 +20,8 @@ use crate::render::tonemap::ToneMap;
 const VERSION: u32 = 1;
 
 pub(crate) const MOST_RECENT_FILES: usize = 10;
+/// The most folders that the browser of assets begins with.
+const MOST_ASSET_FOLDERS: usize = 50;
 
 /// The colours of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,6 +115,8 @@ pub struct Preferences {
     pub memory_gib: u32,
     /// The start page is shown when the program starts without a file.
     pub start_page: bool,
+    /// The folders, absolute, that the browser of assets begins with.
+    pub asset_folders: Vec<PathBuf>,
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// The size and place of the window when it was closed.
@@ -149,6 +153,7 @@ impl Default for Preferences {
             axis_views_hide_walls: true,
             memory_gib: 0,
             start_page: true,
+            asset_folders: Vec::new(),
             recent_files: Vec::new(),
             window: None,
             layout: Value::Null,
@@ -206,6 +211,15 @@ impl Preferences {
         }
     }
 
+    /// Adds a folder of assets, the newest first. Names that JSON cannot hold are left out.
+    pub(crate) fn add_asset_folder(&mut self, folder: PathBuf) {
+        self.asset_folders.retain(|known| *known != folder);
+        if folder.to_str().is_some() {
+            self.asset_folders.insert(0, folder);
+            self.asset_folders.truncate(MOST_ASSET_FOLDERS);
+        }
+    }
+
     /// The preferences with values limited to what the controls can set.
     pub(crate) fn within_range(mut self) -> Self {
         self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
@@ -216,6 +230,8 @@ impl Preferences {
         self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
         self.memory_gib = self.memory_gib.min(MOST_MEMORY_GIB);
         self.recent_files.truncate(MOST_RECENT_FILES);
+        self.asset_folders.retain(|folder| folder.is_absolute());
+        self.asset_folders.truncate(MOST_ASSET_FOLDERS);
         self.window = self.window.map(WindowPlace::within_range);
         self
     }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::material_tree::MaterialTree;
-use crate::document::parse_str;
-use crate::files::{self, LARGEST_NOTE};
+use crate::document::{parse_str, parse_within};
+use crate::files::{self, Access, FileError, LARGEST_NOTE};
 use crate::scene::description::{DeclarationPlace, SceneDescription};
 use crate::scene::read;
 
@@ -45,6 +45,33 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
         complaints = wrong;
     }
     (presets, complaints)
+}
+
+/// The longest file of materials in bytes; longer ones are scenes.
+const LONGEST_MATERIALS: u64 = 1 << 20;
+
+/// The first material of an XML file, if there is nothing in the file but materials. `access` is for the files that it includes.
+pub(crate) fn material_of(path: &Path, access: Access) -> Result<Option<Preset>, FileError> {
+    let text = match files::read_text(path, LONGEST_MATERIALS) {
+        Err(FileError::TooLarge { .. }) => return Ok(None),
+        other => other?,
+    };
+    let mut document = parse_within(&*text, path, &[], access);
+    let scene = read::read(&mut document);
+    let is_bare = scene.shapes.is_empty() && scene.emitters.is_empty() && scene.sensors.is_empty();
+    let is_whole = |place: &usize| scene.materials[*place].declared_in == DeclarationPlace::TopLevel;
+    let first = (0..scene.materials.len()).find(is_whole).filter(|_| is_bare);
+    Ok(first.map(|place| {
+        let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let id = scene.materials[place].identity.id.as_ref();
+        let id = id.map_or_else(stem, |id| id.to_string());
+        let (group, name) = id.split_once('/').unwrap_or(("Own", &id));
+        Preset {
+            group: group.to_owned(),
+            name: name.to_owned(),
+            tree: tree(&scene, place),
+        }
+    }))
 }
 
 /// The presets that come with the program.

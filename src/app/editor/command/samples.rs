@@ -36,12 +36,20 @@ impl Sample {
     /// The path of the scene: in the folder `scenes` below the working directory, or else below a folder above the program, as in a build folder or
     /// a release. None where there is no such file.
     pub fn path(&self) -> Option<PathBuf> {
-        let program = std::env::current_exe().ok();
-        let beside = program.iter().flat_map(|program| program.ancestors().skip(1).take(4));
-        let here = std::env::current_dir().unwrap_or_default();
-        std::iter::once(here.as_path())
-            .chain(beside)
-            .map(|folder| folder.join("scenes").join(Path::new(self.file)))
-            .find(|path| path.is_file())
+        let file = Path::new("scenes").join(self.file);
+        places_of(&file).find(|path| path.is_file())
     }
+}
+
+/// A folder that comes with the program, such as `assets/environments`, where [`Sample::path`] looks for scenes.
+pub(crate) fn program_folder(name: &str) -> Option<PathBuf> {
+    places_of(Path::new(name)).find(|path| path.is_dir())
+}
+
+/// The places where a file or a folder of the program may be.
+fn places_of(name: &Path) -> impl Iterator<Item = PathBuf> {
+    let program = std::env::current_exe().unwrap_or_default();
+    let here = std::env::current_dir().unwrap_or_default();
+    let beside: Vec<PathBuf> = program.ancestors().skip(1).take(4).map(Path::to_owned).collect();
+    std::iter::once(here).chain(beside).map(move |folder| folder.join(name))
 }

@@ -1,5 +1,7 @@
 //! Commands for the window itself: panels, overlays, full screen, preferences, answers to questions.
 
+use std::path::PathBuf;
+
 use bevy::prelude::*;
 
 use super::file_access::Question;
@@ -31,6 +33,10 @@ pub enum ShellCommand {
     Recover(Offer),
     /// Deletes the edits that were written aside before a crash.
     DiscardRecovery(Offer),
+    /// Adds a folder to those that the browser of assets begins with.
+    AddAssetFolder(PathBuf),
+    /// Takes a folder from those that the browser of assets begins with.
+    RemoveAssetFolder(PathBuf),
     /// Lets scenes read the folders of these files.
     AllowFiles(Question),
 }

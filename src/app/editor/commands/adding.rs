@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
-use super::view;
+use super::{fitting, view};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
@@ -248,8 +248,16 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
     )
 }
 
+/// The content of a file that the user has chosen joins the scene, which may read the file from then on.
+pub fn import_chosen(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
+    import(edit, path)?;
+    fitting::note_import(edit.world);
+    trust::allow_chosen(edit.world, path);
+    Ok(())
+}
+
 /// A file's content joins the scene.
-pub fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
+fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     let path = read::settle(path);
     let extension = extension(&path);
     if !path.is_file() {

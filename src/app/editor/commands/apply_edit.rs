@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::edits::{delete_selection, hide, rename, reorder, visible_things};
+use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
 use super::{adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, view};
@@ -22,11 +23,8 @@ use crate::scene::{
 /// Applies an edit. After an error the caller undoes what was done before it.
 pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
     match command {
-        Command::Import(path) => {
-            adding::import(edit, &path)?;
-            fitting::note_import(edit.world);
-            trust::allow_chosen(edit.world, &path);
-        }
+        Command::Import(path) => adding::import_chosen(edit, &path)?,
+        Command::UseFile(file) => use_file(edit, &file)?,
         Command::Paste(text) => adding::paste(edit, &text)?,
         Command::Add(addition) => adding::add(edit, addition)?,
         Command::Build(block) => blocking::build(edit, *block)?,

@@ -49,11 +49,7 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
         Some((entity, ..)) => entity,
         None => {
             let material = spawn(edit, &name);
-            let name = edit
-                .world
-                .get::<Name>(material)
-                .map_or(name, |name| name.as_str().to_owned());
-            edit.set(material, SceneId(name));
+            name_as_id(edit, material, &name);
             become_tree(edit, material, &preset.tree);
             material
         }
@@ -62,6 +58,58 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
         edit.set(shape, UsesMaterial(material));
     }
     Ok(())
+}
+
+/// The materials of shapes, each of which only these shapes have: a material that others have as well is copied, and a shape without one gets a
+/// grey one.
+pub fn of_their_own(edit: &mut Edit, shapes: &[Entity]) -> Vec<Entity> {
+    let mut own: Vec<(Option<Entity>, Entity)> = Vec::new();
+    for &shape in shapes {
+        let before = edit.world.get::<UsesMaterial>(shape).map(|uses| uses.0);
+        let known = own.iter().find(|(known, _)| before.is_some() && *known == before);
+        let material = match known {
+            Some((_, material)) => *material,
+            None => {
+                let material = owned(edit, before, shapes);
+                own.push((before, material));
+                material
+            }
+        };
+        if before != Some(material) {
+            edit.set(shape, UsesMaterial(material));
+        }
+    }
+    own.into_iter().map(|(_, material)| material).collect()
+}
+
+/// The material itself if only these shapes have it, else a copy; a grey one for none.
+fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity {
+    let Some(material) = material else {
+        let made = spawn(edit, "material");
+        name_as_id(edit, made, "material");
+        return made;
+    };
+    let users = edit.world.get::<MaterialUsers>(material);
+    let is_shared = users.is_some_and(|users| users.iter().any(|user| !shapes.contains(&user)));
+    let is_nested = !outer_materials(edit.world, material).is_empty();
+    match tree_of(edit.world, material).filter(|_| is_shared || is_nested) {
+        Some(tree) => {
+            let name = edit.world.get::<Name>(material).map(|name| name.as_str().to_owned());
+            let name = name.unwrap_or_else(|| "material".to_owned());
+            let copy = spawn(edit, &name);
+            name_as_id(edit, copy, &name);
+            become_tree(edit, copy, &tree);
+            copy
+        }
+        None => material,
+    }
+}
+
+/// Gives a new material its name as id, so that shapes can refer to it in the file.
+fn name_as_id(edit: &mut Edit, material: Entity, otherwise: &str) {
+    let name = edit.world.get::<Name>(material);
+    let name = name.map_or_else(|| otherwise.to_owned(), |name| name.as_str().to_owned());
+    edit.set(material, SceneId(name));
 }
 
 /// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such as in a circle.

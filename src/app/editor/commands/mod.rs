@@ -10,6 +10,7 @@ pub mod bare_world;
 mod blocking;
 mod copying;
 mod edits;
+mod file_use;
 mod files;
 mod finished;
 pub(crate) mod fitting;

@@ -39,6 +39,11 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
             let sheet = &mut world.resource_mut::<Requests>().sheet;
             *sheet = sheet.filter(|sheet| *sheet != Sheet::Start);
         }
+        ShellCommand::AddAssetFolder(folder) => world.get_resource_or_init::<Preferences>().add_asset_folder(folder),
+        ShellCommand::RemoveAssetFolder(folder) => {
+            let mut preferences = world.get_resource_or_init::<Preferences>();
+            preferences.asset_folders.retain(|known| *known != folder);
+        }
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),

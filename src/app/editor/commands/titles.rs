@@ -25,7 +25,7 @@ impl Title {
         };
         let targets = command.targets();
         let named = match command {
-            Command::Add(_) | Command::Import(_) | Command::Paste(_) => None,
+            Command::Add(_) | Command::Import(_) | Command::UseFile(_) | Command::Paste(_) => None,
             Command::Duplicate
             | Command::MakeSeries(_)
             | Command::Align(..)

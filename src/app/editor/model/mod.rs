@@ -1,6 +1,7 @@
 //! The data that the panels show: gathered from the world once per frame, so that panels never touch the ECS. May import `picture` and the modules
 //! below it.
 
+pub mod assets;
 pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, Rect, *};
 
+use self::assets::AssetsModel;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::can_wrap;
@@ -330,6 +332,8 @@ pub struct Model {
     pub textures: PanelTextures,
     /// The library of materials, the program's own before the user's.
     pub presets: Arc<Vec<Preset>>,
+    /// The browser of assets.
+    pub assets: AssetsModel,
     /// The render panel.
     pub render: RenderModel,
     /// The messages panel.

@@ -9,7 +9,7 @@ use bevy_egui::{EguiContexts, egui};
 
 use super::panel_textures::Thumbnail;
 use super::{EditorModel, Model};
-use crate::color::srgb_from_linear;
+use crate::render::tonemap::{Display, Encoder};
 use crate::scene::{Emitter, Material, Parameter, Pictures, Texture, TextureMap};
 use crate::texture::Image;
 
@@ -47,10 +47,10 @@ pub(crate) fn update_thumbnails(
         };
         let is_made = |made: &Made| made.of.as_ptr() == Arc::as_ptr(image);
         if !thumbnails.0.get(&path).is_some_and(is_made) {
-            let texture =
-                contexts
-                    .ctx_mut()?
-                    .load_texture(path.to_string_lossy(), shrunk(image), egui::TextureOptions::LINEAR);
+            let small = shrunk(image, EDGE, &Display::default().encoder());
+            let texture = contexts
+                .ctx_mut()?
+                .load_texture(path.to_string_lossy(), small, egui::TextureOptions::LINEAR);
             let made = Made {
                 of: Arc::downgrade(image),
                 texture,
@@ -102,12 +102,12 @@ fn emitter_pictures(emitter: &Emitter, found: &mut Vec<PathBuf>) {
     emitter.for_each_picture(&mut |path| found.push(path.clone()));
 }
 
-/// The picture with its longer edge at most [`EDGE`] pixels, each the mean of a few of its own. Values brighter than white become white.
-fn shrunk(image: &Image) -> egui::ColorImage {
+/// The picture with its longer edge at most `edge` pixels, each the mean of a few of its own.
+pub(crate) fn shrunk(image: &Image, edge: u32, encoder: &Encoder) -> egui::ColorImage {
     /// Samples per pixel along each edge: enough that lines do not vanish, few enough for pictures of any size.
     const SAMPLES: u32 = 3;
     let longer = image.width().max(image.height());
-    let scaled = |edge: u32| (edge * EDGE.min(longer) / longer).max(1);
+    let scaled = |side: u32| (u64::from(side) * u64::from(edge.min(longer)) / u64::from(longer)).max(1) as u32;
     let (width, height) = (scaled(image.width()), scaled(image.height()));
     let mut pixels = Vec::with_capacity((width * height) as usize);
     for y in 0..height {
@@ -120,10 +120,7 @@ fn shrunk(image: &Image) -> egui::ColorImage {
             let sum: bevy::math::Vec3 = samples
                 .map(|(u, v)| image.pixel(place(x, u, width, image.width()), place(y, v, height, image.height())))
                 .sum();
-            let mean = sum / (SAMPLES * SAMPLES) as f32;
-            let [r, g, b] = mean
-                .to_array()
-                .map(|linear| (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8);
+            let [r, g, b] = encoder.encode(sum / (SAMPLES * SAMPLES) as f32);
             pixels.push(egui::Color32::from_rgb(r, g, b));
         }
     }
@@ -141,17 +138,21 @@ mod tests {
         Image::new(width, height, 1, Samples::F32(samples), Transfer::Linear).expect("as many samples as pixels")
     }
 
+    fn small(image: &Image) -> egui::ColorImage {
+        shrunk(image, EDGE, &Display::default().encoder())
+    }
+
     #[test]
     fn thumbnails_keep_the_shape_of_their_pictures() {
-        let wide = shrunk(&picture(1000, 10, |_, _| 0.5));
+        let wide = small(&picture(1000, 10, |_, _| 0.5));
         assert_eq!(wide.size, [96, 1]);
-        assert_eq!(shrunk(&picture(3, 2, |_, _| 0.5)).size, [3, 2]);
+        assert_eq!(small(&picture(3, 2, |_, _| 0.5)).size, [3, 2]);
         assert!(wide.pixels.iter().all(|pixel| pixel.r() == 188), "0.5 is 188 in sRGB");
     }
 
     #[test]
     fn left_stays_left_and_top_stays_top() {
-        let small = shrunk(&picture(200, 200, |x, y| if x < 100 && y < 100 { 1.0 } else { 0.0 }));
+        let small = small(&picture(200, 200, |x, y| if x < 100 && y < 100 { 1.0 } else { 0.0 }));
         let at = |x: usize, y: usize| small.pixels[y * 96 + x].r();
         assert_eq!([at(10, 10), at(80, 10), at(10, 80), at(80, 80)], [255, 0, 0, 0]);
     }

@@ -1,6 +1,7 @@
 //! The panel with everything about the selected thing that can be edited.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
@@ -129,6 +130,9 @@ fn sections(
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }
             choose_picture(inspected.entity, edit, commands);
+            if emitter.is_environment() || matches!(emitter.kind, EmitterKind::Constant { .. }) {
+                environments(ui, &model.assets.environments, commands);
+            }
         });
     }
     if let Some(given) = inspected.sensor {
@@ -152,6 +156,24 @@ fn sections(
             }
         });
     }
+}
+
+/// Offers the environments that come with the program.
+fn environments(ui: &mut Ui, known: &[PathBuf], commands: &mut Vec<Command>) {
+    if known.is_empty() {
+        return;
+    }
+    ui.menu_button("Environments", |ui| {
+        for path in known {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().replace('-', " ");
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                commands.push(Command::Import(path.clone()));
+                ui.close();
+            }
+        }
+    })
+    .response
+    .on_hover_text("Pictures of all directions that come with the program. The panel Assets shows them.");
 }
 
 fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {

@@ -1,4 +1,6 @@
-//! Drops of materials from the list or the library onto an object in the picture.
+//! Drops of materials from the list or the library, and of files from the browser, onto what is seen in the picture.
+
+use std::path::Path;
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Vec2;
@@ -7,7 +9,8 @@ use bevy_egui::egui::{self, Color32, Rect, Response, Ui};
 
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::Command;
-use crate::app::editor::command::dragged::{Dragged, DraggedPreset};
+use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
+use crate::app::editor::command::dragged::{Dragged, DraggedFile, DraggedPreset};
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
 
@@ -26,6 +29,21 @@ impl Takers<'_> {
     fn is_material(&self, things: &[Entity]) -> bool {
         let is_one = |thing: Entity| self.things.materials.iter().any(|item| item.entity == thing);
         matches!(things, [thing] if is_one(*thing))
+    }
+
+    /// The hint about what a drop of a file does at a place of the picture.
+    fn file_hint(&self, path: &Path, at: Vec2) -> String {
+        match AssetKind::of(path) {
+            Some(AssetKind::Picture | AssetKind::Environment) if picking::pick(self.packed, at).is_none() => {
+                "All around, as light".to_owned()
+            }
+            Some(AssetKind::Picture | AssetKind::Environment) => self.hint(at),
+            Some(AssetKind::Mesh) => "It will stand here".to_owned(),
+            Some(AssetKind::Scene) | None => match picking::pick(self.packed, at) {
+                Some(_) => format!("{}, if it is a material", self.hint(at)),
+                None => "Add it to the scene".to_owned(),
+            },
+        }
     }
 
     /// The hint about what a drop does at a place of the picture.
@@ -53,9 +71,11 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
         || response
             .dnd_hover_payload::<Dragged>()
             .is_some_and(|dragged| takers.is_material(&dragged.0));
-    if hovers {
+    let file = response.dnd_hover_payload::<DraggedFile>();
+    let file_hint = file.map(|file| takers.file_hint(&file.0.path, at));
+    if let Some(hint) = file_hint.or_else(|| hovers.then(|| takers.hint(at))) {
         let font = egui::TextStyle::Body.resolve(ui.style());
-        let text = ui.painter().layout_no_wrap(takers.hint(at), font, Color32::WHITE);
+        let text = ui.painter().layout_no_wrap(hint, font, Color32::WHITE);
         let place = Rect::from_min_size(pointer + egui::vec2(14.0, 10.0), text.size());
         ui.painter()
             .rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(190));
@@ -66,6 +86,15 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
     if is_preset && let Some(dragged) = response.dnd_release_payload::<DraggedPreset>() {
         let preset = Box::new(dragged.0.clone());
         commands.push(Command::DropPreset { preset, at });
+        return;
+    }
+    let is_file = egui::DragAndDrop::has_payload_of_type::<DraggedFile>(ui.ctx());
+    if is_file && let Some(dragged) = response.dnd_release_payload::<DraggedFile>() {
+        let file = FileUse {
+            at: Some(at),
+            ..dragged.0.clone()
+        };
+        commands.push(Command::UseFile(Box::new(file)));
         return;
     }
     let dragged = response.dnd_release_payload::<Dragged>();

@@ -7,7 +7,7 @@ use super::widgets::Widgets;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::model::Model;
-use crate::app::editor::panels::{diagnostics, history, inspector, library, outliner, paths, render};
+use crate::app::editor::panels::{assets, diagnostics, history, inspector, library, outliner, paths, render};
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::ViewportModel;
@@ -168,6 +168,7 @@ impl TabViewer for Panels<'_> {
                 outliner::outliner(ui, model, &mut widgets.outliner, commands);
             }
             Panel::Library => library::library(ui, model, &mut widgets.shelf, commands),
+            Panel::Assets => assets::assets(ui, model, &mut widgets.assets, commands),
             Panel::Inspector => {
                 inspector::inspector(
                     ui,
@@ -202,7 +203,7 @@ impl TabViewer for Panels<'_> {
     fn scroll_bars(&self, panel: &Panel) -> [bool; 2] {
         let has_own = matches!(
             panel,
-            Panel::Viewport | Panel::Outliner | Panel::Library | Panel::History
+            Panel::Viewport | Panel::Outliner | Panel::Library | Panel::Assets | Panel::History
         );
         [false, !has_own]
     }

@@ -110,9 +110,11 @@ pub fn show_window(
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
     let (state, widgets, commands, model) = (&mut *state, &mut *widgets, &mut Vec::new(), &model.0);
     let (requests, settings, seen) = (&mut *said.requests, &*scene.settings, &*scene.seen);
-    // The outliner and the shelf list what is in sight again if they are shown.
+    // The panels list what is in sight again if they are shown.
     widgets.outliner.materials_in_sight.clear();
     widgets.shelf.in_sight.clear();
+    widgets.assets.in_sight.clear();
+    widgets.assets.is_shown = false;
     let layout = &mut *shell.layout;
     // A question or a sheet that closes in this frame still had its keys.
     let is_free = requests.dialog.is_none()

@@ -4,6 +4,7 @@ use bevy::prelude::Resource;
 use bevy_egui::egui::Rect;
 
 use super::palette::Palette;
+use crate::app::editor::panels::assets::AssetsState;
 use crate::app::editor::panels::inspector::InspectorState;
 use crate::app::editor::panels::key_bindings::KeyList;
 use crate::app::editor::panels::library::LibraryState;
@@ -15,6 +16,7 @@ pub(crate) struct Widgets {
     pub outliner: OutlinerState,
     /// The panel with the library of materials.
     pub shelf: LibraryState,
+    pub assets: AssetsState,
     pub inspector: InspectorState,
     pub palette: Palette,
     /// The list where keys are chosen.
@@ -30,6 +32,7 @@ impl Default for Widgets {
         Self {
             outliner: OutlinerState::default(),
             shelf: LibraryState::default(),
+            assets: AssetsState::default(),
             inspector: InspectorState::default(),
             palette: Palette::default(),
             keys: KeyList::default(),

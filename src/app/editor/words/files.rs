@@ -19,3 +19,33 @@ pub fn extension(path: &Path) -> String {
 pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
 }
+
+/// The length of a file, such as `980 B`, `12 kB`, `3.4 MB`.
+pub fn size_text(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if bytes < 1000 {
+        return format!("{bytes} B");
+    }
+    let mut size = bytes as f64 / 1000.0;
+    let mut unit = 0;
+    while size >= 999.5 && unit + 1 < UNITS.len() {
+        size /= 1000.0;
+        unit += 1;
+    }
+    let decimals = usize::from(size < 9.95);
+    format!("{size:.decimals$} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_two_digits_or_more() {
+        let sizes = [0, 999, 1000, 9_940, 9_960, 123_456, 999_600, 7_400_000_000];
+        let texts = [
+            "0 B", "999 B", "1.0 kB", "9.9 kB", "10 kB", "123 kB", "1.0 MB", "7.4 GB",
+        ];
+        assert_eq!(sizes.map(size_text), texts);
+    }
+}

@@ -248,12 +248,17 @@ fn selection(world: &mut World, random: &mut Random) -> Vec<Act> {
 }
 
 fn import(random: &mut Random, folder: &Folder) -> Vec<Act> {
-    match random.below(3) {
+    match random.below(4) {
         0 => say(format!(
             "paste <shape type=\"rectangle\" id=\"poster\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">\
              <string name=\"filename\" value=\"{}\"/></texture></bsdf></shape>",
             folder.picture().display()
         )),
+        1 => {
+            let [x, y] = [(); 2].map(|()| random.fraction());
+            let file = folder.any_import(random);
+            say(format!("use-file {} {x},{y}", file.display()))
+        }
         _ => say(format!("import-file {}", folder.any_import(random).display())),
     }
 }

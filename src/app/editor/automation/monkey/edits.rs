@@ -101,7 +101,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             "bake-lights".to_owned(),
         ]),
         20 => one(["unit-none", "unit-m", "unit-cm", "unit-ft"][random.below(4)].to_owned()),
-        21 => one(format!("import-file {}", part.display())),
+        21 => one(format!("use-file {} {},0.5", part.display(), random.fraction())),
         22 => Some(vec![
             format!("select {} {}", shape?, random.one_of(&shapes)?),
             format!(

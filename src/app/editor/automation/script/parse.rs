@@ -15,6 +15,7 @@ use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::NO_BINDINGS;
@@ -57,11 +58,15 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 56] = [
+pub const VERBS: [(&str, &str); 57] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
     ("import-file", "FILE"),
+    (
+        "use-file",
+        "FILE [X,Y (0 to 1 from the upper left); else for the selection]",
+    ),
     ("paste", "XML (to the end of the line)"),
     ("select", "NAME..."),
     ("select-also", "NAME..."),
@@ -174,6 +179,14 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
     }
 }
 
+/// A place of the picture.
+fn parse_place(text: &str) -> Result<Vec2, ScriptError> {
+    match crate::document::value::parse_floats(text)?[..] {
+        [x, y] => Ok(Vec2::new(x, y)),
+        _ => Err("expected two numbers".into()),
+    }
+}
+
 fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, ScriptError> {
     let command = match (verb, arguments) {
         ("open", [path]) => Command::OpenScene(path.into()),
@@ -182,12 +195,14 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
         ("save-image-to", [path]) => Command::SaveImage(path.into()),
         ("import-file", [path]) => Command::Import(path.into()),
+        ("use-file", [path, at @ ..]) if at.len() < 2 => {
+            let at = at.first().map(|at| parse_place(at)).transpose()?;
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+            Command::UseFile(Box::new(FileUse { path, at, bounds: None }))
+        }
         ("select", names) => Command::Select(all_named(world, names)?, Extend::Replace),
         ("select-also", names) => Command::Select(all_named(world, names)?, Extend::Add),
-        ("pick", [place]) => match crate::document::value::parse_floats(place)?[..] {
-            [x, y] => Command::Pick(Vec2::new(x, y), Extend::Replace),
-            _ => return Err("expected two numbers".into()),
-        },
+        ("pick", [place]) => Command::Pick(parse_place(place)?, Extend::Replace),
         ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
         ("draw", [kind, from, to, options @ ..]) => blocking::draw(world, kind, [from, to], options)?,
         ("push", [name, face, distance]) => {

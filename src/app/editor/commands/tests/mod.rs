@@ -1,6 +1,7 @@
 //! Tests of commands on a world without a window.
 
 mod blocking;
+mod file_use;
 mod files;
 mod full_film;
 mod grouping;

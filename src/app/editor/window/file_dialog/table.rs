@@ -2,7 +2,8 @@
 
 use bevy_egui::egui::{self, Align2, FontId, Rect, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
 
-use super::listing::{Column, Entry, Order, changed_text, size_text};
+use super::listing::{Column, Entry, Order, changed_text};
+use crate::app::editor::words::files::size_text;
 
 /// The entry that was clicked.
 pub(super) struct Clicked {

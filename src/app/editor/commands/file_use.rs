@@ -1,0 +1,152 @@
+//! Puts a file into the scene where it was dropped, or onto the selection.
+
+use std::path::Path;
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::*;
+
+use super::adding::import_chosen;
+use super::pictures::set_picture;
+use super::spot::rounded_place;
+use super::things::need_surface;
+use super::{materials, things};
+use crate::app::editor::camera::picking;
+use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::command::presets::{self, Preset};
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::trust;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::PackedScene;
+use crate::math::Ray;
+use crate::scene::{Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
+
+/// The depth to which materials inside of others are looked through.
+const DEEPEST: usize = 8;
+
+pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
+    let FileUse { path, at, bounds } = file;
+    match AssetKind::of(path) {
+        Some(AssetKind::Picture | AssetKind::Environment) => {
+            let shapes = takers(edit, *at)?;
+            if shapes.is_empty() {
+                return import_chosen(edit, path);
+            }
+            let path = read::settle(path);
+            if !path.is_file() {
+                return Err(CommandError::file(format!(
+                    "{}: there is no such file.",
+                    path.display()
+                )));
+            }
+            trust::allow_chosen(edit.world, &path);
+            materials::of_their_own(edit, &shapes)
+                .into_iter()
+                .try_for_each(|material| cover(edit, material, &path))
+        }
+        Some(AssetKind::Mesh) => {
+            import_chosen(edit, path)?;
+            match at {
+                Some(at) => stand(edit, *at, *bounds),
+                None => Ok(()),
+            }
+        }
+        Some(AssetKind::Scene) => match material_of(edit, path)? {
+            Some(preset) => {
+                let shapes = takers(edit, *at)?;
+                if shapes.is_empty() {
+                    return Err("There is no shape that could take the material.".into());
+                }
+                trust::allow_chosen(edit.world, path);
+                materials::use_preset(edit, &preset, &shapes)
+            }
+            None => import_chosen(edit, path),
+        },
+        None => import_chosen(edit, path),
+    }
+}
+
+/// The first material of a file that holds nothing else.
+fn material_of(edit: &Edit, path: &Path) -> Result<Option<Preset>, CommandError> {
+    let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
+    let found = presets::material_of(path, trust.access(path));
+    found.map_err(|error| CommandError::file(format!("{}: {error}", path.display())))
+}
+
+/// The shape at the place, or the selected shapes. An error where the shape is locked.
+fn takers(edit: &Edit, at: Option<Vec2>) -> Result<Vec<Entity>, CommandError> {
+    let Some(at) = at else {
+        let selected = edit.world.resource::<Selection>().entities().iter().copied();
+        let is_free =
+            |entity: &Entity| need_surface(edit, *entity).is_ok() && edit.world.get::<Locked>(*entity).is_none();
+        return Ok(selected.filter(is_free).collect());
+    };
+    let found = picking::pick(edit.world.resource::<PackedScene>(), at);
+    let Some(shape) = found else { return Ok(Vec::new()) };
+    if edit.world.get::<Locked>(shape).is_some() {
+        return Err("What is there is locked.".into());
+    }
+    need_surface(edit, shape)?;
+    Ok(vec![shape])
+}
+
+/// Puts a picture in the place of the colour of a material.
+fn cover(edit: &mut Edit, material: Entity, picture: &Path) -> Result<(), CommandError> {
+    let (owner, parameter) = colored(edit.world, material, DEEPEST)
+        .ok_or("The material of the shape has no colour that could be a picture.")?;
+    set_picture(edit, owner, parameter, SquarePath::WHOLE, picture.to_owned());
+    Ok(())
+}
+
+/// The material, or the first of those inside it, that has a colour of its surface, with the name of the parameter.
+fn colored(world: &World, material: Entity, deepest: usize) -> Option<(Entity, &'static str)> {
+    let mut found = None;
+    world.get::<Material>(material)?.visit(&mut |info, value| {
+        let is_color = ["reflectance", "base_color", "diffuse_reflectance"].contains(&info.name);
+        if is_color && matches!(value, ParameterRef::Reflectance(_)) && found.is_none() {
+            found = Some((material, info.name));
+        }
+    });
+    let deepest = deepest.checked_sub(1)?;
+    let inside = || materials_inside(world, material).into_iter();
+    found.or_else(|| inside().find_map(|inner| colored(world, inner, deepest)))
+}
+
+/// Puts the mesh that has been imported onto the surface, or else the ground, at a place of the picture.
+fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), CommandError> {
+    let [mesh] = *edit.world.resource::<Selection>().entities() else {
+        return Ok(());
+    };
+    let is_mesh = |shape: &Shape| matches!(shape.kind, ShapeKind::Mesh(_));
+    if !edit.world.get::<Shape>(mesh).is_some_and(is_mesh) {
+        return Ok(());
+    }
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
+    let packed = edit.world.resource::<PackedScene>();
+    let Some(view) = &packed.view else { return Ok(()) };
+    let ray = view.camera.sharp().ray(at, Vec2::ZERO);
+    let seen = picking::seen_surface(packed, &ray, |_| false).map(|surface| surface.position);
+    let Some(place) = seen.or_else(|| ground(&ray, up)) else {
+        return Ok(());
+    };
+    let [low, high] = bounds.unwrap_or_default();
+    let middle = 0.5 * (low + high);
+    let foot = middle - up * (0.5 * (high - low)).dot(up.abs());
+    let size = (high - low).max_element();
+    let goal = match size > 0.0 {
+        true => rounded_place(place - foot, 0.5 * size),
+        false => place,
+    };
+    things::transform(edit, vec![(mesh, Affine3A::from_translation(goal))])
+}
+
+/// The place where a ray meets the plane through the origin across `up`, if it is not too far away for a mesh to be seen there.
+fn ground(ray: &Ray, up: Vec3) -> Option<Vec3> {
+    /// In heights of the eye above the ground.
+    const FARTHEST: f32 = 30.0;
+    let (height, fall) = (ray.origin.dot(up), -ray.dir.dot(up));
+    let t = height / fall;
+    (t.is_finite() && t > 0.0 && t * ray.dir.length() < FARTHEST * height.abs()).then(|| ray.at(t))
+}
