@@ -114,7 +114,7 @@ impl Tlas {
                 .blocks
                 .iter()
                 .map(|block| block.renumbered(|old| edits.renumbered(old)));
-            self.blocks = renumbered.collect();
+            self.blocks = renumbered.collect::<Vec<_>>().into();
         }
         fitted
     }

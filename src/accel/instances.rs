@@ -2,24 +2,19 @@
 
 use std::ops::Index;
 
-use super::chunks::Chunks;
-use super::instance::{Instance, Primitive};
+use super::instance::Instance;
+use super::shared_list::SharedList;
 
-/// Shapes by their numbers. Copies that differ in few shapes share the memory of the others.
+/// Shapes by their numbers. Copies that differ in few shapes share the memory of the others, and of removed shapes.
 #[derive(Clone, Debug, Default)]
-pub struct Instances {
-    /// The shapes in the order in which they were added, including removed ones.
-    stored: Chunks<Instance>,
-    /// The place in `stored` of each shape.
-    places: Vec<u32>,
-}
+pub struct Instances(SharedList<Instance>);
 
 /// The difference between two lists of shapes.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeEdits {
-    /// The old numbers of the removed shapes, ascending.
+    /// The numbers that shapes had which are gone, ascending.
     pub removed: Vec<u32>,
-    /// New versions of shapes that stay, by their numbers in the old list, ascending.
+    /// What takes the place of shapes, by their numbers in the old list, ascending and not among those removed.
     pub replaced: Vec<(u32, Instance)>,
     /// New shapes by their numbers in the new list, ascending.
     pub inserted: Vec<(u32, Instance)>,
@@ -44,9 +39,9 @@ impl ShapeEdits {
         left + self.inserted_before(left)
     }
 
-    /// The number of new shapes before the shape that comes after `left` others that stay.
+    /// The number of new shapes before the one that is the `left`-th of those that stay.
     fn inserted_before(&self, left: u32) -> u32 {
-        // A new shape is before that one if at most `left` of the shapes that stay come before the new shape.
+        // The n-th new shape is before it if at most `left` of those that stay are before that.
         let (mut low, mut high) = (0, self.inserted.len());
         while low < high {
             let middle = low.midpoint(high);
@@ -63,83 +58,59 @@ impl ShapeEdits {
 impl Instances {
     /// The number of shapes.
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.0.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.len() == 0
     }
 
     /// The shape of a number; None beyond the last.
     #[inline(always)]
     pub fn get(&self, number: usize) -> Option<&Instance> {
-        self.places.get(number).map(|&place| &self.stored[place as usize])
+        self.0.get(number)
+    }
+
+    pub(super) fn made_anew(self) -> Self {
+        Self(self.0.made_anew())
+    }
+
+    /// The shapes as the list was made: all, until it is edited.
+    pub(super) fn made(&self) -> &[Instance] {
+        self.0.made()
     }
 
     /// All shapes in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Instance> + Clone {
-        self.places.iter().map(|&place| &self.stored[place as usize])
+        self.0.iter()
     }
 
     /// The list after the edits. Removed shapes take memory until a list is made anew.
     pub(super) fn edited(&self, edits: &ShapeEdits) -> Self {
-        let mut edited = self.clone();
+        let mut edited = self.0.clone();
         for (number, shape) in &edits.replaced {
-            edited
-                .stored
-                .replace(self.places[*number as usize] as usize, shape.clone());
+            edited.replace(*number as usize, shape.clone());
         }
-        for &number in &edits.removed {
-            // A removed shape does not keep its mesh alive.
-            let place = self.places[number as usize] as usize;
-            let primitive = Primitive::Sphere;
-            let gone = Instance {
-                primitive,
-                ..self.stored[place].clone()
-            };
-            edited.stored.replace(place, gone);
-        }
-        if edits.removed.is_empty() && edits.inserted.is_empty() {
-            return edited;
-        }
-        let first_new = edited.stored.len() as u32;
-        edited
-            .stored
-            .extend(edits.inserted.iter().map(|(_, shape)| shape.clone()));
-        let mut removed = edits.removed.iter().peekable();
-        let is_left = |(number, _): &(u32, &u32)| removed.next_if(|&&gone| gone == *number).is_none();
-        let mut left = (0..).zip(&self.places).filter(is_left).map(|(_, &place)| place);
-        let mut new = (first_new..).zip(&edits.inserted).peekable();
-        let count = self.places.len() - edits.removed.len() + edits.inserted.len();
-        edited.places = (0..count as u32)
-            .filter_map(|number| match new.next_if(|(_, (at, _))| *at == number) {
-                Some((place, _)) => Some(place),
-                None => left.next(),
-            })
-            .collect();
-        edited
+        edited.splice(&edits.removed, edits.inserted.iter().cloned());
+        Self(edited)
     }
 
     /// The memory of removed shapes, as a share of all.
     pub(super) fn waste(&self) -> f32 {
-        1.0 - self.places.len() as f32 / self.stored.len().max(1) as f32
+        1.0 - self.len() as f32 / self.0.stored().max(1) as f32
     }
 }
 
 impl FromIterator<Instance> for Instances {
     fn from_iter<I: IntoIterator<Item = Instance>>(shapes: I) -> Self {
-        let stored: Chunks<Instance> = shapes.into_iter().collect();
-        Self {
-            places: (0..stored.len() as u32).collect(),
-            stored,
-        }
+        Vec::from_iter(shapes).into()
     }
 }
 
 impl From<Vec<Instance>> for Instances {
     fn from(shapes: Vec<Instance>) -> Self {
-        shapes.into_iter().collect()
+        Self(shapes.into())
     }
 }
 
@@ -148,6 +119,6 @@ impl Index<usize> for Instances {
 
     #[inline(always)]
     fn index(&self, number: usize) -> &Instance {
-        &self.stored[self.places[number] as usize]
+        &self.0[number]
     }
 }

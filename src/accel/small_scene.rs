@@ -9,10 +9,8 @@ use glam::{Vec2, Vec3};
 
 use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
-use super::chunks::Chunks;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
-use super::instances::Instances;
 use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
 use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
@@ -30,8 +28,8 @@ const MOST_BLOCKS: usize = 64;
 /// The shapes that a [`SmallScene`] was made of.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
-    pub instances: &'a Instances,
-    pub blocks: &'a Chunks<ShapeBlock>,
+    pub instances: &'a [Instance],
+    pub blocks: &'a [ShapeBlock],
 }
 
 /// The shapes of a scene that has few, the cheap ones first.
@@ -325,9 +323,9 @@ impl Nearest {
 
     /// Tests the rays of the lanes `mask` against the blocks whose boxes they meet.
     #[inline(never)]
-    fn test_blocks(&mut self, mask: u32, number: Lanes, blocks: &Chunks<ShapeBlock>, rays: &RayLanes) {
+    fn test_blocks(&mut self, mask: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
         let slabs = SlabLanes::new(rays);
-        for block in blocks.iter() {
+        for block in blocks {
             let met = slabs.meets(&block.bounds, self.t).to_bitmask() & mask;
             for lane in each_lane(met) {
                 if let Some(hit) = block.closest(&self.shortened(lane, rays)) {
@@ -347,10 +345,10 @@ impl Nearest {
 
 /// A bit for each of the lanes in `mask` whose ray meets anything in the blocks.
 #[inline(never)]
-fn any_of_blocks(mask: u32, blocks: &Chunks<ShapeBlock>, rays: &RayLanes) -> u32 {
+fn any_of_blocks(mask: u32, blocks: &[ShapeBlock], rays: &RayLanes) -> u32 {
     let slabs = SlabLanes::new(rays);
     let mut hit = 0;
-    for block in blocks.iter() {
+    for block in blocks {
         let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & mask & !hit;
         hit |= rays.lanes_where(met, |ray| block.any(ray));
     }

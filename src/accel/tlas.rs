@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::chunks::Chunks;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
@@ -15,6 +14,7 @@ use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
+use super::shared_list::SharedList;
 use super::small_scene::{Shapes, SmallScene};
 use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
@@ -30,7 +30,7 @@ pub struct Tlas {
     /// The number of shapes before the first member of each group.
     pub(super) first_shape: Vec<usize>,
     pub(super) placements: Vec<Placement>,
-    pub(super) blocks: Chunks<ShapeBlock>,
+    pub(super) blocks: SharedList<ShapeBlock>,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
     /// The instances without a hierarchy, if there are only a few shapes.
@@ -68,6 +68,7 @@ impl Tlas {
 
     /// [`Self::with_placements`] from shapes that need not be copied.
     pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
+        let instances = instances.made_anew();
         let mut shapes = instances.len();
         let first_shape = groups
             .iter()
@@ -77,13 +78,13 @@ impl Tlas {
                 first
             })
             .collect();
-        let blocks: Chunks<ShapeBlock> = ShapeBlock::gather(&instances, method).into_iter().collect();
+        let blocks: SharedList<ShapeBlock> = ShapeBlock::gather(&instances, method).into();
         let small_scene = placements
             .is_empty()
             .then(|| {
                 SmallScene::new(Shapes {
-                    instances: &instances,
-                    blocks: &blocks,
+                    instances: instances.made(),
+                    blocks: blocks.made(),
                 })
             })
             .flatten();
@@ -142,8 +143,8 @@ impl Tlas {
 
     pub(super) fn shapes(&self) -> Shapes<'_> {
         Shapes {
-            instances: &self.instances,
-            blocks: &self.blocks,
+            instances: self.instances.made(),
+            blocks: self.blocks.made(),
         }
     }
 
@@ -226,11 +227,18 @@ impl Tlas {
     }
 
     /// The shape that was hit: itself placed in the world, or a member of a group.
+    #[inline(always)]
     pub fn shape_at(&self, hit: &Hit) -> &Instance {
-        match self.placement_at(hit) {
-            Some(placement) => &self.group_of(placement).instances[hit.member as usize],
-            None => &self.instances[hit.instance as usize],
+        match self.instances.get(hit.instance as usize) {
+            Some(shape) => shape,
+            None => self.member_at(hit),
         }
+    }
+
+    #[inline(never)]
+    fn member_at(&self, hit: &Hit) -> &Instance {
+        let place = hit.instance as usize - self.instances.len();
+        &self.group_of(&self.placements[place]).instances[hit.member as usize]
     }
 
     /// The shape that was hit, counted through the instances and then the members of each group.

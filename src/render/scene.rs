@@ -77,14 +77,16 @@ impl RenderScene {
         let first = self.surfaces.first_slot[shape];
         let last = self.surfaces.first_slot.get(shape + 1);
         let count = last.map_or(self.surfaces.slots.len() as u32, |&next| next) - first;
-        let offset = match &self.geometry.shape_at(hit).primitive {
-            // A shape with a bsdf of its own has one slot, whatever its file says.
-            Primitive::Mesh(blas) if count > 1 => blas
-                .mesh()
-                .material_of_triangle
+        // A shape with a bsdf of its own has one slot, whatever its file says.
+        let offset = if count > 1
+            && let Primitive::Mesh(blas) = &self.geometry.shape_at(hit).primitive
+        {
+            let materials = &blas.mesh().material_of_triangle;
+            materials
                 .get(hit.primitive as usize)
-                .map_or(0, |&material| u32::from(material)),
-            _ => 0,
+                .map_or(0, |&material| u32::from(material))
+        } else {
+            0
         };
         self.surfaces.slots[(first + offset) as usize]
     }
