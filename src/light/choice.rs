@@ -59,6 +59,7 @@ impl LightChoice {
     }
 
     /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one light, `u` is not used.
+    #[inline]
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
         if let Some(only) = self.certain() {
             return Some((only, 1.0));
@@ -75,6 +76,7 @@ impl LightChoice {
     }
 
     /// The probability with which [`Self::sample`] makes this choice.
+    #[inline]
     pub fn pmf(&self, reference: &LightReference, chosen: Chosen) -> f32 {
         match chosen {
             Chosen::Part(part) => {

@@ -51,6 +51,7 @@ impl InfiniteLight {
     }
 
     /// The radiance as [`Self::radiance`], and the density per solid angle of [`Self::sample`].
+    #[inline]
     pub fn radiance_and_pdf(&self, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         match self {
             Self::Directional(_) => (Rgb::ZERO, 0.0),

@@ -149,6 +149,7 @@ impl Camera {
     }
 
     /// [`Self::ray`] for sixteen points of the film, (x, y) of each. None unless all rays go through one point.
+    #[inline(always)]
     pub(crate) fn pinhole_rays(&self, film: [Lanes; 2]) -> Option<RayLanes> {
         if self.projection != (Projection::Perspective { lens: None }) {
             return None;

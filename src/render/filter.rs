@@ -136,6 +136,7 @@ impl FilterTable {
     }
 
     /// The offset and the weight along one axis.
+    #[inline(always)]
     fn sample(&self, u: f32) -> (f32, f32) {
         let sample = self.magnitude.sample(u);
         let negative = self.negative[sample.cell as usize];

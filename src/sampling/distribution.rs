@@ -102,6 +102,7 @@ impl DiscreteDistribution {
     }
 
     /// The choice for `u` in [0, 1), increasing with `u`.
+    #[inline]
     pub fn sample(&self, u: f32) -> DiscreteSample {
         let position = u.clamp(0.0, ONE_MINUS_EPSILON) * CELLS as f32;
         let cell = position as u32;
