@@ -1,0 +1,138 @@
+//! The rows below the list of files: the name, the kind of files, a new folder, and the question before a file is replaced.
+
+use std::path::Path;
+
+use bevy_egui::egui::text::{CCursor, CCursorRange};
+use bevy_egui::egui::{self, Align, ComboBox, Id, Key, Layout, TextEdit, Ui};
+
+use super::{FileDialog, Outcome, Purpose};
+use crate::app::editor::panels::look;
+use crate::app::editor::words::files::extension;
+
+impl FileDialog {
+    /// The name and the format, or what is listed; the buttons.
+    pub(super) fn foot(&mut self, ui: &mut Ui) -> Option<Outcome> {
+        let mut outcome = None;
+        let mut accepts = false;
+        ui.horizontal(|ui| {
+            match self.purpose.clone() {
+                Purpose::Save(formats, _) => self.name_row(ui, formats),
+                Purpose::Open(extensions) => {
+                    let mut lists_all = self.filter.extensions.is_empty();
+                    let known = extensions.join(", ");
+                    if ui
+                        .checkbox(&mut lists_all, "All files")
+                        .on_hover_text(format!("Otherwise those with the endings {known}"))
+                        .changed()
+                    {
+                        self.filter.extensions = if lists_all { Vec::new() } else { extensions.to_vec() };
+                    }
+                }
+            }
+            ui.checkbox(&mut self.filter.shows_hidden, "Hidden")
+                .on_hover_text("Also what begins with a dot");
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let can = if self.saves() {
+                    !self.name.trim().is_empty()
+                } else {
+                    self.chosen.is_some()
+                };
+                let does = if self.saves() { "Save" } else { "Open" };
+                let button = look::primary(ui, does).min_size(egui::vec2(70.0, 0.0));
+                accepts = ui.add_enabled(can, button).clicked();
+                if ui.button("Cancel").on_hover_text("Esc").clicked() {
+                    outcome = Some(Outcome::Cancelled);
+                }
+                if self.saves() {
+                    self.folder_button(ui);
+                }
+            });
+        });
+        if accepts {
+            let name = if self.saves() {
+                self.name.clone()
+            } else {
+                self.chosen.clone().unwrap_or_default()
+            };
+            outcome = self.accept(&name).or(outcome);
+        }
+        outcome
+    }
+
+    fn name_row(&mut self, ui: &mut Ui, formats: &[(&'static str, &'static str)]) {
+        ui.label("Name");
+        let id = Id::new("name of the file");
+        let field = ui.add(TextEdit::singleline(&mut self.name).id(id).desired_width(220.0));
+        if !self.has_begun {
+            field.request_focus();
+            // The name without its extension is selected, to be typed over.
+            let stem = Path::new(&self.name).file_stem().unwrap_or_default();
+            let letters = stem.to_string_lossy().chars().count();
+            let mut state = egui::text_edit::TextEditState::load(ui.ctx(), id).unwrap_or_default();
+            let range = CCursorRange::two(CCursor::new(0), CCursor::new(letters));
+            state.cursor.set_char_range(Some(range));
+            state.store(ui.ctx(), id);
+        }
+        if formats.len() > 1 {
+            let now = extension(Path::new(&self.name));
+            let chosen = formats.iter().find(|(_, known)| *known == now).unwrap_or(&formats[0]);
+            ComboBox::from_id_salt("format")
+                .selected_text(chosen.0)
+                .show_ui(ui, |ui| {
+                    for (label, known) in formats {
+                        if ui.selectable_label(chosen.1 == *known, *label).clicked() {
+                            let renamed = Path::new(&self.name).with_extension(known);
+                            self.name = renamed.to_string_lossy().into_owned();
+                        }
+                    }
+                });
+        }
+    }
+
+    fn folder_button(&mut self, ui: &mut Ui) {
+        let Some(name) = &mut self.new_folder else {
+            if ui.button("New folder").clicked() {
+                self.new_folder = Some(String::new());
+            }
+            return;
+        };
+        let field = TextEdit::singleline(name)
+            .hint_text("Name, then Enter")
+            .desired_width(120.0);
+        let field = ui.add(field);
+        if field.lost_focus() {
+            let name = self.new_folder.take().unwrap_or_default();
+            if ui.input(|input| input.key_pressed(Key::Enter)) && !name.trim().is_empty() {
+                self.make_folder(&name);
+            }
+        } else {
+            field.request_focus();
+        }
+    }
+
+    fn make_folder(&mut self, name: &str) {
+        let folder = self.folder.join(name.trim());
+        match std::fs::create_dir(&folder) {
+            Ok(()) => self.go_to(&folder),
+            Err(error) => self.problem = Some(format!("{}: {error}", folder.display())),
+        }
+    }
+
+    /// The question whether to replace a file.
+    pub(super) fn replace_row(&mut self, ui: &mut Ui, file: &Path) -> Option<Outcome> {
+        let mut outcome = None;
+        ui.horizontal(|ui| {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            ui.label(format!("{name} is there already. Replace it?"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.button("Keep it").clicked() {
+                    self.replaces = None;
+                }
+                if ui.add(look::danger(ui, "Replace")).clicked() {
+                    outcome = Some(Outcome::Picked(file.to_path_buf()));
+                }
+            });
+        });
+        outcome
+    }
+}
