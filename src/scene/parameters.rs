@@ -101,6 +101,46 @@ impl ParameterMut<'_> {
     }
 }
 
+impl ParameterMut<'_> {
+    /// Shows `meet` every texture of the value, with the declaration that it has in the file.
+    pub(crate) fn for_each_texture(
+        self,
+        info: &'static ParameterInfo,
+        meet: &mut impl FnMut(&'static ParameterInfo, &mut Texture),
+    ) {
+        match self {
+            Self::Reflectance(value) | Self::Normals(value) | Self::TexturedEmission(value) => {
+                show_texture(info, value, meet);
+            }
+            Self::Float(value) | Self::Height(value) => show_texture(info, value, meet),
+            Self::ConductorIor(ConductorIor::Given { eta, k }) => {
+                show_texture(&ETA, eta, meet);
+                show_texture(&K, k, meet);
+            }
+            Self::Absorption(Absorption::Given { sigma_a, .. }) => show_texture(&SIGMA_A, sigma_a, meet),
+            Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
+                Roughness::Isotropic(alpha) => show_texture(&ALPHA, alpha, meet),
+                Roughness::Anisotropic { u, v } => {
+                    show_texture(&ALPHA_U, u, meet);
+                    show_texture(&ALPHA_V, v, meet);
+                }
+            },
+            Self::OptionalTexture(Some(texture)) => meet(info, texture),
+            _ => {}
+        }
+    }
+}
+
+fn show_texture<T>(
+    info: &'static ParameterInfo,
+    value: &mut Parameter<T>,
+    meet: &mut impl FnMut(&'static ParameterInfo, &mut Texture),
+) {
+    if let Parameter::Texture(texture) = value {
+        meet(info, texture);
+    }
+}
+
 fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, picture: &ChosenPicture, raw: bool) {
     let was_plain = matches!(value, Parameter::Constant(_));
     value.set_picture_at(place, picture.clone());

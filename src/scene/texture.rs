@@ -189,6 +189,22 @@ impl Texture {
         }
     }
 
+    /// Calls `meet` with the transform of uv of every picture and checkerboard, also of those inside this one.
+    pub fn for_each_placing(&mut self, meet: &mut impl FnMut(&mut Affine2)) {
+        match self {
+            Self::Bitmap(bitmap) => meet(&mut bitmap.to_uv),
+            Self::Checkerboard { color0, color1, to_uv } => {
+                meet(to_uv);
+                for color in [color0, color1] {
+                    if let Parameter::Texture(texture) = &mut **color {
+                        texture.for_each_placing(meet);
+                    }
+                }
+            }
+            Self::MeshAttribute { .. } => {}
+        }
+    }
+
     /// Calls `meet` with every picture, also of textures inside this one.
     pub fn for_each_bitmap(&self, meet: &mut impl FnMut(&Bitmap)) {
         match self {

@@ -19,5 +19,6 @@ mod orientation;
 mod panels;
 mod shell;
 mod start_page;
+mod texturing;
 mod trust;
 mod viewport;

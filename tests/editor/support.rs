@@ -107,6 +107,7 @@ impl ViewportContent {
             denoiser: DenoiserState::Idle,
             preset: Default::default(),
             block: None,
+            textures: None,
             locked: &self.locked,
             things: &self.things,
             packed: &self.packed,

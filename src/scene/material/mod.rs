@@ -6,8 +6,10 @@ mod principled;
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
+use bevy::math::Affine2;
 use bevy::prelude::*;
 
+use super::parameter_info::ParameterInfo;
 use super::texture::{ChosenPicture, SquarePath, Texture};
 
 pub use models::Material;
@@ -40,6 +42,15 @@ impl Material {
                 if let Some(texture) = value.texture() {
                     meet(texture);
                 }
+            });
+        });
+    }
+
+    /// Shows `meet` the transform of uv of every picture and checkerboard among the parameters, with the declaration of its parameter.
+    pub(crate) fn for_each_placing(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, &mut Affine2)) {
+        self.visit_mut(&mut |info, value| {
+            value.for_each_texture(info, &mut |info, texture| {
+                texture.for_each_placing(&mut |to_uv| meet(info, to_uv));
             });
         });
     }

@@ -95,6 +95,39 @@ pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bo
     })
 }
 
+/// A place on a surface with its texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedSurface {
+    /// The place, in world space.
+    pub position: Vec3,
+    /// The geometric normal on the side that was seen, unit length.
+    pub normal: Vec3,
+    /// The texture coordinates there.
+    pub uv: Vec2,
+    /// The change of the place with u and with v, in world space.
+    pub dp_duv: [Vec3; 2],
+    /// Whether there are texture coordinates: a mesh may have none.
+    pub is_mapped: bool,
+    /// The shape.
+    pub entity: Entity,
+}
+
+/// [`surface`] with its texture coordinates.
+pub fn mapped_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<MappedSurface> {
+    let geometry = &packed.scene.as_ref()?.geometry;
+    let (rest, hit, entity) = first_hit(packed, ray, is_passed)?;
+    let point = geometry.surface(&rest, &hit);
+    let normal = point.geometric_normal;
+    Some(MappedSurface {
+        position: point.position,
+        normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
+        uv: point.uv,
+        dp_duv: [point.dp_du, point.dp_dv],
+        is_mapped: geometry.mesh_at(&hit).is_none_or(|mesh| !mesh.uvs.is_empty()),
+        entity,
+    })
+}
+
 /// The first hit of [`surface`], with the ray that it is a hit of.
 pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<(Ray, Hit, Entity)> {
     let geometry = &packed.scene.as_ref()?.geometry;
@@ -119,9 +152,13 @@ pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
 
 /// The first surface that the camera sees along one of its rays. The ray passes what the camera does not see, and what `is_passed` names.
 pub fn seen_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
+    surface(packed, &narrowed(packed, ray)?, is_passed)
+}
+
+/// The part of a ray from the camera that it sees along; None without a scene.
+pub fn narrowed(packed: &PackedScene, ray: &Ray) -> Option<Ray> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref());
-    let ray = view.map_or(*ray, |view| view.sight.narrow(&scene.geometry, *ray));
-    surface(packed, &ray, is_passed)
+    Some(view.map_or(*ray, |view| view.sight.narrow(&scene.geometry, *ray)))
 }
 
 /// The first place on a surface in the middle of the picture.

@@ -24,6 +24,7 @@ impl Command {
             Self::Transform(_)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
+            | Self::PlaceTextures { .. }
             | Self::SetAreaLight(..)
             | Self::SetEmitter(..)
             | Self::SetSensor(..)

@@ -50,6 +50,7 @@ impl Command {
             Self::SetShape(..) => "Edit shape",
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",
+            Self::PlaceTextures { .. } => "Place texture",
             Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
             Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
             Self::GiveMaterial { .. } => "New material",
@@ -82,6 +83,7 @@ impl Command {
             | Self::Rename(entity, _)
             | Self::GiveMaterial { shape: entity }
             | Self::DropMaterial { material: entity, .. }
+            | Self::PlaceTextures { owner: entity, .. }
             | Self::SetPicture { owner: entity, .. } => vec![*entity],
             Self::Hide(entities, _)
             | Self::Lock(entities, _)

@@ -36,11 +36,12 @@ pub mod shell;
 pub mod shortcut;
 pub mod snapping;
 pub mod stored_view;
+pub mod texture_placing;
 pub mod tool;
 
 use std::path::PathBuf;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine2, Affine3A};
 use bevy::prelude::{Entity, Rect, Vec2};
 
 use crate::scene::write::OnChange;
@@ -217,6 +218,15 @@ pub enum Command {
         place: SquarePath,
         /// The absolute path of the picture.
         path: PathBuf,
+    },
+    /// Places textures: gives all of a material, or of a shape's, that have one transform of uv another one.
+    PlaceTextures {
+        /// A shape or a material. What is nested in it belongs to it.
+        owner: Entity,
+        /// The transform that the textures have now.
+        before: Affine2,
+        /// The transform that they get.
+        after: Affine2,
     },
     /// Gives the shapes this material, or takes theirs away.
     UseMaterial {

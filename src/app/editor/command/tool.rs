@@ -2,7 +2,8 @@
 
 use super::blocking::{BlockKind, OpeningKind};
 
-/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths and distances, and all that block out.
+/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths, distances and textures, and all that
+/// block out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.
@@ -22,6 +23,8 @@ pub enum Tool {
     Push,
     /// Cuts doors and windows into walls.
     Cut(OpeningKind),
+    /// Places the textures of the selected shape by handles on its surface.
+    PlaceTexture,
 }
 
 impl Tool {
@@ -37,6 +40,9 @@ impl Tool {
             Self::Focus => Some("Click what is to be sharp (Esc: never mind)"),
             Self::Region => Some("Drag a box around what is to be rendered (Esc: never mind)"),
             Self::Ruler => Some("Click two points to measure between them (Esc: done)"),
+            Self::PlaceTexture => {
+                Some("Drag the tile: its inside, its squares, its arm. Click another surface to go there (Esc: done)")
+            }
             Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
             Self::Draw(BlockKind::Box) => {
                 Some("Drag the foot of a box on the ground or on a surface, then click its height (Esc: done)")

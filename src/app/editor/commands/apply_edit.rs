@@ -6,7 +6,9 @@ use super::edits::{delete_selection, hide, rename, reorder, visible_things};
 use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
-use super::{adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, view};
+use super::{
+    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing, view,
+};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -115,6 +117,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
                 }
             }
         }
+        Command::PlaceTextures { owner, before, after } => texturing::place(edit, owner, before, after)?,
         Command::GiveMaterial { shape } => {
             need_surface(edit, shape)?;
             let order = DocumentOrder(next_order(edit.world));

@@ -29,6 +29,7 @@ pub mod shell;
 mod spot;
 #[cfg(test)]
 mod tests;
+pub(crate) mod texturing;
 pub mod things;
 mod titles;
 mod view;

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use bevy::math::{Affine2, Vec2};
 use bevy::prelude::*;
 
 use super::things::outer_materials;
+use crate::app::editor::command::texture_placing;
 use crate::app::editor::session::history::Edit;
 use crate::scene::{AreaLight, ChosenPicture, Emitter, Material, MaterialUsers, Shape, SquarePath};
 
@@ -36,11 +36,10 @@ pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: Squar
 /// The picture turned over if all shapes would show it upside down.
 fn upright(path: PathBuf, shapes: &[Shape]) -> ChosenPicture {
     let is_turned = !shapes.is_empty() && shapes.iter().all(Shape::shows_pictures_upside_down);
-    let to_uv = match is_turned {
-        true => Affine2::from_scale_angle_translation(Vec2::new(1.0, -1.0), 0.0, Vec2::Y),
-        false => Affine2::IDENTITY,
-    };
-    ChosenPicture { path, to_uv }
+    ChosenPicture {
+        path,
+        to_uv: texture_placing::upright(is_turned),
+    }
 }
 
 /// The shapes that have the material, or one that it is nested in.

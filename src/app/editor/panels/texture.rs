@@ -6,6 +6,7 @@ use bevy_egui::egui::{self, Ui};
 use super::caption::Caption;
 use super::fields::{self, NumberStyle};
 use super::plain_value::PlainValue;
+use crate::app::editor::command::texture_placing::Placing;
 use crate::color::Rgb;
 use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE};
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
@@ -88,18 +89,15 @@ pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     placing(ui, &mut bitmap.to_uv) || changed
 }
 
-/// Shows scale, rotation and offset of uv; true if edited.
+/// Shows repeats, rotation and offset of uv, and the shear if there is one; true if edited.
 pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     let caption = Caption::from(&TO_UV);
-    let (scale, angle, offset) = to_uv.to_scale_angle_translation();
-    let made = Affine2::from_scale_angle_translation(scale, angle, offset);
-    if !made.is_finite() || !made.abs_diff_eq(*to_uv, 1e-4 * to_uv.matrix2.x_axis.length().max(1.0)) {
-        fields::note(ui, caption, "sheared, as in the file");
+    let Some(before) = Placing::of(to_uv) else {
+        fields::note(ui, caption, "without extent, as in the file");
         return false;
-    }
-    let mut scaling = scale.to_array();
-    let mut shift = offset.to_array();
-    let mut degrees = angle.to_degrees();
+    };
+    let mut placing = before;
+    let (mut scaling, mut shift) = (before.repeats.to_array(), before.offset.to_array());
     let style = |letter, speed| NumberStyle {
         letter,
         speed,
@@ -108,14 +106,28 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     };
     let pair = |speed| [style("U", speed), style("V", speed)];
     let mut changed = fields::numbers(ui, caption.titled("Repeats"), &mut scaling, pair(0.02));
-    changed |= fields::slider_with(ui, caption.titled("Rotation"), &mut degrees, -180.0..=180.0, |slider| {
-        slider.suffix("°").max_decimals(1)
-    });
+    changed |= fields::slider_with(
+        ui,
+        caption.titled("Rotation"),
+        &mut placing.degrees,
+        -180.0..=180.0,
+        |slider| slider.suffix("°").max_decimals(1),
+    );
     changed |= fields::numbers(ui, caption.titled("Offset"), &mut shift, pair(0.005));
+    if before.shear != 0.0 {
+        changed |= fields::number(
+            ui,
+            caption.titled("Shear"),
+            &mut placing.shear,
+            0.01,
+            f32::MIN..=f32::MAX,
+        );
+    }
     if changed {
         // A scale of zero has no way back.
-        let scale = Vec2::from_array(scaling).map(|s| if s.abs() < 1e-4 { 1e-4 } else { s });
-        *to_uv = Affine2::from_scale_angle_translation(scale, degrees.to_radians(), Vec2::from_array(shift));
+        placing.repeats = Vec2::from_array(scaling).map(|s| if s.abs() < 1e-4 { 1e-4 } else { s });
+        placing.offset = Vec2::from_array(shift);
+        *to_uv = placing.to_uv();
     }
     changed
 }

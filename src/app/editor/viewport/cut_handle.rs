@@ -12,6 +12,8 @@ use crate::app::editor::command::seeing::{AXES, CutOpen, Seeing};
 use crate::app::editor::input::actions::{ActionContext, hint};
 use crate::math::Aabb;
 
+/// The height of the row of buttons in points.
+pub(super) const BAR_HEIGHT: f32 = 30.0;
 const COLOR: Color32 = Color32::from_rgb(110, 190, 255);
 /// The length of the arrow and the size of its tip in points.
 const ARROW: f32 = 44.0;
@@ -128,7 +130,7 @@ fn arrow(painter: &Painter, foot: Pos2, tip: Pos2, color: Color32) {
 pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, keys: &ActionContext, scene_size: f32, commands: &mut Vec<Command>) {
     let seeing = &keys.seeing;
     let Some(cut) = seeing.cut else { return };
-    let size = egui::vec2(290.0_f32.min(picture.width() - 16.0), 30.0);
+    let size = egui::vec2(290.0_f32.min(picture.width() - 16.0), BAR_HEIGHT);
     let place = Rect::from_min_size(picture.left_bottom() + egui::vec2(8.0, -8.0 - size.y), size);
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("cut bar").max_rect(place).layout(layout));

@@ -14,6 +14,7 @@ use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};
 use super::state::ViewportState;
+use super::texturing::TextureTarget;
 use crate::accel::Tlas;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::pose::camera_pose;
@@ -22,9 +23,11 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::texture_placing::{texture_groups, upright};
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::hint;
-use crate::app::editor::model::EditorModel;
 use crate::app::editor::model::freedom::Freedom;
+use crate::app::editor::model::{EditorModel, Inspected};
 use crate::app::editor::picture::legend::{Legend, legend};
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::outline_pass::OutlinePass;
@@ -58,6 +61,8 @@ pub(crate) struct ViewportScene {
     pub icons: Vec<Icon>,
     /// The shape under the pointer, while a tool blocks out.
     pub block: Option<BlockTarget>,
+    /// The textures of the selected shape, while a tool places them.
+    pub textures: Option<TextureTarget>,
     /// The legend of false colours, if there are any.
     pub legend: Option<Legend>,
     pub captions: Vec<Caption>,
@@ -275,6 +280,10 @@ pub(crate) fn gather_viewport(
     model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
     seen.block = state.blocking.hovered.and_then(|entity| sources.block(entity));
+    let inspected = model.0.inspected.as_ref();
+    seen.textures = inspected
+        .filter(|_| settings.tool == Tool::PlaceTexture)
+        .and_then(texture_target);
     seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let compared = &model.0.render.comparison;
@@ -288,6 +297,16 @@ pub(crate) fn gather_viewport(
     let of_picture = seen.picture.map(|(_, size)| size);
     seen.proportions = proportions.or(of_picture).unwrap_or([1, 1]);
     seen.pose = camera_pose(&sources.active, &sources.free_view, &sources.poses);
+}
+
+fn texture_target(inspected: &Inspected) -> Option<TextureTarget> {
+    let shape = inspected.shape.as_ref().filter(|shape| !shape.is_frame())?;
+    let materials = inspected.materials.iter().map(|entry| &*entry.material);
+    Some(TextureTarget {
+        entity: inspected.entity,
+        groups: texture_groups(materials),
+        upright: upright(shape.shows_pictures_upside_down()),
+    })
 }
 
 fn placeholder(status: &SceneStatus, bound: &KeyBindings) -> String {

@@ -24,6 +24,7 @@ pub(crate) mod rulers;
 mod snap_menu;
 pub mod state;
 pub mod steer_cursor;
+pub mod texturing;
 pub mod tool_icons;
 pub mod toolbar;
 
@@ -37,6 +38,7 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::DisplayMode;
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::keys;
 use crate::app::editor::picture::outline::Level;
@@ -64,7 +66,7 @@ const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 /// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let mut model = *model;
-    if model.keys.tool.measures() {
+    if model.keys.tool.measures() || model.keys.tool == Tool::PlaceTexture {
         // Handles would take the clicks.
         model.gizmo.targets = &[];
     }
@@ -108,6 +110,10 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         toolbar(ui, panel, model, commands);
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
+        if let Some(target) = model.textures.filter(|_| model.keys.tool == Tool::PlaceTexture) {
+            let foot = model.keys.seeing.cut.map_or(0.0, |_| cut_handle::BAR_HEIGHT + 6.0);
+            texturing::bar(ui, picture, foot, target, &mut state.texturing, commands);
+        }
     }
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
@@ -177,11 +183,19 @@ fn act(
     let mut look = Vec2::ZERO;
     let mut moved = model.pose;
     if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
+        if !model.keys.tool.blocks_out() {
+            state.blocking.leave();
+        }
+        if model.keys.tool != Tool::PlaceTexture {
+            state.texturing.leave();
+        }
         rest = if model.keys.tool.blocks_out() {
             let blocking = &mut state.blocking;
             blocking.follow(ui, response, screen, &model.blocking(), presses, commands)
+        } else if model.keys.tool == Tool::PlaceTexture {
+            let texturing = &mut state.texturing;
+            texturing.follow(ui, response, screen, &model.texturing(), presses, commands)
         } else {
-            state.blocking.leave();
             state
                 .gizmo
                 .follow(ui, response, screen, &model.gizmo, presses, commands)
@@ -299,6 +313,8 @@ fn paint_over(
         rulers::paint(&painter, screen, model, state.pointer.measured_from, pointer);
         if model.keys.tool.blocks_out() {
             state.blocking.paint(&painter, screen, &model.blocking());
+        } else if model.keys.tool == Tool::PlaceTexture {
+            state.texturing.paint(&painter, screen, &model.texturing(), pointer);
         } else {
             state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
         }

@@ -8,6 +8,7 @@ use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
+use super::texturing::{TextureTarget, TexturingModel};
 use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
@@ -52,6 +53,8 @@ pub struct ViewportModel<'a> {
     pub gizmo: GizmoModel<'a>,
     /// The shape under the pointer, while a tool blocks out.
     pub block: Option<&'a BlockTarget>,
+    /// The textures of the selected shape, while a tool places them.
+    pub textures: Option<&'a TextureTarget>,
     /// The entities that cannot be selected.
     pub locked: &'a EntityHashSet,
     /// The names of things.
@@ -99,6 +102,16 @@ impl<'a> ViewportModel<'a> {
             unit: self.gizmo.unit,
             packed: self.packed,
             locked: self.locked,
+        }
+    }
+
+    /// The data that the tool acts on that places textures.
+    pub(super) fn texturing(&self) -> TexturingModel<'a> {
+        TexturingModel {
+            target: self.textures,
+            packed: self.packed,
+            locked: self.locked,
+            unit: self.gizmo.unit,
         }
     }
 }

@@ -208,7 +208,7 @@ impl PointerState {
                 }
                 return;
             }
-            Tool::Region | Tool::Draw(_) | Tool::Push | Tool::Cut(_) => return,
+            Tool::Region | Tool::Draw(_) | Tool::Push | Tool::Cut(_) | Tool::PlaceTexture => return,
         }
         match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
             Some(entity) => commands.push(Command::Select(vec![entity], how)),

@@ -10,6 +10,7 @@ use super::axes_widget::AxesState;
 use super::blocking::BlockingState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
+use super::texturing::TexturingState;
 
 /// The state that the viewport keeps between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -18,6 +19,8 @@ pub struct ViewportState {
     pub gizmo: GizmoState,
     /// The state of the tools that block out.
     pub blocking: BlockingState,
+    /// The state of the tool that places textures.
+    pub texturing: TexturingState,
     /// The state of the mouse.
     pub pointer: PointerState,
     /// The pixels in which the picture was last shown.

@@ -20,6 +20,8 @@ pub enum ToolIcon {
     World,
     /// A tilted square: the axes of the thing.
     Local,
+    /// A chequered sheet with an arrow: placing textures.
+    Texture,
     /// A magnet: snapping.
     Magnet,
     /// A sphere with a shadow: the display mode.
@@ -48,13 +50,14 @@ pub enum ToolIcon {
 
 impl ToolIcon {
     /// All icons.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Select,
         Self::Move,
         Self::Rotate,
         Self::Scale,
         Self::World,
         Self::Local,
+        Self::Texture,
         Self::Magnet,
         Self::Shading,
         Self::Denoise,
@@ -129,6 +132,15 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
         ToolIcon::Local => &[
             Loop(&[(6.5, 2.0), (14.0, 6.5), (9.5, 14.0), (2.0, 9.5)]),
             Dot((8.0, 8.0), 1.5),
+        ],
+        ToolIcon::Texture => &[
+            Loop(&[(1.5, 4.5), (11.5, 4.5), (11.5, 14.5), (1.5, 14.5)]),
+            Line(&[(6.5, 4.5), (6.5, 14.5)]),
+            Line(&[(1.5, 9.5), (11.5, 9.5)]),
+            Line(&[(11.5, 4.5), (14.5, 1.5)]),
+            Dot((4.0, 7.0), 1.7),
+            Dot((9.0, 12.0), 1.7),
+            Dot((14.2, 1.8), 1.5),
         ],
         ToolIcon::Magnet => &[
             Line(&[(3.2, 2.0), (3.2, 8.5)]),

@@ -1,5 +1,5 @@
 //! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
-//! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build.
+//! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build and place.
 
 use bevy_egui::egui::{self, Align, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder};
 
@@ -60,8 +60,8 @@ fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
         .inner_margin(margin)
 }
 
-/// The tools that build, each with its action; None: a gap.
-const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 9] = [
+/// The tools that build and place, each with its action; None: a gap.
+const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
     Some((
         ToolIcon::Box,
         Tool::Draw(BlockKind::Box),
@@ -101,6 +101,13 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 9] = [
     )),
     None,
     Some((
+        ToolIcon::Texture,
+        Tool::PlaceTexture,
+        "place-texture",
+        "Place the textures of the selected shape by handles",
+    )),
+    None,
+    Some((
         ToolIcon::Ruler,
         Tool::Ruler,
         "ruler",
@@ -108,9 +115,9 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 9] = [
     )),
 ];
 
-/// Shows the tools that build, as a column at the left of the picture.
+/// Shows the tools that build and place, as a column at the left of the picture.
 pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, commands: &mut Vec<Command>) {
-    const SIZE: egui::Vec2 = egui::vec2(32.0, 222.0);
+    const SIZE: egui::Vec2 = egui::vec2(32.0, 257.0);
     // What the picture shows has its caption above it.
     let top = (panel.center().y - 0.5 * SIZE.y).max(panel.top() + 80.0);
     let place = Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE);

@@ -169,6 +169,7 @@ pub fn show_window(
             bound: &shell.preferences.keys,
         },
         block: seen.block.as_ref(),
+        textures: seen.textures.as_ref(),
         locked: &seen.locked,
         things: &model.outline,
         packed: &scene.packed,
@@ -300,7 +301,7 @@ fn count_interactions(
 ) {
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
-    let is_dragging = state.gizmo.is_dragging() || state.blocking.is_busy();
+    let is_dragging = state.gizmo.is_dragging() || state.blocking.is_busy() || state.texturing.is_busy();
     let key = !presses.is_empty() && !is_typing && !is_dragging;
     // A button that is pressed in the middle of a drag belongs to it.
     let button = !is_dragging && context.input(|input| input.pointer.any_pressed());

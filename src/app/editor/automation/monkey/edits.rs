@@ -57,7 +57,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(29) {
+    match random.below(30) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -139,6 +139,13 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             1 + random.below(9)
         )),
         27 => one(format!("cut {} {} 0.5", ["door", "window"][random.below(2)], shape?)),
+        28 => one(format!(
+            "place-texture {} offset=0.{},0 rotation={} repeats={},2",
+            shape?,
+            random.below(10),
+            random.below(90),
+            1 + random.below(5)
+        )),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
             1 + random.below(5)

@@ -13,6 +13,7 @@ pub mod parse;
 mod placing;
 mod rendering;
 mod set;
+mod texturing;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use super::error::ScriptError;
 use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
-use super::{blocking, keys, placing, rendering};
+use super::{blocking, keys, placing, rendering, texturing};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 57] = [
+pub const VERBS: [(&str, &str); 58] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -89,6 +89,10 @@ pub const VERBS: [(&str, &str); 57] = [
     ),
     ("snap", "increments|grid|vertices|edges|faces [always] [align]"),
     ("set", "NAME PARAMETER VALUE"),
+    (
+        "place-texture",
+        "NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]",
+    ),
     ("material-of", "SHAPE (a new one of its own)"),
     ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
     ("assign", "MATERIAL SHAPE..."),
@@ -233,6 +237,10 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("set", [name, parameter, value @ ..]) if !value.is_empty() => {
             let entity = named(world, name)?;
             set(world, entity, parameter, &value.join(" "))?
+        }
+        ("place-texture", [name, options @ ..]) => {
+            let owner = named(world, name)?;
+            texturing::place(world, owner, options)?
         }
         ("material-of", [shape]) => Command::GiveMaterial {
             shape: named(world, shape)?,

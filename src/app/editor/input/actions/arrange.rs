@@ -7,6 +7,7 @@ use crate::app::editor::command::arrange::{Reference, Side, Spacing};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Pivot};
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, Direction};
 
 macro_rules! snap_to {
@@ -69,6 +70,18 @@ macro_rules! distribute {
 
 /// Snapping, pivots, steps, dropping and series.
 pub const ACTIONS: &[Action] = &[
+    action(
+        Group::Arrange,
+        "place-texture",
+        "Place texture",
+        &[plain(Key::U)],
+        |context| {
+            Some(Command::SetTool(match context.tool {
+                Tool::PlaceTexture => Tool::Select,
+                _ => Tool::PlaceTexture,
+            }))
+        },
+    ),
     snap_to!("snap-increments", "Snap to increments", Increments),
     snap_to!("snap-grid", "Snap to the grid", Grid),
     snap_to!("snap-vertices", "Snap to vertices", Vertices),

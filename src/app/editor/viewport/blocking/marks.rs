@@ -6,7 +6,7 @@ use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::viewport::marks::tag;
 
-pub(super) const COLOR: Color32 = Color32::from_rgb(255, 214, 64);
+pub(in crate::app::editor::viewport) const COLOR: Color32 = Color32::from_rgb(255, 214, 64);
 pub(super) const FILL: Color32 = Color32::from_rgba_premultiplied(50, 42, 12, 60);
 const SHADOW: Color32 = Color32::from_black_alpha(120);
 const WIDTH: f32 = 1.8;
@@ -20,14 +20,14 @@ pub(super) fn segment(painter: &Painter, screen: &Screen, a: Vec3, b: Vec3) {
 }
 
 /// A closed line through places of the world.
-pub(super) fn ring(painter: &Painter, screen: &Screen, places: &[Vec3]) {
+pub(in crate::app::editor::viewport) fn ring(painter: &Painter, screen: &Screen, places: &[Vec3]) {
     for (a, b) in places.iter().zip(places.iter().cycle().skip(1)) {
         segment(painter, screen, *a, *b);
     }
 }
 
 /// A flat convex area of the world, lightly tinted; nothing where a part of it is behind the camera.
-pub(super) fn area(painter: &Painter, screen: &Screen, places: &[Vec3]) {
+pub(in crate::app::editor::viewport) fn area(painter: &Painter, screen: &Screen, places: &[Vec3]) {
     let points: Option<Vec<Pos2>> = places.iter().map(|place| screen.project(*place)).collect();
     if let Some(points) = points {
         painter.add(Shape::convex_polygon(points, FILL, Stroke::NONE));

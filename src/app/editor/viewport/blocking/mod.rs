@@ -6,7 +6,7 @@
 pub mod cut;
 pub mod draw;
 pub mod hand;
-mod marks;
+pub(super) mod marks;
 pub mod push;
 mod spot;
 

@@ -1,0 +1,57 @@
+//! The verbs that place textures.
+
+use bevy::math::Vec2;
+use bevy::prelude::*;
+
+use super::error::ScriptError;
+use super::names::unknown;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::texture_placing::{Placing, TextureGroup, texture_groups};
+use crate::app::editor::commands::texturing::material_parts;
+use crate::document::value::{parse_float, parse_floats};
+use crate::scene::Material;
+
+/// `place-texture NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]`
+pub fn place(world: &World, owner: Entity, options: &[&str]) -> Result<Command, ScriptError> {
+    let parts = material_parts(world, owner);
+    let groups = texture_groups(parts.iter().filter_map(|part| world.get::<Material>(*part)));
+    let (parameter, options) = match options {
+        [first, rest @ ..] if !first.contains('=') => (Some(*first), rest),
+        options => (None, options),
+    };
+    let names = |group: &TextureGroup| group.parameters.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    let group = match parameter {
+        _ if groups.is_empty() => return Err("it has no picture or checkerboard".into()),
+        None => &groups[0],
+        Some(wanted) => groups
+            .iter()
+            .find(|group| names(group).contains(&wanted))
+            .ok_or_else(|| unknown("texture", wanted, groups.iter().flat_map(names)))?,
+    };
+    let mut placing = Placing::of(&group.to_uv).ok_or("the texture has no extent")?;
+    for option in options {
+        match option.split_once('=') {
+            Some(("offset", offset)) => placing.offset = pair(offset)?,
+            Some(("rotation", degrees)) => placing.degrees = parse_float(degrees)?,
+            Some(("repeats", repeats)) => placing.repeats = pair(repeats)?,
+            Some(("shear", shear)) => placing.shear = parse_float(shear)?,
+            _ => return Err(format!("expected offset=, rotation=, repeats= or shear=, found `{option}`").into()),
+        }
+    }
+    let after = placing.to_uv();
+    if Placing::of(&after).is_none() {
+        return Err("the texture would have no extent".into());
+    }
+    Ok(Command::PlaceTextures {
+        owner,
+        before: group.to_uv,
+        after,
+    })
+}
+
+fn pair(text: &str) -> Result<Vec2, ScriptError> {
+    match parse_floats(text)?[..] {
+        [u, v] => Ok(Vec2::new(u, v)),
+        _ => Err("expected two numbers".into()),
+    }
+}

@@ -1,0 +1,121 @@
+//! The row at the foot of the picture that shows how the texture lies as numbers.
+
+use bevy::math::Affine2;
+use bevy_egui::egui::{
+    Align, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Response, Ui, UiBuilder, WidgetInfo,
+    WidgetType, vec2,
+};
+
+use super::{TextureTarget, TexturingState};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::texture_placing::Placing;
+
+const HEIGHT: f32 = 30.0;
+/// The width before the first frame; afterwards it is what the fields need.
+const WIDTH: f32 = 560.0;
+
+/// Shows it. `foot` is the distance from the foot of the picture.
+pub(crate) fn bar(
+    ui: &mut Ui,
+    picture: Rect,
+    foot: f32,
+    target: &TextureTarget,
+    state: &mut TexturingState,
+    commands: &mut Vec<Command>,
+) {
+    let Some(group) = target.groups.get(state.chosen) else {
+        return;
+    };
+    let size = vec2(WIDTH.min(picture.width() - 16.0), HEIGHT);
+    let corner = picture.left_bottom() + vec2(8.0, -8.0 - foot - size.y);
+    let layout = Layout::left_to_right(Align::Center);
+    let place = Rect::from_min_size(corner, size);
+    let mut bar = ui.new_child(UiBuilder::new().id_salt("texture bar").max_rect(place).layout(layout));
+    let frame = Frame::new()
+        .fill(bar.visuals().window_fill.gamma_multiply_u8(238))
+        .stroke(bar.visuals().window_stroke)
+        .corner_radius(CornerRadius::same(4))
+        .inner_margin(Margin::symmetric(6, 3));
+    let mut after = group.to_uv;
+    frame.show(&mut bar, |ui| {
+        choice(ui, target, state);
+        if let Some(before) = Placing::of(&group.to_uv) {
+            let mut placing = before;
+            numbers(ui, &mut placing);
+            if placing != before && placing.repeats.x > 0.0 && placing.repeats.y != 0.0 {
+                after = placing.to_uv();
+            }
+        }
+        if ui
+            .button("Reset")
+            .on_hover_text("One upright picture for each unit of u and v")
+            .clicked()
+        {
+            after = target.upright;
+        }
+    });
+    place_as(target, group.to_uv, after, commands);
+}
+
+fn place_as(target: &TextureTarget, before: Affine2, after: Affine2, commands: &mut Vec<Command>) {
+    if after != before && after.is_finite() {
+        commands.push(Command::PlaceTextures {
+            owner: target.entity,
+            before,
+            after,
+        });
+    }
+}
+
+/// Which of the textures are placed.
+fn choice(ui: &mut Ui, target: &TextureTarget, state: &mut TexturingState) {
+    let names: Vec<String> = target.groups.iter().map(|group| group.name()).collect();
+    if let [only] = &names[..] {
+        ui.label(only);
+        return;
+    }
+    let shown = names.get(state.chosen).cloned().unwrap_or_default();
+    let before = state.chosen;
+    ComboBox::from_id_salt("placed textures")
+        .selected_text(shown)
+        .width(110.0)
+        .truncate()
+        .show_ui(ui, |ui| {
+            for (index, name) in names.iter().enumerate() {
+                ui.selectable_value(&mut state.chosen, index, name);
+            }
+        })
+        .response
+        .on_hover_text("Textures that lie alike are placed together");
+    if state.chosen != before {
+        state.focus = None;
+    }
+}
+
+fn numbers(ui: &mut Ui, placing: &mut Placing) {
+    // The usual field has the colour of the row.
+    let field_color = ui.visuals().extreme_bg_color;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = field_color;
+    ui.weak("Offset");
+    field(ui, "Offset U", &mut placing.offset.x, 0.005, "");
+    field(ui, "Offset V", &mut placing.offset.y, 0.005, "");
+    ui.weak("Rotation");
+    field(ui, "Rotation", &mut placing.degrees, 0.5, "°");
+    ui.weak("Repeats");
+    field(ui, "Repeats U", &mut placing.repeats.x, 0.02, "");
+    field(ui, "Repeats V", &mut placing.repeats.y, 0.02, "");
+}
+
+fn field(ui: &mut Ui, name: &str, value: &mut f32, speed: f64, suffix: &str) -> Response {
+    let shown = f64::from(*value);
+    let decimals = if suffix.is_empty() { 4 } else { 2 };
+    let drag = DragValue::new(value).speed(speed).suffix(suffix).max_decimals(decimals);
+    let response = ui.add_sized([56.0, ui.spacing().interact_size.y], drag);
+    response.widget_info(|| {
+        let mut info = WidgetInfo::drag_value(true, shown);
+        info.label = Some(format!("Texture {name}"));
+        info.typ = WidgetType::DragValue;
+        info
+    });
+    response
+}
