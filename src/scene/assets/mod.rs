@@ -3,8 +3,10 @@
 pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
+pub(crate) mod mesh_ply;
 pub mod parts_cache;
 pub mod scene_asset;
+pub(crate) mod shape_mesh;
 pub mod solid_mesh;
 pub mod texture_map;
 pub mod triangle_mesh;

@@ -5,11 +5,13 @@ use bevy_egui::egui::{self, Key};
 use egui_kittest::Harness;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::model::{Inspected, Model};
+use sunroom::app::editor::panels::lengths;
+use sunroom::app::editor::panels::projection::{ProjectionForm, projection};
 use sunroom::math::Aabb;
 use sunroom::scene::{FovAxis, LengthUnit, Sensor, Shape, ShapeKind};
 
 use super::inspector::inspect;
-use super::{Shown, click, entity};
+use super::{Shown, click, entity, show_beside_picture};
 
 /// Types a text into the field of this name.
 fn type_into(harness: &mut Harness<Shown<Model>>, name: &str, text: &str) {
@@ -36,6 +38,30 @@ fn pose(harness: &Harness<Shown<Model>>) -> Affine3A {
         Some(Command::Transform(poses)) => poses[0].1,
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn the_tile_of_a_projection_is_a_length() {
+    let model = Model {
+        unit: LengthUnit::Centimetre,
+        ..Model::default()
+    };
+    let mut form = ProjectionForm::default();
+    let size = egui::vec2(700.0, 500.0);
+    let mut harness = show_beside_picture(size, 340.0, model, move |ui, model, commands| {
+        lengths::in_unit(ui, model.unit, |ui| {
+            projection(ui, &mut form, &[entity(4)], commands);
+        });
+    });
+    let tile = |command: Option<&Command>| match command {
+        Some(Command::ProjectTextures { shapes, projection }) if *shapes == [entity(4)] => projection.tile,
+        other => panic!("{other:?}"),
+    };
+    click(&mut harness, "Project");
+    assert_eq!(tile(harness.state().commands.last()), 100.0);
+    type_into(&mut harness, "Edge of a tile", "0.5m");
+    click(&mut harness, "Project");
+    assert_eq!(tile(harness.state().commands.last()), 50.0);
 }
 
 #[test]

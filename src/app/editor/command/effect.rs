@@ -59,6 +59,7 @@ impl Command {
             | Self::Drop
             | Self::SnapToGrid
             | Self::SetPicture { .. }
+            | Self::ProjectTextures { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
             | Self::FocusAt(_)

@@ -51,6 +51,7 @@ impl Command {
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",
             Self::PlaceTextures { .. } => "Place texture",
+            Self::ProjectTextures { .. } => "Project texture",
             Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
             Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
             Self::GiveMaterial { .. } => "New material",
@@ -88,6 +89,7 @@ impl Command {
             Self::Hide(entities, _)
             | Self::Lock(entities, _)
             | Self::UseMaterial { shapes: entities, .. }
+            | Self::ProjectTextures { shapes: entities, .. }
             | Self::UsePreset { shapes: entities, .. }
             | Self::PutInto { things: entities, .. }
             | Self::FitToView(entities)

@@ -38,12 +38,14 @@ pub mod snapping;
 pub mod stored_view;
 pub mod texture_placing;
 pub mod tool;
+pub mod uv_projection;
 
 use std::path::PathBuf;
 
 use bevy::math::{Affine2, Affine3A};
 use bevy::prelude::{Entity, Rect, Vec2};
 
+use self::uv_projection::Projection;
 use crate::scene::write::OnChange;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, SamplerSettings, Sensor, Shape,
@@ -227,6 +229,13 @@ pub enum Command {
         before: Affine2,
         /// The transform that they get.
         after: Affine2,
+    },
+    /// Gives shapes new texture coordinates.
+    ProjectTextures {
+        /// The shapes.
+        shapes: Vec<Entity>,
+        /// Where the coordinates come from.
+        projection: Projection,
     },
     /// Gives the shapes this material, or takes theirs away.
     UseMaterial {

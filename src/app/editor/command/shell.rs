@@ -54,6 +54,8 @@ pub enum Sheet {
     Keys,
     /// The form for a series of copies.
     Series,
+    /// The form for new texture coordinates.
+    Projection,
     /// The start page: sample scenes, recent files, the tutorial.
     Start,
 }

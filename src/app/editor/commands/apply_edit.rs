@@ -7,7 +7,8 @@ use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
 use super::{
-    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing, view,
+    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing,
+    uv_projection, view,
 };
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
@@ -118,6 +119,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             }
         }
         Command::PlaceTextures { owner, before, after } => texturing::place(edit, owner, before, after)?,
+        Command::ProjectTextures { shapes, projection } => uv_projection::project(edit, &shapes, projection)?,
         Command::GiveMaterial { shape } => {
             need_surface(edit, shape)?;
             let order = DocumentOrder(next_order(edit.world));

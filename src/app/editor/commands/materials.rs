@@ -47,12 +47,7 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
         .filter(|(entity, _, id)| id.0 == name && tree_of(edit.world, *entity).as_ref() == Some(&preset.tree));
     let material = match alike.next() {
         Some((entity, ..)) => entity,
-        None => {
-            let material = spawn(edit, &name);
-            name_as_id(edit, material, &name);
-            become_tree(edit, material, &preset.tree);
-            material
-        }
+        None => made(edit, &name, &preset.tree),
     };
     for &shape in shapes {
         edit.set(shape, UsesMaterial(material));
@@ -92,17 +87,11 @@ fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity
     let users = edit.world.get::<MaterialUsers>(material);
     let is_shared = users.is_some_and(|users| users.iter().any(|user| !shapes.contains(&user)));
     let is_nested = !outer_materials(edit.world, material).is_empty();
-    match tree_of(edit.world, material).filter(|_| is_shared || is_nested) {
-        Some(tree) => {
-            let name = edit.world.get::<Name>(material).map(|name| name.as_str().to_owned());
-            let name = name.unwrap_or_else(|| "material".to_owned());
-            let copy = spawn(edit, &name);
-            name_as_id(edit, copy, &name);
-            become_tree(edit, copy, &tree);
-            copy
-        }
-        None => material,
-    }
+    let copy = match is_shared || is_nested {
+        true => copied(edit, material),
+        false => None,
+    };
+    copy.unwrap_or(material)
 }
 
 /// Gives a new material its name as id, so that shapes can refer to it in the file.
@@ -110,6 +99,25 @@ fn name_as_id(edit: &mut Edit, material: Entity, otherwise: &str) {
     let name = edit.world.get::<Name>(material);
     let name = name.map_or_else(|| otherwise.to_owned(), |name| name.as_str().to_owned());
     edit.set(material, SceneId(name));
+}
+
+/// A new material of the scene, under this name if it is free.
+fn made(edit: &mut Edit, name: &str, tree: &MaterialTree) -> Entity {
+    let material = spawn(edit, name);
+    name_as_id(edit, material, name);
+    become_tree(edit, material, tree);
+    material
+}
+
+/// A copy of a material with all that are nested in it; None where [`tree_of`] is.
+pub(super) fn copied(edit: &mut Edit, material: Entity) -> Option<Entity> {
+    let tree = tree_of(edit.world, material)?;
+    let name = edit
+        .world
+        .get::<Name>(material)
+        .map_or("material", Name::as_str)
+        .to_owned();
+    Some(made(edit, &name, &tree))
 }
 
 /// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such as in a circle.

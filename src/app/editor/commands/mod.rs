@@ -32,6 +32,7 @@ mod tests;
 pub(crate) mod texturing;
 pub mod things;
 mod titles;
+mod uv_projection;
 mod view;
 pub mod world;
 

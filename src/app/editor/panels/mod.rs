@@ -28,6 +28,7 @@ pub mod outliner;
 pub mod paths;
 pub mod plain_value;
 pub mod preferences;
+pub mod projection;
 pub mod render;
 pub mod section;
 pub mod sensor;

@@ -1,5 +1,5 @@
-//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys, the
-//! start page.
+//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys, forms,
+//! the start page.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Id, Modal, Ui};
@@ -17,6 +17,7 @@ use crate::app::editor::model::Model;
 use crate::app::editor::panels::key_bindings::{KeyList, key_bindings};
 use crate::app::editor::panels::lengths;
 use crate::app::editor::panels::preferences::preferences;
+use crate::app::editor::panels::projection::projection;
 use crate::app::editor::panels::series::series;
 
 /// The width of the preferences, in points.
@@ -59,23 +60,35 @@ pub fn show(
         Sheet::Shortcuts => shortcuts(context, shown.preferences.navigation, shown.actions.bound),
         Sheet::Preferences | Sheet::Keys => pages(context, shown, sheet, &mut widgets.keys, commands),
         Sheet::Series => {
-            let modal = Modal::new(Id::new("series")).show(context, |ui| {
-                ui.set_width(320.0);
-                ui.heading("Series of copies");
-                ui.add_space(6.0);
-                let form = &mut widgets.series;
-                let is_done = lengths::in_unit(ui, model.unit, |ui| series(ui, form, shown.step, commands));
-                if is_done {
-                    ui.close();
-                }
-            });
-            !modal.should_close()
+            let form = &mut widgets.series;
+            form_sheet(context, "Series of copies", model, |ui| {
+                series(ui, form, shown.step, commands)
+            })
+        }
+        Sheet::Projection => {
+            let (form, shapes) = (&mut widgets.projection, shown.actions.selection.entities());
+            form_sheet(context, "Project texture", model, |ui| {
+                projection(ui, form, shapes, commands)
+            })
         }
         Sheet::Start => start_page::show(context, shown.preferences, &shown.actions, commands),
     };
     if !stays {
         *sheet = None;
     }
+}
+
+/// Shows a form, whose content returns true when it is done with; false when it is to be closed.
+fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl FnOnce(&mut Ui) -> bool) -> bool {
+    let modal = Modal::new(Id::new(title)).show(context, |ui| {
+        ui.set_width(320.0);
+        ui.heading(title);
+        ui.add_space(6.0);
+        if lengths::in_unit(ui, model.unit, content) {
+            ui.close();
+        }
+    });
+    !modal.should_close()
 }
 
 /// Shows the preferences or the list of keys, with tabs to switch between both; false when they are to be closed.

@@ -9,6 +9,7 @@ use crate::app::editor::panels::inspector::InspectorState;
 use crate::app::editor::panels::key_bindings::KeyList;
 use crate::app::editor::panels::library::LibraryState;
 use crate::app::editor::panels::outliner::state::OutlinerState;
+use crate::app::editor::panels::projection::ProjectionForm;
 use crate::app::editor::panels::series::SeriesForm;
 
 #[derive(Resource)]
@@ -23,6 +24,8 @@ pub(crate) struct Widgets {
     pub keys: KeyList,
     /// The form for a series of copies.
     pub series: SeriesForm,
+    /// The form for new texture coordinates.
+    pub projection: ProjectionForm,
     /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
@@ -37,6 +40,7 @@ impl Default for Widgets {
             palette: Palette::default(),
             keys: KeyList::default(),
             series: SeriesForm::default(),
+            projection: ProjectionForm::default(),
             viewport_place: Rect::ZERO,
         }
     }

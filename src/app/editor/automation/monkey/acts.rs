@@ -274,12 +274,13 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            const SHEETS: [Sheet; 6] = [
+            const SHEETS: [Sheet; 7] = [
                 Sheet::Palette,
                 Sheet::Shortcuts,
                 Sheet::Preferences,
                 Sheet::Keys,
                 Sheet::Series,
+                Sheet::Projection,
                 Sheet::Start,
             ];
             let sheet = SHEETS[random.below(SHEETS.len())];

@@ -6,6 +6,7 @@ use bevy::ecs::query::QueryFilter;
 use bevy::prelude::*;
 
 use super::random::Random;
+use crate::app::editor::command::uv_projection::ProjectedFrom;
 use crate::scene::{Emitter, Material, Shape};
 
 /// A scene of every kind of thing that [`random_edit`] may import.
@@ -57,7 +58,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(30) {
+    match random.below(31) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -139,6 +140,12 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             1 + random.below(9)
         )),
         27 => one(format!("cut {} {} 0.5", ["door", "window"][random.below(2)], shape?)),
+        29 => one(format!(
+            "project-texture {} 0.{} {}",
+            ProjectedFrom::ALL[random.below(ProjectedFrom::ALL.len())].1,
+            1 + random.below(9),
+            shape?
+        )),
         28 => one(format!(
             "place-texture {} offset=0.{},0 rotation={} repeats={},2",
             shape?,

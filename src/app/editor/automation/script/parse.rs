@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 58] = [
+pub const VERBS: [(&str, &str); 59] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -92,6 +92,10 @@ pub const VERBS: [(&str, &str); 58] = [
     (
         "place-texture",
         "NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]",
+    ),
+    (
+        "project-texture",
+        "box|face|view|above|sphere|cylinder TILE (its edge) SHAPE...",
     ),
     ("material-of", "SHAPE (a new one of its own)"),
     ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
@@ -241,6 +245,13 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("place-texture", [name, options @ ..]) => {
             let owner = named(world, name)?;
             texturing::place(world, owner, options)?
+        }
+        ("project-texture", [from, tile, shapes @ ..]) if !shapes.is_empty() => {
+            let projection = texturing::projection(world, from, tile)?;
+            Command::ProjectTextures {
+                shapes: all_named(world, shapes)?,
+                projection,
+            }
         }
         ("material-of", [shape]) => Command::GiveMaterial {
             shape: named(world, shape)?,

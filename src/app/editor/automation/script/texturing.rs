@@ -1,4 +1,4 @@
-//! The verbs that place textures.
+//! The verbs that place and project textures.
 
 use bevy::math::Vec2;
 use bevy::prelude::*;
@@ -7,9 +7,20 @@ use super::error::ScriptError;
 use super::names::unknown;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::{Placing, TextureGroup, texture_groups};
+use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
 use crate::app::editor::commands::texturing::material_parts;
 use crate::document::value::{parse_float, parse_floats};
-use crate::scene::Material;
+use crate::scene::{LengthUnit, Material};
+
+/// `project-texture FROM TILE SHAPE...`
+pub fn projection(world: &World, from: &str, tile: &str) -> Result<Projection, ScriptError> {
+    let names = || ProjectedFrom::ALL.into_iter().map(|(_, name, _)| name);
+    let known = ProjectedFrom::ALL.into_iter().find(|(_, name, _)| *name == from);
+    let (from, ..) = known.ok_or_else(|| unknown("projection", from, names()))?;
+    let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
+    let tile = unit.parse(tile).ok_or("expected the length of a tile's edge")? as f32;
+    Ok(Projection { from, tile })
+}
 
 /// `place-texture NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]`
 pub fn place(world: &World, owner: Entity, options: &[&str]) -> Result<Command, ScriptError> {

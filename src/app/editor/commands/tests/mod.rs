@@ -7,6 +7,7 @@ mod full_film;
 mod grouping;
 mod materials;
 mod placing;
+mod projecting;
 mod seeing;
 
 use std::path::{Path, PathBuf};

@@ -82,6 +82,9 @@ pub const ACTIONS: &[Action] = &[
             }))
         },
     ),
+    action(Group::Arrange, "project-texture", "Project texture…", &[], |context| {
+        context.with_selection(Command::Shell(ShellCommand::ShowSheet(Sheet::Projection)))
+    }),
     snap_to!("snap-increments", "Snap to increments", Increments),
     snap_to!("snap-grid", "Snap to the grid", Grid),
     snap_to!("snap-vertices", "Snap to vertices", Vertices),
