@@ -135,6 +135,26 @@ fn several_edits_of_one_drag_are_one_step() {
 }
 
 #[test]
+fn materials_are_put_into_others_and_taken_out_again() {
+    let mut world = bare_world();
+    for line in ["add cube name=box", "material-of box", "make box plastic"] {
+        assert!(say(&mut world, line), "{line}");
+    }
+    let before = state(&mut world);
+    for wrapper in ["twosided", "blendbsdf", "mask", "bumpmap", "normalmap"] {
+        assert!(say(&mut world, &format!("wrap box {wrapper}")), "{wrapper}");
+        assert_ne!(state(&mut world), before, "{wrapper}");
+        assert!(say(&mut world, "unwrap box first"), "{wrapper}");
+        assert_same(&state(&mut world), &before);
+    }
+    assert!(say(&mut world, "wrap box blendbsdf") && say(&mut world, "unwrap box second"));
+    assert_ne!(state(&mut world), before, "the second is a new one");
+    for wrong in ["wrap box plastic", "unwrap box", "unwrap box third"] {
+        assert!(!say(&mut world, wrong), "{wrong}");
+    }
+}
+
+#[test]
 fn the_history_knows_what_is_saved() {
     let mut world = bare_world();
     let is_saved = |world: &World| world.resource::<History>().is_saved();

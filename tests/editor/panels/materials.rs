@@ -177,17 +177,8 @@ fn a_shape_without_a_material_takes_a_preset_too() {
     assert_eq!((targets, tree.material.plugin()), (&[entity(5)][..], "dielectric"));
 }
 
-#[test]
-fn a_material_is_put_into_another_and_taken_out() {
-    let mut harness = inspect(with_material(Material::default()));
-    click(&mut harness, "Layers");
-    harness.get_by_label_contains("Put it into").click();
-    harness.run_steps(4);
-    click(&mut harness, "bump map");
-    let (targets, tree) = shown_tree(&harness.state().commands);
-    assert_eq!(targets, [entity(7)]);
-    assert_eq!(*tree, MaterialTree::from(Material::default()).wrapped("bumpmap"));
-
+/// A bump map with a diffuse material inside.
+fn bumpy_clay() -> Inspected {
     let mut wrapped = with_material(Material::of_plugin("bumpmap").unwrap());
     wrapped.materials[0].inside = vec![entity(9)];
     wrapped.materials.push(InspectedMaterial {
@@ -200,7 +191,34 @@ fn a_material_is_put_into_another_and_taken_out() {
         users: 0,
         inside: Vec::new(),
     });
-    let mut harness = inspect(wrapped);
+    wrapped
+}
+
+#[test]
+fn the_parts_of_a_nested_material_are_chosen_in_a_tree() {
+    let mut harness = inspect(bumpy_clay());
+    assert!(harness.query_by_label("Reflectance source").is_none());
+    click(&mut harness, "diffuse");
+    click(&mut harness, "Reflectance source");
+    click(&mut harness, "checkerboard");
+    let [Command::SetMaterial(target, _)] = &harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(*target, entity(9));
+}
+
+#[test]
+fn a_material_is_put_into_another_and_taken_out() {
+    let mut harness = inspect(with_material(Material::default()));
+    click(&mut harness, "Layers");
+    harness.get_by_label_contains("Put it into").click();
+    harness.run_steps(4);
+    click(&mut harness, "bump map");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!(targets, [entity(7)]);
+    assert_eq!(*tree, MaterialTree::from(Material::default()).wrapped("bumpmap"));
+
+    let mut harness = inspect(bumpy_clay());
     harness
         .get_all_by_label("Layers")
         .next()

@@ -9,6 +9,7 @@ use bevy_egui::egui::{self, Ui};
 
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
+use super::material_tree::{self, material_tree};
 use super::section::section;
 use super::{camera_angles, dimensions, emission, fields, lengths, sensor, solid, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
@@ -22,6 +23,8 @@ use crate::scene::{EmitterKind, Material, MeshFile, MeshFormat, Shape, ShapeKind
 pub struct InspectorState {
     angles: transform::ShownAngles,
     materials: EditedMaterials,
+    /// The part of a nested material that was chosen in the tree.
+    part: Option<Entity>,
 }
 
 /// Copies of the materials that are shown, for their rows to edit. Only a material that has changed is copied anew.
@@ -104,7 +107,7 @@ fn sections(
     let has_surface = inspected.shape.as_ref().is_some_and(|shape| !shape.is_frame());
     if has_surface || !inspected.materials.is_empty() {
         section(ui, "Material", |ui| {
-            material_rows(ui, inspected, model, &mut state.materials, commands)
+            material_rows(ui, inspected, model, state, commands)
         });
     }
     if has_surface {
@@ -336,7 +339,7 @@ fn material_rows(
     ui: &mut Ui,
     inspected: &Inspected,
     model: &Model,
-    copies: &mut EditedMaterials,
+    state: &mut InspectorState,
     commands: &mut Vec<Command>,
 ) {
     if inspected.shape.is_some() {
@@ -366,8 +369,12 @@ fn material_rows(
             }
         });
     }
+    let copies = &mut state.materials;
     copies.keep(&inspected.materials);
-    for entry in &inspected.materials {
+    if inspected.materials.len() > 1 {
+        material_tree(ui, &inspected.materials, model, &mut state.part, commands);
+    }
+    if let Some(entry) = material_tree::edited(&inspected.materials, state.part) {
         ui.push_id(entry.entity, |ui| {
             material_header(ui, entry, model, commands);
             let edited = copies.of(entry);

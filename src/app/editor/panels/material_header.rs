@@ -90,7 +90,8 @@ fn targets(target: Entity, whole: bool, model: &Model) -> Vec<Entity> {
     }
 }
 
-fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+/// The menu of what goes around a material and of what is in it.
+pub(super) fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
     let mut become_tree = |tree: MaterialTree| {
         commands.push(Command::BuildMaterial {
             targets: vec![entry.entity],

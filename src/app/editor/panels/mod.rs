@@ -23,6 +23,7 @@ pub mod light_mixing;
 pub mod look;
 pub mod material;
 pub mod material_header;
+pub mod material_tree;
 pub mod menu_bar;
 pub mod outliner;
 pub mod paths;

@@ -58,7 +58,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(31) {
+    match random.below(33) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -140,6 +140,12 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             1 + random.below(9)
         )),
         27 => one(format!("cut {} {} 0.5", ["door", "window"][random.below(2)], shape?)),
+        30 => one(format!(
+            "wrap {} {}",
+            material?,
+            ["twosided", "blendbsdf", "mask", "bumpmap", "normalmap"][random.below(5)]
+        )),
+        31 => one(format!("unwrap {}", material?)),
         29 => one(format!(
             "project-texture {} 0.{} {}",
             ProjectedFrom::ALL[random.below(ProjectedFrom::ALL.len())].1,

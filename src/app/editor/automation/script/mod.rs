@@ -8,6 +8,7 @@ pub mod assign;
 mod blocking;
 pub mod error;
 mod keys;
+mod layers;
 mod names;
 pub mod parse;
 mod placing;

@@ -10,7 +10,7 @@ use super::error::ScriptError;
 use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
-use super::{blocking, keys, placing, rendering, texturing};
+use super::{blocking, keys, layers, placing, rendering, texturing};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 59] = [
+pub const VERBS: [(&str, &str); 61] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -99,6 +99,11 @@ pub const VERBS: [(&str, &str); 59] = [
     ),
     ("material-of", "SHAPE (a new one of its own)"),
     ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
+    (
+        "wrap",
+        "MATERIAL PLUGIN (twosided, blendbsdf, mask, bumpmap, normalmap)",
+    ),
+    ("unwrap", "MATERIAL [first|second]"),
     ("assign", "MATERIAL SHAPE..."),
     ("preset", "GROUP/NAME SHAPE... (of the library)"),
     ("emit", "SHAPE RADIANCE|none"),
@@ -274,6 +279,14 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                     None => tree,
                 }),
             }
+        }
+        ("wrap", [name, plugin]) => {
+            let thing = named(world, name)?;
+            layers::wrap(world, thing, plugin)?
+        }
+        ("unwrap", [name, which @ ..]) if which.len() <= 1 => {
+            let thing = named(world, name)?;
+            layers::unwrap(world, thing, which.first().copied())?
         }
         ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
             shapes: all_named(world, shapes)?,
