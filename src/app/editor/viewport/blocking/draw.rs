@@ -92,7 +92,7 @@ impl DrawState {
                         from,
                         to: from.place,
                         pressed_at: hand.pointer,
-                        is_held: true,
+                        is_held: hand.down,
                     });
                 }
             }
@@ -103,7 +103,8 @@ impl DrawState {
             }) => {
                 let is_released = *is_held && !hand.down;
                 *is_held &= hand.down;
-                if hand.pressed || (is_released && is_drag(pressed_at, hand.pointer)) {
+                // After a click the pointer may have gone on in the same frame.
+                if hand.pressed || (is_released && !hand.clicked && is_drag(pressed_at, hand.pointer)) {
                     self.confirm(kind, screen, model, hand, commands);
                 }
             }
