@@ -124,9 +124,17 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             let corner = |across: f32, along: f32| LENGTH * (z * 0.8 + x * (across * 0.55) + y * (along * 0.4));
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
             let edges = (0..4).flat_map(|k| [line(Vec3::ZERO, corners[k]), line(corners[k], corners[(k + 1) % 4])]);
+            // A body behind the lens: without it the pyramid looks like an envelope from before and behind.
+            let body = |across: f32, along: f32, back: f32| LENGTH * (x * across + y * along - z * back);
+            let ring = [(-0.13, -0.16), (0.13, -0.16), (0.13, 0.16), (-0.13, 0.16)];
+            let sides = (0..4).flat_map(|k| {
+                let [(a, b), (c, d)] = [ring[k], ring[(k + 1) % 4]];
+                [(a, b, 0.0, c, d, 0.0), (a, b, 0.5, c, d, 0.5), (a, b, 0.0, a, b, 0.5)]
+            });
+            let body = sides.map(|(a, b, near, c, d, far)| line(body(a, b, near), body(c, d, far)));
             let roof = [corner(-0.5, 1.15), corner(0.5, 1.15), corner(0.0, 1.8)];
             let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
-            edges.chain(upright).flatten().collect()
+            edges.chain(upright).chain(body).flatten().collect()
         }
     }
 }
