@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Ui};
+use bevy_egui::egui::{self, Button, Ui};
 
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
 use super::section::section;
-use super::{camera_angles, dimensions, emission, fields, lengths, sensor, solid, transform};
+use super::{camera_angles, dimensions, emission, fields, lengths, look, sensor, solid, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, Model};
@@ -359,7 +359,13 @@ fn material_rows(
             });
         }
         ui.horizontal(|ui| {
-            if ui.button("New material for this shape").clicked() {
+            // Without a material it is what comes next.
+            let text = "New material for this shape";
+            let button = match inspected.materials.is_empty() {
+                true => look::primary(ui, text),
+                false => Button::new(text),
+            };
+            if ui.add(button).clicked() {
                 commands.push(Command::GiveMaterial {
                     shape: inspected.entity,
                 });

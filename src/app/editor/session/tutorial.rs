@@ -22,7 +22,8 @@ pub const LESSONS: [Lesson; 5] = [
     },
     Lesson {
         title: "Add something",
-        text: "Choose Add > Sphere, or draw a box: Add > Draw a box, drag its foot on the floor, then move the mouse up and click.",
+        text: "Choose Add > Sphere, or draw a box: press Shift+B, drag its foot on the floor, then move the mouse up and click. The tools that build \
+               are at the left of the picture, too.",
     },
     Lesson {
         title: "Move it",
