@@ -19,8 +19,8 @@ use crate::document::paths::settle;
 use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, LengthUnit, Locked,
-    Material, MemberOf, SamplerSettings, SceneId, Sensor, ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, Locked, Material,
+    MemberOf, SamplerSettings, SceneId, Sensor, ToWorld, UsesMaterial,
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
@@ -151,7 +151,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::SetIntegrator(settings) => super::world::set_resource::<IntegratorSettings>(edit.world, settings),
         Command::SetSampler(settings) => super::world::set_resource::<SamplerSettings>(edit.world, settings),
         Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
-        Command::SetUnit(unit) => super::world::set_resource::<LengthUnit>(edit.world, unit),
+        Command::SetUnit(unit) => super::world::set_unit(edit.world, unit),
         Command::BakeLights => mixing::bake(edit)?,
         Command::OnSelection(command) => {
             several::carry_to_others(edit, &command);
