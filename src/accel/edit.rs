@@ -2,6 +2,9 @@
 //!
 //! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which is built anew for every edit.
 //! Rays hit the same as in a hierarchy that is built anew over everything. Only distances may be rounded otherwise, because other shapes share a block.
+//!
+//! Rays take longer the more is beside it. A hierarchy that [is worn](Tlas::is_worn) is [built anew](Tlas::rebuilt) on another thread, and edits that
+//! were made meanwhile are made again on the result ([`Tlas::after_edits`]).
 
 use super::build::SplitMethod;
 use super::bvh::Bvh;
@@ -14,16 +17,37 @@ use crate::math::Aabb;
 
 /// A hierarchy over fewer items than this is quickly built anew, so that edits of it are not worth the effort.
 const FEWEST: usize = 2048;
-/// The most shapes beside the hierarchy as it was built.
-const MOST_LOOSE: usize = 1024;
+/// With more shapes than these beside the hierarchy as it was built, a new one is worth its time.
+const WORN: usize = 1024;
+/// The most shapes beside the hierarchy as it was built. Each edit builds over all of them.
+const MOST_LOOSE: usize = 4096;
+/// The share of the memory of all shapes that removed ones take, above which a new hierarchy is worth its time.
+const MUCH_WASTE: f32 = 0.25;
 /// The largest share of the memory of all shapes that removed ones may take.
-const MOST_WASTE: f32 = 0.25;
+const MOST_WASTE: f32 = 0.5;
 
 impl Tlas {
     /// Whether [`Self::edited`] may be quicker than to build anew.
     pub fn is_edited_in_place(&self) -> bool {
         let items = self.instances.len() + self.placements.len();
         !self.bvh.is_linear() && self.small_scene.is_none() && items >= FEWEST
+    }
+
+    /// Whether so much has been edited that a hierarchy built anew would be quicker, and smaller.
+    pub fn is_worn(&self) -> bool {
+        let loose = self.loose.as_ref().map_or(0, |loose| loose.shapes.len());
+        loose > WORN || self.instances.waste() > MUCH_WASTE
+    }
+
+    /// A hierarchy built anew over the same shapes, in memory of its own.
+    pub fn rebuilt(&self, method: SplitMethod) -> Self {
+        let instances = self.instances.clone();
+        Self::over(instances, self.groups.clone(), self.placements.clone(), method)
+    }
+
+    /// This hierarchy, which was [rebuilt](Self::rebuilt) from `old`, after the edits that lead from `old` to `now`. None as in [`Self::edited`].
+    pub fn after_edits(&self, old: &Self, now: &Self) -> Option<Self> {
+        self.edited(&now.instances.edits_since(&old.instances))
     }
 
     /// The hierarchy after edits of single shapes. None where it is better built anew: it is small, or much of it has been edited.

@@ -52,6 +52,17 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// Whether both are the same shape at the same place.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let is_same_primitive = match (&self.primitive, &other.primitive) {
+            (Primitive::Mesh(own), Primitive::Mesh(its)) => Arc::ptr_eq(own, its),
+            (own, its) => std::mem::discriminant(own) == std::mem::discriminant(its),
+        };
+        is_same_primitive
+            && self.world_from_local == other.world_from_local
+            && (self.face_normals, self.flip_normals) == (other.face_normals, other.flip_normals)
+    }
+
     /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
     pub fn new(primitive: Primitive, world_from_local: Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.

@@ -1,6 +1,7 @@
 //! The list of the shapes of a hierarchy, and how it follows edits of single shapes.
 
-use std::ops::Index;
+use std::iter::Peekable;
+use std::ops::{Index, Range};
 
 use super::instance::Instance;
 use super::shared_list::SharedList;
@@ -94,6 +95,32 @@ impl Instances {
         }
         edited.splice(&edits.removed, edits.inserted.iter().cloned());
         Self(edited)
+    }
+
+    /// The edits that lead from `old` to this list, which must have become of it by [`Self::edited`].
+    pub(super) fn edits_since(&self, old: &Self) -> ShapeEdits {
+        let mut edits = ShapeEdits::default();
+        let (made, first_new) = (old.0.made().len(), old.0.stored());
+        let mut now = (0..self.len()).peekable();
+        let mut insert_new = |now: &mut Peekable<Range<usize>>| {
+            while let Some(number) = now.next_if(|&number| self.0.place(number) >= first_new) {
+                edits.inserted.push((number as u32, self[number].clone()));
+            }
+        };
+        for number in 0..old.len() {
+            insert_new(&mut now);
+            let place = old.0.place(number);
+            match now.next_if(|&now| self.0.place(now) == place) {
+                None => edits.removed.push(number as u32),
+                // Entries that were replaced before are replaced in place.
+                Some(now) if place >= made && !self[now].is_same(&old[number]) => {
+                    edits.replaced.push((number as u32, self[now].clone()));
+                }
+                Some(_) => {}
+            }
+        }
+        insert_new(&mut now);
+        edits
     }
 
     /// The memory of removed shapes, as a share of all.

@@ -34,6 +34,12 @@ impl<T> SharedList<T> {
         &self.made
     }
 
+    /// The place of an entry in the list as it was made, and after it among new ones. Entries keep their places in edited copies, but for the first
+    /// time that they are replaced.
+    pub fn place(&self, index: usize) -> usize {
+        self.edits.as_ref().map_or(index, |edits| edits.places[index] as usize)
+    }
+
     #[inline(always)]
     pub fn get(&self, index: usize) -> Option<&T> {
         match &self.edits {

@@ -250,7 +250,7 @@ impl BlasCache {
     }
 
     /// The pool with this number of threads. It replaces one with another number.
-    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, ThreadPoolBuildError> {
+    pub fn pool(&mut self, threads: usize) -> Result<&ThreadPool, ThreadPoolBuildError> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
             _ => rayon::ThreadPoolBuilder::new()

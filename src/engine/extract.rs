@@ -25,6 +25,8 @@ use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
 use super::packed_scene::PackedScene;
+use super::packing::Packing;
+use super::rebuild::Rebuild;
 use super::renderer::Renderer;
 use super::resolution::{self, is_same_at_other_size};
 use super::sight::SeenAlone;
@@ -69,6 +71,13 @@ pub(super) struct Extracted {
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
     environments: Environments,
+    /// The packing of all shapes that is under way.
+    pub(super) packing: Option<Packing>,
+    /// The [`SceneStatus::revision`](crate::scene::SceneStatus::revision) that it is of.
+    pub(super) packs_revision: u64,
+    /// The revision of which all shapes were packed last.
+    pub(super) packed_revision: u64,
+    pub(super) rebuild: Option<Rebuild>,
     pub(super) errors: Errors,
     /// The name of the sensor that the view is from.
     sensor_name: String,
@@ -120,6 +129,10 @@ impl Default for Extracted {
             owners: Arc::default(),
             layers: LightGroups::default(),
             environments: Environments::default(),
+            packing: None,
+            packs_revision: 0,
+            packed_revision: 0,
+            rebuild: None,
             errors: Errors::default(),
             sensor_name: String::new(),
             seen_alone: SeenAlone::default(),
@@ -160,33 +173,46 @@ pub(super) fn extract_scene(
     deferred: Res<DeferredDrop>,
     authored: Authored,
 ) {
+    let is_other_scene = authored.status.is_opening || extracted.packs_revision != authored.status.revision;
+    if is_other_scene && extracted.packing.take().is_some() {
+        dirty.instances = Touched::All;
+    }
     if authored.status.is_opening {
         return;
     }
     if cache.poll() {
         dirty.instances = Touched::All;
     }
+    let is_packing = extracted.packing.is_some();
     let preview_owed = renderer
         .job()
         .is_some_and(|job| job.preview_pending() && job.begun.elapsed() < PREVIEW_PATIENCE);
-    if !dirty.any() || (preview_owed && control.interactive && !control.paused) {
+    if !(dirty.any() || is_packing) || (preview_owed && control.interactive && !control.paused) {
         return;
     }
     let old = extracted.scene.clone();
     let old_view = extracted.view.clone();
-    let mut moved = Vec::new();
-    if dirty.instances.any() {
+    let mut moved = Some(Vec::new());
+    let has_shapes = is_packing || dirty.instances.any();
+    if has_shapes {
         let policy = BuildPolicy {
             method: split_method(*authored.method),
             threads: control.threads.get(),
             wait: !control.interactive,
             wake_up: wake_up.clone(),
         };
-        moved = extracted.update_shapes(&dirty.instances, &authored, &mut cache, &policy);
+        moved = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
     }
-    extracted.update_bindings(&dirty.surfaces, &authored);
-    if dirty.instances.any() || dirty.surfaces.any() || dirty.materials || dirty.lights {
-        extracted.update_surfaces_and_lights(&authored, &moved);
+    // The camera of a scene that was just opened waits for its shapes.
+    let is_new_scene = extracted.packs_revision != extracted.packed_revision;
+    if moved.is_none() && (is_new_scene || !dirty.view) {
+        return;
+    }
+    if let Some(moved) = &moved {
+        extracted.update_bindings(&dirty.surfaces, &authored);
+        if has_shapes || dirty.surfaces.any() || dirty.materials || dirty.lights {
+            extracted.update_surfaces_and_lights(&authored, moved);
+        }
     }
     if dirty.view {
         extracted.update_view(&authored, &control);
@@ -215,7 +241,17 @@ pub(super) fn extract_scene(
         view: extracted.view.clone(),
     };
     deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
-    *dirty = Dirty::nothing();
+    *dirty = match moved {
+        // Shapes that have changed while all were packed are left where that has to be done once more.
+        Some(_) => Dirty {
+            instances: std::mem::take(&mut dirty.instances),
+            ..Dirty::nothing()
+        },
+        None => Dirty {
+            view: false,
+            ..std::mem::take(&mut dirty)
+        },
+    };
 }
 
 impl Extracted {

@@ -1,6 +1,7 @@
 //! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS, packs just
 //! that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws nothing and reads no input.
 
+mod all_shapes;
 mod authored;
 mod backend;
 mod blas_cache;
@@ -16,9 +17,12 @@ mod extract;
 pub mod film;
 mod job;
 mod light_groups;
+mod named_mesh;
 mod pack;
 pub mod packed_scene;
+mod packing;
 mod priority;
+mod rebuild;
 mod renderer;
 mod report;
 mod resolution;

@@ -37,7 +37,7 @@ pub(super) fn report_status(
         }
     };
     let failure = job.and_then(|job| job.failure.as_ref()).or(renderer.failure.as_ref());
-    let builds_running = cache.builds_running() as u32;
+    let builds_running = cache.builds_running() as u32 + u32::from(extracted.packing.is_some());
     status.state = if failure.is_some() {
         RenderState::Failed
     } else if control.paused {

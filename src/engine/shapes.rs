@@ -1,22 +1,22 @@
-//! Brings the records of shapes and the hierarchy over them up to date: those of a few shapes that have changed, or all.
+//! Brings the records of shapes and the hierarchy over them up to date where only a few shapes have changed. [`super::packing`] packs all.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use bevy::asset::AssetServer;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryEntityError;
 use bevy::prelude::*;
 
 use super::authored::Authored;
-use super::blas_cache::{BlasCache, BuildError, BuildPolicy, BuiltMesh, MeshKey};
+use super::blas_cache::{BlasCache, BuildPolicy};
 use super::detect::Touched;
 use super::extract::Extracted;
-use super::pack::group::{Layout, PlacedGroup};
+use super::named_mesh::mesh_of;
 use super::pack::instance::{InstanceRecord, pack_instance};
+use super::rebuild::Rebuild;
 use super::status::BvhStatus;
-use crate::accel::{Blas, Instance, Primitive, ShapeEdits};
-use crate::scene::{InstanceOf, MemberOf, MeshHandle, Shape, ShapeKind};
+use crate::accel::{Blas, Instance, Primitive, ShapeEdits, Tlas};
+use crate::scene::ShapeKind;
 
 /// A shape that has changed, as it is now.
 struct Edited {
@@ -25,95 +25,9 @@ struct Edited {
 }
 
 impl Extracted {
-    /// Brings all up to date, and tells for each instance whether its place or geometry has changed.
-    pub(super) fn update_shapes(
-        &mut self,
-        touched: &Touched,
-        authored: &Authored,
-        cache: &mut BlasCache,
-        policy: &BuildPolicy,
-    ) -> Vec<bool> {
-        let edited = match touched {
-            Touched::These(shapes) => self.edit_shapes(shapes, authored, cache, policy),
-            Touched::All => None,
-        };
-        edited.unwrap_or_else(|| self.update_all(authored, cache, policy))
-    }
-
-    /// Packs all shapes.
-    fn update_all(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Vec<bool> {
-        let mut shapes: Vec<_> = authored.shapes.iter().collect();
-        shapes.sort_by_key(|shape| (*shape.order, shape.entity));
-        self.errors.instances.clear();
-        self.meshes_loading = 0;
-        cache.begin_use();
-        let mut groups: Vec<_> = authored.groups.iter().map(|(entity, &order)| (order, entity)).collect();
-        groups.sort();
-        let groups: HashMap<Entity, usize> = groups.into_iter().zip(0..).map(|((_, group), i)| (group, i)).collect();
-        let mut records = Vec::new();
-        let mut members: Vec<(Vec<Instance>, Vec<InstanceRecord>)> = groups.iter().map(|_| default()).collect();
-        let mut placed = Vec::new();
-        let (errors, meshes_loading) = (&mut self.errors.instances, &mut self.meshes_loading);
-        let in_world = shapes.into_iter().filter_map(|shape| {
-            if let Some((InstanceOf(group), placements)) = shape.instance_of
-                && let Some(&group) = groups.get(group)
-            {
-                placed.push(PlacedGroup {
-                    entity: shape.entity,
-                    name: shape.name(),
-                    group,
-                    places: placements
-                        .map_or_else(|| Arc::new(vec![shape.to_world.0.into()]), |many| many.places.clone()),
-                });
-                return None;
-            }
-            let mesh = mesh_of(shape.shape, shape.mesh, authored, cache, policy);
-            *meshes_loading += u32::from(mesh.is_loading);
-            let (instance, record) = match pack_instance(&shape.source(), mesh.built) {
-                Ok(packed) => packed?,
-                Err(error) => {
-                    errors.insert((*shape.order, shape.entity), format!("{}: {error}", shape.name()));
-                    return None;
-                }
-            };
-            match shape.member_of.and_then(|MemberOf(group)| groups.get(group)) {
-                Some(&group) => {
-                    members[group].0.push(instance);
-                    members[group].1.push(record);
-                    None
-                }
-                None => {
-                    records.push(record);
-                    Some(instance)
-                }
-            }
-        });
-        let in_world = in_world.collect();
-        cache.end_use();
-        self.errors.meshes = cache.failures().map(BuildError::to_string).collect();
-
-        let (layout, instances) = Layout::new((in_world, records), members, placed);
-        let old = std::mem::replace(&mut self.layout, layout);
-        let moved = self.layout.moved_since(&old);
-        if moved.contains(&true)
-            || old.shapes.len() != self.layout.shapes.len()
-            || !self.layout.placed_as(&old)
-            || self.method != policy.method
-        {
-            self.errors.placements.clear();
-            let (geometry, entities) = self.layout.build(instances, policy.method, &mut self.errors.placements);
-            self.scene.geometry = Arc::new(geometry);
-            self.entity_of_instance = entities.into();
-            self.method = policy.method;
-            self.triangles = self.scene.geometry.triangles();
-            self.update_figures(cache);
-        }
-        moved
-    }
-
-    /// Packs the shapes of the world that have changed, and edits the tables. The result is the same as if all shapes were packed, except for the
-    /// nodes of the hierarchy. None, and nothing is changed, where all shapes have to be packed.
-    fn edit_shapes(
+    /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes, but for what the hierarchy looks
+    /// like inside. None, and nothing is changed, where only packing all shapes does.
+    pub(super) fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,
         authored: &Authored,
@@ -192,7 +106,8 @@ impl Extracted {
             self.layout.edit(&[], replaced, Vec::new());
             return Some(vec![false; self.layout.shapes.len()]);
         }
-        let geometry = self.scene.geometry.edited(&edits)?;
+        let anew = self.take_rebuilt();
+        let geometry = anew.as_ref().unwrap_or(&self.scene.geometry).edited(&edits)?;
         let triangles = |shapes: &mut dyn Iterator<Item = &Primitive>| shapes.map(triangles_of).sum::<u64>();
         let old = edits
             .removed
@@ -227,8 +142,28 @@ impl Extracted {
             cache.retain(|mesh| used.contains(&Arc::as_ptr(mesh)));
         }
         self.scene.geometry = Arc::new(geometry);
+        self.rebuild_if_worn(cache, policy);
         self.update_figures(cache);
         Some(moved)
+    }
+
+    /// Has the hierarchy built anew if so much has been edited that it is worth it.
+    fn rebuild_if_worn(&mut self, cache: &mut BlasCache, policy: &BuildPolicy) {
+        let old = &self.scene.geometry;
+        if self.rebuild.is_some() || !old.is_worn() {
+            return;
+        }
+        if policy.wait {
+            self.scene.geometry = Arc::new(old.rebuilt(policy.method));
+        } else {
+            self.rebuild = Rebuild::begin(old, cache, policy);
+        }
+    }
+
+    /// The present hierarchy with little beside it, if it has been built anew. It waits for an edit, because the picture begins anew with it.
+    fn take_rebuilt(&mut self) -> Option<Tlas> {
+        let anew = self.rebuild.take_if(|rebuild| rebuild.is_done())?;
+        anew.finish(&self.scene.geometry)
     }
 
     /// Looks up which materials and lights shapes have.
@@ -248,7 +183,7 @@ impl Extracted {
         }
     }
 
-    fn update_figures(&mut self, cache: &BlasCache) {
+    pub(super) fn update_figures(&mut self, cache: &BlasCache) {
         let top = self.scene.geometry.stats();
         let largest = cache.in_use().max_by_key(|mesh| mesh.stats.nodes);
         let sum = |of: fn(&crate::accel::BvhStats) -> usize| -> u64 {
@@ -271,60 +206,6 @@ fn triangles_of(primitive: &Primitive) -> u64 {
         Primitive::Mesh(mesh) => mesh.mesh().triangles.len() as u64,
         _ => 0,
     }
-}
-
-/// The mesh that a shape names.
-struct NamedMesh<'c> {
-    /// None if there is none, or not yet.
-    built: Option<&'c BuiltMesh>,
-    /// Whether its file is still being read.
-    is_loading: bool,
-}
-
-fn mesh_of<'c>(
-    shape: &Shape,
-    handle: Option<&MeshHandle>,
-    authored: &Authored,
-    cache: &'c mut BlasCache,
-    policy: &BuildPolicy,
-) -> NamedMesh<'c> {
-    let mut is_loading = false;
-    let built = match (&shape.kind, handle) {
-        (ShapeKind::Cube, _) => {
-            let cube = cache.cube();
-            cache.get(MeshKey::Cube, &cube, policy)
-        }
-        (ShapeKind::Triangle { .. }, _) => {
-            let triangle = cache.triangle();
-            cache.get(MeshKey::Triangle, &triangle, policy)
-        }
-        (ShapeKind::Solid(solid), _) => {
-            let (key, mesh) = cache.solid(solid);
-            cache.get(key, &mesh, policy)
-        }
-        (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
-            Some(mesh) => {
-                let key = MeshKey::Asset {
-                    id: handle.id(),
-                    shape_index: file.shape_index,
-                    upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
-                };
-                mesh.data(file.shape_index)
-                    .and_then(|data| cache.get(key, data, policy))
-            }
-            None => {
-                let failed = |server: &AssetServer| server.load_state(handle).is_failed();
-                is_loading = !authored.asset_server.as_deref().is_some_and(failed);
-                None
-            }
-        },
-        (ShapeKind::Mesh(_), None) => {
-            is_loading = true;
-            None
-        }
-        _ => None,
-    };
-    NamedMesh { built, is_loading }
 }
 
 /// Packs a shape that has changed. None if that is not enough: it is of a group, or its mesh is not there.

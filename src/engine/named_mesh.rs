@@ -1,0 +1,61 @@
+//! Finds the mesh that a shape names, built or being built.
+
+use bevy::asset::AssetServer;
+
+use super::authored::Authored;
+use super::blas_cache::{BlasCache, BuildPolicy, BuiltMesh, MeshKey};
+use crate::scene::{MeshHandle, Shape, ShapeKind};
+
+/// The mesh that a shape names.
+pub(super) struct NamedMesh<'c> {
+    /// None if there is none, or not yet.
+    pub built: Option<&'c BuiltMesh>,
+    /// Whether its file is still being read.
+    pub is_loading: bool,
+}
+
+pub(super) fn mesh_of<'c>(
+    shape: &Shape,
+    handle: Option<&MeshHandle>,
+    authored: &Authored,
+    cache: &'c mut BlasCache,
+    policy: &BuildPolicy,
+) -> NamedMesh<'c> {
+    let mut is_loading = false;
+    let built = match (&shape.kind, handle) {
+        (ShapeKind::Cube, _) => {
+            let cube = cache.cube();
+            cache.get(MeshKey::Cube, &cube, policy)
+        }
+        (ShapeKind::Triangle { .. }, _) => {
+            let triangle = cache.triangle();
+            cache.get(MeshKey::Triangle, &triangle, policy)
+        }
+        (ShapeKind::Solid(solid), _) => {
+            let (key, mesh) = cache.solid(solid);
+            cache.get(key, &mesh, policy)
+        }
+        (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
+            Some(mesh) => {
+                let key = MeshKey::Asset {
+                    id: handle.id(),
+                    shape_index: file.shape_index,
+                    upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
+                };
+                mesh.data(file.shape_index)
+                    .and_then(|data| cache.get(key, data, policy))
+            }
+            None => {
+                let failed = |server: &AssetServer| server.load_state(handle).is_failed();
+                is_loading = !authored.asset_server.as_deref().is_some_and(failed);
+                None
+            }
+        },
+        (ShapeKind::Mesh(_), None) => {
+            is_loading = true;
+            None
+        }
+        _ => None,
+    };
+    NamedMesh { built, is_loading }
+}
