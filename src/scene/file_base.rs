@@ -312,16 +312,20 @@ fn nameless<T: Described>(list: &[T]) -> HashMap<&str, Vec<usize>> {
     by_plugin
 }
 
+/// Sets what the file says of an entity, if it differs. Nothing happens if there is no such entity.
 pub(super) fn set_authored(world: &mut World, entity: Entity, authored: Option<&Authored>) {
     if world.get::<Authored>(entity) == authored {
         return;
     }
+    let Ok(mut entity) = world.get_entity_mut(entity) else {
+        return;
+    };
     match authored {
         Some(authored) => {
-            world.entity_mut(entity).insert(authored.clone());
+            entity.insert(authored.clone());
         }
         None => {
-            world.entity_mut(entity).remove::<Authored>();
+            entity.remove::<Authored>();
         }
     }
 }

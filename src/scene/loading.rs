@@ -7,6 +7,7 @@ use std::sync::Arc;
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::prelude::*;
+use bevy::tasks::IoTaskPool;
 
 use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
@@ -124,7 +125,7 @@ pub(super) fn apply_scenes(
         if now.arrived.contains(&id)
             && let Some(asset) = world.resource::<Assets<SceneAsset>>().get(id).cloned()
         {
-            if Some(id) == own && is_outdated(world, &asset) {
+            if Some(id) == own && (is_known(world, &asset) || is_outdated(world, &asset)) {
                 continue;
             }
             if asset.diagnostics.has_errors() {
@@ -133,6 +134,45 @@ pub(super) fn apply_scenes(
                 take_in(world, id, asset);
             }
         }
+    }
+}
+
+/// Whether this says what is known of the scene's file since that was written here.
+fn is_known(world: &mut World, asset: &SceneAsset) -> bool {
+    let file = world.resource::<SceneFile>();
+    let base = world.get_resource::<FileBase>();
+    let are_same = |(one, other): (&SourceFile, &SourceFile)| (&one.path, &one.text) == (&other.path, &other.text);
+    let (known, read) = (&file.good_diagnostics.sources, &asset.diagnostics.sources);
+    let is_known = file.was_written
+        && known.len() == read.len()
+        && known.iter().zip(read).all(are_same)
+        // A mesh that has appeared since is read.
+        && base.is_some_and(|base| base.scene.missing == asset.description.missing);
+    if is_known {
+        world.resource_mut::<SceneFile>().was_written = false;
+        share_description(world);
+    }
+    is_known
+}
+
+/// Lets the asset of the scene's file have the description that is known, and drops its own on another thread: of a large scene that takes long.
+fn share_description(world: &mut World) {
+    let (Some(file), Some(base)) = (world.get_resource::<SceneFile>(), world.get_resource::<FileBase>()) else {
+        return;
+    };
+    let known = SceneAsset {
+        description: base.scene.clone(),
+        diagnostics: file.good_diagnostics.clone(),
+    };
+    let Some(id) = file.handle.as_ref().map(Handle::id) else {
+        return;
+    };
+    if let Some(mut assets) = world.get_resource_mut::<Assets<SceneAsset>>()
+        && let Some(asset) = assets.get_mut_untracked(id)
+        && let Some(pool) = IoTaskPool::try_get()
+    {
+        let own = std::mem::replace(asset, known);
+        pool.spawn(async move { drop(own) }).detach();
     }
 }
 
@@ -245,6 +285,8 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
 /// Makes the entities follow this file, which has just been written from them and read again.
 pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
+    // What the asset has of the file before is dropped elsewhere, also if it is of another file.
+    share_description(world);
     if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), path.parent()) {
         access.allow(folder);
     }
@@ -259,6 +301,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&written.picture_places);
     }
+    share_description(world);
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.path = Some(path.to_owned());
         status.asked = None;

@@ -1,92 +1,222 @@
 //! Updates the known state of the file after saving: the entities are what is written there, whether they were read or made here.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use super::description::{Identity, SceneDescription};
 use super::file_base::{FileBase, Thing, set_authored};
 use super::spawn::StandInSensor;
 use super::write::gather::Entities;
-use super::{Authored, ObjectState, Placements, SceneId};
+use super::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
 
-/// Updates the known file: it now says `written`, which was made of `scene`, of these entities. What was made in the editor belongs to it from now
-/// on.
-pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: Arc<SceneDescription>) {
-    let mut paired = |known: &[Entity], pairs: Vec<Option<usize>>| {
-        let pairs = pairs.into_iter().map(|index| index.map(|index| known[index]));
-        pairs
-            .map(|entity| entity.unwrap_or_else(|| world.spawn_empty().id()))
-            .collect()
-    };
-    let shapes = pairs(
-        &scene.shapes,
-        &written.shapes,
-        |it| &it.identity,
-        |a, b| {
-            std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind)
-                && a.member_of.is_some() == b.member_of.is_some()
-                && a.instance_of.is_some() == b.instance_of.is_some()
-        },
-    );
-    let now = Entities {
-        materials: paired(&entities.materials, material_pairs(scene, &written, &shapes)),
-        shapes: paired(&entities.shapes, shapes),
-        sensors: paired(
-            &entities.sensors,
-            pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
-        ),
-        groups: paired(
-            &entities.groups,
-            pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
-        ),
-        emitters: paired(
-            &entities.emitters,
-            pairs(
+/// The entities with marks that no file holds.
+pub(super) struct Marks {
+    hidden: EntityHashSet,
+    locked: EntityHashSet,
+}
+
+impl Marks {
+    pub fn of(world: &mut World) -> Self {
+        Self {
+            hidden: world.query_filtered::<Entity, With<Hidden>>().iter(world).collect(),
+            locked: world.query_filtered::<Entity, With<Locked>>().iter(world).collect(),
+        }
+    }
+}
+
+/// The things of a scene that was saved, for each of those that were read again of the file.
+pub(super) struct Pairing {
+    scene: SceneDescription,
+    entities: Entities,
+    marks: Marks,
+    written: SceneDescription,
+    materials: Vec<Option<usize>>,
+    groups: Vec<Option<usize>>,
+    shapes: Vec<Option<usize>>,
+    emitters: Vec<Option<usize>>,
+    sensors: Vec<Option<usize>>,
+}
+
+impl Pairing {
+    /// Finds what is the same. `written` was made of `scene`, of these entities.
+    pub fn new(scene: SceneDescription, entities: Entities, marks: Marks, written: SceneDescription) -> Self {
+        let shapes = pairs(
+            &scene.shapes,
+            &written.shapes,
+            |it| &it.identity,
+            |a, b| {
+                std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind)
+                    && a.member_of.is_some() == b.member_of.is_some()
+                    && a.instance_of.is_some() == b.instance_of.is_some()
+            },
+        );
+        Self {
+            materials: material_pairs(&scene, &written, &shapes),
+            shapes,
+            sensors: pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
+            groups: pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
+            emitters: pairs(
                 &scene.emitters,
                 &written.emitters,
                 |it| &it.identity,
                 |a, b| a.emitter.plugin() == b.emitter.plugin(),
             ),
-        ),
-    };
-    let mut base = FileBase {
-        integrator: Some(written.integrator),
-        ..FileBase::default()
-    };
-    for thing in Thing::all(&written) {
-        let entity = thing.entity(&now);
-        let state = thing.state(&written, &now);
-        set_authored(world, entity, thing.identity(&written).authored.as_ref());
-        if ObjectState::of(world, entity).is_there()
-            && let Some(id) = &state.id
-            && world.get::<SceneId>(entity) != Some(id)
-        {
-            world.entity_mut(entity).insert((id.clone(), Name::new(id.0.clone())));
+            scene,
+            entities,
+            marks,
+            written,
         }
+    }
+
+    fn before(&self, thing: Thing) -> Option<Thing> {
+        match thing {
+            Thing::Material(index) => self.materials[index].map(Thing::Material),
+            Thing::Group(index) => self.groups[index].map(Thing::Group),
+            Thing::Shape(index) => self.shapes[index].map(Thing::Shape),
+            Thing::Emitter(index) => self.emitters[index].map(Thing::Emitter),
+            Thing::Sensor(index) => self.sensors[index].map(Thing::Sensor),
+        }
+    }
+
+    /// What follows for the entities, if each thing of the file has one.
+    pub fn rebase(self) -> Result<Rebase, Self> {
+        let lists = [
+            &self.materials,
+            &self.groups,
+            &self.shapes,
+            &self.emitters,
+            &self.sensors,
+        ];
+        if lists.iter().any(|list| list.contains(&None)) {
+            return Err(self);
+        }
+        Ok(self.rebase_with(|| Entity::PLACEHOLDER))
+    }
+
+    /// What follows for the entities. `make` gives one for each thing that is only in the file.
+    pub fn rebase_with(self, mut make: impl FnMut() -> Entity) -> Rebase {
+        let mut all = |pairs: &[Option<usize>], known: &[Entity]| {
+            let entity = |pair: &Option<usize>| pair.map_or_else(&mut make, |index| known[index]);
+            pairs.iter().map(entity).collect()
+        };
+        let now = Entities {
+            materials: all(&self.materials, &self.entities.materials),
+            groups: all(&self.groups, &self.entities.groups),
+            shapes: all(&self.shapes, &self.entities.shapes),
+            emitters: all(&self.emitters, &self.entities.emitters),
+            sensors: all(&self.sensors, &self.entities.sensors),
+        };
+        let mut base = FileBase {
+            integrator: Some(self.written.integrator),
+            ..FileBase::default()
+        };
+        let mut given = Vec::new();
+        for thing in Thing::all(&self.written) {
+            let entity = thing.entity(&now);
+            let in_file = thing.state(&self.written, &now);
+            let mut here = match self.before(thing) {
+                Some(known) => ObjectState {
+                    hidden: self.marks.hidden.contains(&entity).then_some(Hidden),
+                    locked: self.marks.locked.contains(&entity).then_some(Locked),
+                    ..known.state(&self.scene, &self.entities)
+                },
+                None => ObjectState::default(),
+            };
+            if let Some(id) = in_file
+                .id
+                .clone()
+                .filter(|id| here.is_there() && here.id.as_ref() != Some(id))
+            {
+                here.name = Some(Name::new(id.0.clone()));
+                let before = here.id.replace(id.clone());
+                given.push((entity, before, id));
+            }
+            base.remember(entity, here, &in_file);
+        }
+        let claimed = now.all().collect();
+        (base.scene, base.entities) = (Arc::new(self.written), now);
+        Rebase {
+            rest: Box::new(Thing::all(&base.scene)),
+            base,
+            given,
+            claimed,
+        }
+    }
+}
+
+/// What was known of a file before it was written.
+pub(super) struct Old {
+    _base: Option<FileBase>,
+    _remains: Option<AuthoredScene>,
+}
+
+/// The update of the entities after saving, step by step.
+pub(super) struct Rebase {
+    base: FileBase,
+    /// The things whose entities do not have their new place in the file yet.
+    rest: Box<dyn Iterator<Item = Thing> + Send + Sync>,
+    /// The ids that things got when they were written, after those that they had.
+    given: Vec<(Entity, Option<SceneId>, SceneId)>,
+    claimed: EntityHashSet,
+}
+
+impl Rebase {
+    /// Tells the entities of this number of things where they are in the file; true once all of them know.
+    pub fn step(&mut self, world: &mut World, things: usize) -> bool {
+        let mut left = things;
+        while left > 0 {
+            let Some(thing) = self.rest.next() else {
+                return true;
+            };
+            left -= 1;
+            let entity = thing.entity(&self.base.entities);
+            set_authored(world, entity, thing.identity(&self.base.scene).authored.as_ref());
+        }
+        false
+    }
+
+    /// Completes what [`Self::step`] has begun, and returns the file's description. What was made in the editor belongs to the file from now on.
+    /// What was known of the old file is returned as well.
+    pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
+        for (entity, before, id) in self.given {
+            // Who has renamed it since keeps that.
+            if ObjectState::is_in_scene(world, entity) && world.get::<SceneId>(entity) == before.as_ref() {
+                let name = Name::new(id.0.clone());
+                world.entity_mut(entity).insert((id, name));
+            }
+        }
+        let written = self.base.scene.clone();
         // The memory of their places is shared with the new document.
-        if let Some(placements) = state
-            .placements
-            .clone()
-            .filter(|_| world.get::<Placements>(entity).is_some())
-        {
-            world.entity_mut(entity).insert(placements);
+        for (shape, &entity) in written.shapes.iter().zip(&self.base.entities.shapes) {
+            if let Some(placements) = &shape.placements
+                && world.get::<Placements>(entity).is_some()
+            {
+                world.entity_mut(entity).insert(placements.clone());
+            }
         }
-        base.remember(entity, ObjectState::of(world, entity), &state);
+        let mut others = world.query_filtered::<Entity, With<Authored>>();
+        let others: Vec<Entity> = (others.iter(world))
+            .filter(|entity| !self.claimed.contains(entity))
+            .collect();
+        for entity in others {
+            set_authored(world, entity, None);
+        }
+        for &camera in &self.base.entities.sensors {
+            if let Ok(mut camera) = world.get_entity_mut(camera) {
+                camera.remove::<StandInSensor>();
+            }
+        }
+        let old = Old {
+            _base: world.remove_resource(),
+            _remains: world.remove_resource(),
+        };
+        world.insert_resource(written.remains.clone());
+        world.insert_resource(self.base);
+        (written, old)
     }
-    let claimed: HashSet<Entity> = now.all().collect();
-    let mut others = world.query_filtered::<Entity, With<Authored>>();
-    let others: Vec<Entity> = others.iter(world).filter(|entity| !claimed.contains(entity)).collect();
-    for entity in others {
-        set_authored(world, entity, None);
-    }
-    for &camera in &now.sensors {
-        world.entity_mut(camera).remove::<StandInSensor>();
-    }
-    world.insert_resource(written.remains.clone());
-    (base.scene, base.entities) = (written, now);
-    world.insert_resource(base);
 }
 
 /// Finds for each written thing the known one that it is: the one with the same id, or else the next one without an id that is alike.

@@ -222,6 +222,7 @@ impl Plugin for EditorPlugin {
                         .chain()
                         .in_set(EditorSystems::Gather),
                     (
+                        commands::saving::go_on.run_if(resource_exists::<commands::saving::SaveUnderWay>),
                         commands::apply_commands,
                         commands::flight::fly_on,
                         commands::full_film::follow_awaited_image,
@@ -268,6 +269,8 @@ impl Plugin for EditorPlugin {
                     session::window_place::keep_on_screen,
                     automation::finish::drive_exit_door,
                     automation::finish::log_at_exit,
+                    commands::saving::finish_at_exit
+                        .run_if(resource_exists::<commands::saving::SaveUnderWay>.and_then(on_message::<AppExit>)),
                     session::preferences::remember,
                     session::stored_views::note_view,
                     session::recovery::plan_autosave,
@@ -279,6 +282,14 @@ impl Plugin for EditorPlugin {
         if let Some(moves) = options.measure_latency {
             picture::frame_times::time_drawing(app);
             app.insert_resource(automation::latency::LatencyProbe::new(moves))
+                .add_systems(
+                    First,
+                    automation::latency::begin_frame.after(picture::frame_times::time_frames),
+                )
+                .add_systems(
+                    Last,
+                    automation::latency::end_frame.after(picture::frame_times::time_systems),
+                )
                 .add_systems(
                     PostUpdate,
                     (

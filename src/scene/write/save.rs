@@ -1,20 +1,26 @@
 //! Saves the entities as a file. From then on the scene is that of the file.
+//!
+//! A save has three parts. What it needs is copied from the world ([`Save::begin`]). The files are written and read again, which may be done on
+//! another thread ([`Save::write`]). Then the world follows the new files ([`Written::follow`]), all at once or step by step. The scene may be
+//! edited between them: such edits are edits of the new file. Nothing else may read or write files of the scene meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::prelude::World;
 
-use super::changed::{OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
+use super::changed::{Expected, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
 use super::error::SaveError;
 use super::gather::{self, Entities};
 use super::known::KnownTexts;
 use super::{copy_parts, home, plan};
-use crate::document;
+use crate::document::{self, Diagnostics};
+use crate::files::{Access, FolderLock};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
-use crate::scene::{SceneDescription, loading, rebase};
+use crate::scene::rebase::{Marks, Old, Pairing, Rebase};
+use crate::scene::{SceneDescription, loading};
 
 /// The number of times that files are read again which change between reading and replacing them.
 const MOST_ATTEMPTS: usize = 5;
@@ -28,52 +34,160 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
 /// they were read is treated as `on_change` says. A sentence if the file cannot be opened again: nothing is lost, but something in it
 /// needs mending.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
-    let target = settle(path);
-    let _locks = lock_folders(world, &target)?;
-    let overwrites = on_change == OnChange::Overwrite;
     for _ in 0..MOST_ATTEMPTS {
+        if let Some(written) = Save::begin(world, path, on_change)?.write()? {
+            let mut following = written.follow(world);
+            while !following.step(world, usize::MAX) {}
+            return Ok(following.finish().0);
+        }
+    }
+    Err(SaveError::Restless { path: settle(path) })
+}
+
+/// A save that has begun: the scene as it is then, and what else is needed of the world.
+pub(crate) struct Save {
+    target: PathBuf,
+    scene: SceneDescription,
+    entities: Entities,
+    marks: Marks,
+    expected: Vec<Expected>,
+    overwrites: bool,
+    /// The values of the `$name`s of the scene where it was.
+    defines: Option<Vec<(String, String)>>,
+    access: Access,
+    /// The folders stay locked until the world follows.
+    locks: Vec<FolderLock>,
+}
+
+impl Save {
+    /// Copies the scene. What others changed in its files since they were read is treated first, as `on_change` says.
+    pub fn begin(world: &mut World, path: &Path, on_change: OnChange) -> Result<Self, SaveError> {
+        let target = settle(path);
+        let locks = lock_folders(world, &target)?;
+        let overwrites = on_change == OnChange::Overwrite;
         if !overwrites {
             take_in_changes(world, &target, on_change)?;
         }
         let (scene, entities) = gather::describe_entities(world);
+        let defines = world.get_resource::<SceneDefines>();
+        let defines = defines.map(|all| all.get(&home(&scene, &target)));
+        Ok(Self {
+            marks: Marks::of(world),
+            expected: expected_files(world, &target),
+            overwrites,
+            defines,
+            access: access(world, &target),
+            target,
+            scene,
+            entities,
+            locks,
+        })
+    }
+
+    /// Writes the files, and reads them again. None if others have changed them since the save began: nothing is written then.
+    pub fn write(self) -> Result<Option<Written>, SaveError> {
+        let Self { target, scene, .. } = self;
         let (files, moves) = plan(&scene, &target)?;
         copy_parts(&moves)?;
-        if let Some(written) = replace_files(&expected_files(world, &target), files, overwrites)? {
-            return Ok(follow(world, &target, &scene, &entities, written));
-        }
+        let Some(files) = replace_files(&self.expected, files, self.overwrites)? else {
+            return Ok(None);
+        };
+        let defines = self.defines.as_deref().unwrap_or_default();
+        let reading = read_again(&target, defines, self.access).map(|(read, diagnostics)| {
+            let pairing = Pairing::new(scene, self.entities, self.marks, read);
+            (pairing.rebase(), Arc::new(diagnostics))
+        });
+        Ok(Some(Written {
+            target,
+            files,
+            defines: self.defines,
+            reading,
+            locks: self.locks,
+        }))
     }
-    Err(SaveError::Restless { path: target })
 }
 
-/// The entities are the scene of the file that was just written of them. The error is that it cannot be read again.
-fn follow(
-    world: &mut World,
+/// Reads what was written. The error is that it cannot be read.
+fn read_again(
     target: &Path,
-    scene: &SceneDescription,
-    entities: &Entities,
-    written: Vec<(PathBuf, String)>,
-) -> Option<String> {
-    let mut known = world.get_resource_or_init::<KnownTexts>();
-    known.note_written(written);
-    let defines = world.get_resource::<SceneDefines>().map(|all| {
-        let of_old = all.get(&home(scene, target));
-        all.set(target.to_owned(), of_old.clone());
-        of_old
-    });
-    let access = access(world, target);
-    let mut document = match load_document(target, &defines.unwrap_or_default(), access) {
-        Ok(document) => document,
-        Err(error) => return Some(error.to_string()),
-    };
+    defines: &[(String, String)],
+    access: Access,
+) -> Result<(SceneDescription, Diagnostics), String> {
+    let mut document = load_document(target, defines, access).map_err(|error| error.to_string())?;
     let read = read::read(&mut document);
     let diagnostics = document.diagnostics;
     let is_error = |diagnostic: &&document::Diagnostic| diagnostic.severity == document::Severity::Error;
-    if let Some(first) = diagnostics.list.iter().find(is_error) {
-        return Some(diagnostics.line(first));
+    match diagnostics.list.iter().find(is_error) {
+        Some(first) => Err(diagnostics.line(first)),
+        None => Ok((read, diagnostics)),
     }
-    let read = Arc::new(read);
-    rebase::rebase(world, scene, entities, read.clone());
-    world.resource_mut::<KnownTexts>().forget();
-    loading::follow_file(world, target, diagnostics.into(), &read);
-    None
+}
+
+/// Files that were written, and what they say.
+pub(crate) struct Written {
+    target: PathBuf,
+    files: Vec<(PathBuf, String)>,
+    defines: Option<Vec<(String, String)>>,
+    reading: Result<(Result<Rebase, Pairing>, Arc<Diagnostics>), String>,
+    locks: Vec<FolderLock>,
+}
+
+impl Written {
+    /// Begins to make the entities the scene of the file.
+    pub fn follow(self, world: &mut World) -> Following {
+        world.get_resource_or_init::<KnownTexts>().note_written(self.files);
+        if let Some((all, defines)) = world.get_resource::<SceneDefines>().zip(self.defines) {
+            all.set(self.target.clone(), defines);
+        }
+        let reading = self.reading.map(|(rebase, diagnostics)| {
+            let rebase = rebase.unwrap_or_else(|pairing| pairing.rebase_with(|| world.spawn_empty().id()));
+            (rebase, diagnostics)
+        });
+        let (rest, trouble) = match reading {
+            Ok(rest) => (Some(rest), None),
+            Err(trouble) => (None, Some(trouble)),
+        };
+        Following {
+            target: self.target,
+            rest,
+            trouble,
+            old: None,
+            _locks: self.locks,
+        }
+    }
+}
+
+/// The part of a save in which the entities become the scene of the file.
+pub(crate) struct Following {
+    target: PathBuf,
+    /// None once that is done, or if the file could not be read.
+    rest: Option<(Rebase, Arc<Diagnostics>)>,
+    trouble: Option<String>,
+    /// What was known of the file before.
+    old: Option<Old>,
+    _locks: Vec<FolderLock>,
+}
+
+impl Following {
+    /// Goes on with this number of things; true once all is done.
+    pub fn step(&mut self, world: &mut World, things: usize) -> bool {
+        let Some((rebase, _)) = &mut self.rest else {
+            return true;
+        };
+        if !rebase.step(world, things) {
+            return false;
+        }
+        if let Some((rebase, diagnostics)) = self.rest.take() {
+            let (written, old) = rebase.finish(world);
+            self.old = Some(old);
+            world.get_resource_or_init::<KnownTexts>().forget();
+            loading::follow_file(world, &self.target, diagnostics, &written);
+        }
+        true
+    }
+
+    /// The reason why the file cannot be opened again as it is; and what is no longer needed, which takes time to drop if it was of a large scene.
+    pub fn finish(self) -> (Option<String>, impl Send + use<>) {
+        (self.trouble, self.old)
+    }
 }

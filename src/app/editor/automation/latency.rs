@@ -6,12 +6,15 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use tempfile::TempDir;
 
+use super::monkey::frames::Stopwatch;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::picture::frame_times::{Frame, FrameTimes, median};
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::picture::texture::Picture;
+use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::CommandQueue;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
 
@@ -24,6 +27,13 @@ pub struct LatencyProbe {
     kind: usize,
     results: Vec<f32>,
     frames: Vec<Frame>,
+    /// The present frame.
+    watch: Stopwatch,
+    /// The milliseconds that the last frame's systems took, without the time in which other threads had the cores.
+    unhindered: f32,
+    all_unhindered: Vec<f32>,
+    /// The folder that the scene is saved in.
+    folder: Option<TempDir>,
     /// The other value is next.
     skipped: bool,
     pub done: bool,
@@ -55,13 +65,15 @@ enum Act {
     OnShape(fn(Entity, usize) -> Command),
     /// The command for an act on one shape that only the panels show, and not the picture.
     InPanels(fn(Entity, usize) -> Command),
+    /// Saves the scene into a temporary file.
+    Save,
     /// Reads the file of the largest mesh again, as if it had changed: a new mesh and a new acceleration structure.
     ReadMesh,
 }
 
 /// The kinds of edits that are measured, with the rest before each: without a rest the picture counts as moving, see
 /// [`crate::app::editor::picture::motion`].
-const KINDS: [(&str, Act, Duration); 14] = [
+const KINDS: [(&str, Act, Duration); 15] = [
     ("fly", Act::Command(acts::fly), REST),
     ("fly on and on", Act::Command(acts::fly), Duration::ZERO),
     ("drag a mesh", Act::Command(acts::drag), REST),
@@ -75,12 +87,13 @@ const KINDS: [(&str, Act, Duration); 14] = [
     ("add", Act::Command(acts::add), REST),
     ("delete", Act::OnShape(|_, _| Command::Delete), REST),
     ("undo and redo", Act::Command(acts::undo), REST),
+    ("save", Act::Save, REST),
     ("read a mesh again", Act::ReadMesh, REST),
 ];
 
 impl Act {
     /// Does it; false where there is nothing to do it to.
-    fn begin(&self, world: &mut World, time: usize) -> bool {
+    fn begin(&self, world: &mut World, time: usize, folder: &mut Option<TempDir>) -> bool {
         match self {
             Self::Command(command) => {
                 let command = command(world, time);
@@ -96,13 +109,14 @@ impl Act {
                 world.resource_mut::<CommandQueue>().0.extend(commands);
                 true
             }
+            Self::Save => acts::save(world, folder).is_some(),
             Self::ReadMesh => acts::read_mesh(world).is_some(),
         }
     }
 
     /// Whether it changes the picture.
     fn shows_in_picture(&self) -> bool {
-        !matches!(self, Self::InPanels(_))
+        !matches!(self, Self::InPanels(_) | Self::Save)
     }
 }
 
@@ -114,6 +128,10 @@ impl LatencyProbe {
             kind: 0,
             results: Vec::new(),
             frames: Vec::new(),
+            watch: Stopwatch::start(),
+            unhindered: 0.0,
+            all_unhindered: Vec::new(),
+            folder: None,
             skipped: false,
             done: count == 0,
         }
@@ -122,9 +140,20 @@ impl LatencyProbe {
     fn next_kind(&mut self) {
         self.results.clear();
         self.frames.clear();
+        self.all_unhindered.clear();
         self.kind += 1;
         self.done = self.kind >= KINDS.len();
     }
+}
+
+/// Begins to measure a frame. To run on the thread of the other systems.
+pub(crate) fn begin_frame(mut probe: ResMut<LatencyProbe>) {
+    probe.watch = Stopwatch::start();
+}
+
+/// Ends what [`begin_frame`] began.
+pub(crate) fn end_frame(mut probe: ResMut<LatencyProbe>) {
+    probe.unhindered = 1e3 * probe.watch.elapsed().own.as_secs_f32();
 }
 
 /// Says the next command, as a panel would.
@@ -141,7 +170,8 @@ pub fn act_for_probe(world: &mut World) {
         && since.elapsed() >= KINDS[probe.kind].2
     {
         let (name, act, _) = &KINDS[probe.kind];
-        if act.begin(world, probe.results.len() + usize::from(probe.skipped)) {
+        let time = probe.results.len() + usize::from(probe.skipped);
+        if act.begin(world, time, &mut probe.folder) {
             probe.phase = Phase::Waiting {
                 since: Instant::now(),
                 job: world.resource::<RenderFilm>().job,
@@ -163,8 +193,11 @@ pub fn watch_probe(
     picture: Res<Picture>,
     frames: Res<FrameTimes>,
     status: Res<RenderStatus>,
+    history: Res<History>,
 ) {
     probe.frames.push(frames.last_frame());
+    let unhindered = probe.unhindered;
+    probe.all_unhindered.push(unhindered);
     let in_picture = KINDS.get(probe.kind).is_some_and(|(_, act, _)| act.shows_in_picture());
     let Phase::Waiting {
         since,
@@ -179,7 +212,7 @@ pub fn watch_probe(
     let is_shown = match in_picture {
         true => film.job != *job && picture.revision != *revision,
         // The panels are of the frame after the one in which a command is applied.
-        false => ended_before > 0,
+        false => ended_before > 0 && !history.is_saving(),
     };
     *ended += 1;
     if since.elapsed() > PATIENCE {
@@ -208,18 +241,20 @@ pub fn watch_probe(
         status.size.x,
         status.size.y,
     ));
-    let figures = |name: &str, part: fn(&Frame) -> Option<f32>| {
-        let times: Vec<f32> = probe.frames.iter().filter_map(part).collect();
-        let [median, most, worst] = [0.5, 0.95, 1.0].map(|q| of(&times, q));
+    let figures = |name: &str, times: &[f32]| {
+        let [median, most, worst] = [0.5, 0.95, 1.0].map(|q| of(times, q));
         say(format_args!(
             "  {name}: median {median:.1} ms, 95 % {most:.1} ms, worst {worst:.1} ms"
         ));
     };
-    figures("frames from one to the next", |frame| frame.whole);
-    figures("  of that the window's own systems", |frame| Some(frame.own));
-    figures("  beside them the drawing thread and the driver", |frame| {
-        Some(frame.drawing)
-    });
+    let part = |part: fn(&Frame) -> Option<f32>| -> Vec<f32> { probe.frames.iter().filter_map(part).collect() };
+    figures("frames from one to the next", &part(|frame| frame.whole));
+    figures("  of that the window's own systems", &part(|frame| Some(frame.own)));
+    figures("    without waits for a core", &probe.all_unhindered);
+    figures(
+        "  beside them the drawing thread and the driver",
+        &part(|frame| Some(frame.drawing)),
+    );
     probe.next_kind();
 }
 

@@ -17,7 +17,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::{FileFormat, ImageIoError, write_image, write_png, write_to_temporary_folder};
-use crate::scene::write::{self, OnChange};
+use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
 
 /// The path of texts of the clipboard: files in them are named in full.
@@ -84,7 +84,15 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         return Err(CommandError::file("A scene is still being read."));
     }
-    let trouble = match write::save_with(world, path, on_change) {
+    world.resource_mut::<History>().begin_save();
+    let result = write::save_with(world, path, on_change);
+    end_save(world, path, result)
+}
+
+/// Tells how a save has ended, or asks the user.
+pub fn end_save(world: &mut World, path: &Path, result: Result<Option<String>, SaveError>) -> Result<(), CommandError> {
+    world.resource_mut::<History>().end_save(result.is_ok());
+    let trouble = match result {
         Ok(trouble) => trouble,
         Err(error) => {
             let question = SaveQuestion::about(&error, path).ok_or_else(|| CommandError::file(error))?;
@@ -92,7 +100,6 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
             return Ok(());
         }
     };
-    world.resource_mut::<History>().note_saved();
     say_saved(
         world,
         match trouble {

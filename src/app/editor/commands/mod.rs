@@ -22,6 +22,7 @@ mod mixing;
 mod pictures;
 mod placing;
 mod projection;
+pub(crate) mod saving;
 pub mod scene_watch;
 pub(crate) mod seeing;
 mod several;
@@ -88,7 +89,11 @@ pub(crate) fn apply_commands(world: &mut World) {
         motion.note_change();
     }
     for command in commands {
-        let Err(error) = apply(world, command) else { continue };
+        let result = match saving::begin(world, &command) {
+            Ok(false) => apply(world, command),
+            begun => begun.map(|_| ()),
+        };
+        let Err(error) = result else { continue };
         let mut toasts = world.resource_mut::<Toasts>();
         match error {
             CommandError::Refused(reason) => toasts.reject(reason),
@@ -128,6 +133,7 @@ fn note_input(world: &mut World, restarts: bool) {
 /// Does what the command says. After an error nothing is changed.
 pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
     flight::make_way(world, &command);
+    saving::make_way(world, &command)?;
     let lesson = world
         .get_resource::<Tutorial>()
         .filter(|tutorial| tutorial.step.is_some())

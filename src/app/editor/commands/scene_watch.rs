@@ -23,11 +23,11 @@ use crate::document::Severity;
 use crate::engine::{PackedScene, RenderControl, SightControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
 
-/// Holds changes of the scene's file back while the user is asked about them.
-pub(crate) fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>) {
-    let is_asked = requests.save_question.is_some();
-    if file.is_held() != is_asked {
-        file.hold(is_asked);
+/// Holds changes of the scene's file back while the user is asked about them, and while it is being saved.
+pub(crate) fn hold_reloads(requests: Res<Requests>, history: Res<History>, mut file: ResMut<SceneFile>) {
+    let holds = requests.save_question.is_some() || history.is_saving();
+    if file.is_held() != holds {
+        file.hold(holds);
     }
 }
 

@@ -212,6 +212,7 @@ pub fn gather_status(
         paused: settings.control.paused,
         scene: scene.path.clone(),
         unsaved: !history.is_saved(),
+        being_saved: history.is_being_saved(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(),
         awaited_image: picture.awaited_image.as_deref().cloned(),

@@ -299,6 +299,8 @@ pub struct StatusModel {
     pub scene: Option<PathBuf>,
     /// Whether there are edits that no file has.
     pub unsaved: bool,
+    /// Whether all of these are being saved.
+    pub being_saved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
     /// Whether a denoised picture is shown or on its way.

@@ -275,7 +275,8 @@ pub(crate) fn plan_autosave(
     let is_over = !interval.is_zero() && since.elapsed() >= interval;
     // Another scene may be about to replace this one, whose edits will not be needed then; but until it has, they exist nowhere else.
     let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
-    recovery.is_due = breaks_off || is_over && is_staying;
+    // While the scene is being saved its entities are not all of one file.
+    recovery.is_due = breaks_off || is_over && is_staying && !history.is_saving();
 }
 
 /// Whether [`autosave`] is to run in this frame.

@@ -255,7 +255,7 @@ pub fn show_window(
     let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
     let unsaved = UnsavedState {
         name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
-        edits: model.status.unsaved,
+        edits: model.status.unsaved && !model.status.being_saved,
         dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
     };
     shell.unsaved_question.hold(commands, unsaved.edits);

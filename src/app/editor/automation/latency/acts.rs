@@ -2,6 +2,7 @@
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
+use tempfile::TempDir;
 
 use super::super::script::assign;
 use crate::app::editor::camera::pose::view_pose;
@@ -9,6 +10,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::session::history::History;
+use crate::app::editor::session::requests::CommandQueue;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::{
     AreaLight, Emitter, Hidden, Material, MeshHandle, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
@@ -42,6 +44,16 @@ pub fn read_mesh(world: &mut World) -> Option<()> {
     let (entity, _) = largest_mesh(world)?;
     let path = world.get::<MeshHandle>(entity)?.0.path()?.clone();
     world.resource::<AssetServer>().reload(path);
+    Some(())
+}
+
+/// Saves the scene into this folder, which is made if there is none yet.
+pub fn save(world: &mut World, folder: &mut Option<TempDir>) -> Option<()> {
+    if folder.is_none() {
+        *folder = tempfile::tempdir().ok();
+    }
+    let path = folder.as_ref()?.path().join("scene.xml");
+    world.resource_mut::<CommandQueue>().0.push(Command::SaveScene(path));
     Some(())
 }
 

@@ -10,7 +10,7 @@ mod act;
 mod acts;
 pub mod edits;
 mod folder;
-mod frames;
+pub(super) mod frames;
 pub mod gauge;
 mod play;
 pub mod random;

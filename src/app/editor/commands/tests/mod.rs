@@ -8,6 +8,7 @@ mod grouping;
 mod materials;
 mod placing;
 mod projecting;
+mod saving;
 mod seeing;
 
 use std::path::{Path, PathBuf};

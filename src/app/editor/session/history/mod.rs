@@ -24,16 +24,30 @@ pub(crate) const MOST_ENTRIES: usize = 1000;
 /// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
 pub(crate) const MOST_BYTES: usize = 64 << 20;
 
+/// The state of the history that a file has.
+#[derive(Clone, Copy, Debug, Default)]
+struct SavedState {
+    /// The last entry done; None: before all of them.
+    at: Option<u64>,
+    /// It cannot be reached any more.
+    is_lost: bool,
+}
+
+impl SavedState {
+    fn is_at(&self, position: Option<u64>) -> bool {
+        !self.is_lost && position == self.at
+    }
+}
+
 /// The steps that can be undone and redone.
 #[derive(Resource, Debug, Default)]
 pub struct History {
     done: Vec<Entry>,
     undone: Vec<Entry>,
     next_number: u64,
-    /// The last entry done when the scene was saved; None: before all of them.
-    saved_at: Option<u64>,
-    /// The state that was saved cannot be reached any more.
-    saved_is_lost: bool,
+    saved: SavedState,
+    /// The state that is being saved.
+    being_saved: Option<SavedState>,
     /// The oldest entries are gone.
     has_forgotten: bool,
     /// Entities that were named by entries that are gone.
@@ -93,30 +107,55 @@ impl History {
 
     /// Whether the scene is as the file has it.
     pub fn is_saved(&self) -> bool {
-        !self.saved_is_lost && self.position() == self.saved_at
+        self.saved.is_at(self.position())
     }
 
     /// Notes that the file holds the scene as it is now.
     pub fn note_saved(&mut self) {
-        self.saved_at = self.position();
-        self.saved_is_lost = false;
+        self.begin_save();
+        self.end_save(true);
+    }
+
+    /// Notes that the scene as it is now is being saved.
+    pub(crate) fn begin_save(&mut self) {
+        self.being_saved = Some(SavedState {
+            at: self.position(),
+            is_lost: false,
+        });
         // The next edit is a step of its own, because this one is in the file.
         if let Some(entry) = self.done.last_mut() {
             entry.merge = None;
         }
     }
 
+    /// Notes that the file holds the scene as it was at [`Self::begin_save`], or that it could not be saved.
+    pub(crate) fn end_save(&mut self, is_saved: bool) {
+        if let Some(state) = self.being_saved.take().filter(|_| is_saved) {
+            self.saved = state;
+        }
+    }
+
+    /// Whether a save is under way.
+    pub(crate) fn is_saving(&self) -> bool {
+        self.being_saved.is_some()
+    }
+
+    /// Whether the scene as it is now is being saved.
+    pub(crate) fn is_being_saved(&self) -> bool {
+        self.being_saved.is_some_and(|state| state.is_at(self.position()))
+    }
+
     /// Notes that no file holds the scene.
     pub fn note_unsaved(&mut self) {
-        self.saved_is_lost = true;
+        self.saved.is_lost = true;
     }
 
     fn push(&mut self, entry: Entry) {
         if entry.is_empty() {
             return;
         }
-        if let Some(saved) = self.saved_at {
-            self.saved_is_lost |= self.undone.iter().any(|entry| entry.number == saved);
+        for state in std::iter::once(&mut self.saved).chain(&mut self.being_saved) {
+            state.is_lost |= self.undone.iter().any(|entry| Some(entry.number) == state.at);
         }
         let undone = self.undone.drain(..).flat_map(Entry::into_entities);
         self.named_once.extend(undone);
@@ -145,10 +184,12 @@ impl History {
         let kept = kept.count().max(1);
         for forgotten in self.done.drain(..self.done.len().saturating_sub(kept)) {
             self.has_forgotten = true;
-            match self.saved_at {
-                Some(saved) if saved == forgotten.number => self.saved_at = None,
-                None => self.saved_is_lost = true,
-                Some(_) => {}
+            for state in std::iter::once(&mut self.saved).chain(&mut self.being_saved) {
+                match state.at {
+                    Some(saved) if saved == forgotten.number => state.at = None,
+                    None => state.is_lost = true,
+                    Some(_) => {}
+                }
             }
             self.named_once.extend(forgotten.into_entities());
         }
@@ -161,7 +202,8 @@ const GONE_AT_ONCE: usize = 512;
 /// Despawns entities that were deleted, cannot come back by undo or redo, and are not deleted from the file as well: a reload must know the latter.
 pub(crate) fn despawn_forgotten(world: &mut World) {
     let mut history = world.resource_mut::<History>();
-    if history.named_once.len() < GONE_AT_ONCE {
+    // A save that is under way knows entities by their ids.
+    if history.named_once.len() < GONE_AT_ONCE || history.is_saving() {
         return;
     }
     let gone = std::mem::take(&mut history.named_once);

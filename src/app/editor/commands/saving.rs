@@ -1,0 +1,205 @@
+//! Saves large scenes on another thread while the user goes on. What is saved is the scene as it was when that was asked for; edits made meanwhile are
+//! edits of the new file. Commands that read or write files of the scene, and the end of the program, wait for it.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
+
+use super::files;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::session::history::History;
+use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::tutorial::Tutorial;
+use crate::scene::write::{Following, OnChange, Save, SaveError, Written};
+use crate::scene::{DocumentOrder, SceneState, SceneStatus};
+
+/// From this number of things on a save is done on another thread; smaller scenes are saved within a frame.
+const MANY: usize = 4096;
+/// The part of a frame in which the entities follow the new file.
+const LONGEST: Duration = Duration::from_millis(10);
+/// The things that follow between two looks at the clock.
+const STEP: usize = 256;
+
+/// The save that is under way.
+#[derive(Resource)]
+pub(crate) struct SaveUnderWay {
+    request: Request,
+    stage: Stage,
+}
+
+struct Request {
+    command: Command,
+    path: PathBuf,
+    on_change: OnChange,
+}
+
+enum Stage {
+    Writing(Task<Result<Option<Written>, SaveError>>),
+    Following(Following),
+}
+
+fn pool() -> &'static AsyncComputeTaskPool {
+    AsyncComputeTaskPool::get_or_init(TaskPool::default)
+}
+
+/// Where and how a command saves the scene.
+fn target(world: &World, command: &Command) -> Option<(PathBuf, OnChange)> {
+    match command {
+        Command::Save => Some((world.resource::<SceneStatus>().path.clone()?, OnChange::Refuse)),
+        Command::SaveScene(path) => Some((path.clone(), OnChange::Refuse)),
+        Command::SaveChanged(path, on_change) => Some((path.clone(), *on_change)),
+        _ => None,
+    }
+}
+
+/// Begins to save a large scene. False, and nothing is done, for other commands and scenes.
+pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError> {
+    let Some((path, on_change)) = target(world, command) else {
+        return Ok(false);
+    };
+    let count = world.query::<&DocumentOrder>().iter(world).len();
+    if count < MANY || world.resource::<SceneStatus>().state == SceneState::Loading {
+        return Ok(false);
+    }
+    make_way(world, command)?;
+    let started = Instant::now();
+    let save = match Save::begin(world, &path, on_change) {
+        Ok(save) => save,
+        Err(error) => return files::end_save(world, &path, Err(error)).map(|()| true),
+    };
+    debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
+    world.resource_mut::<History>().begin_save();
+    world
+        .resource_mut::<Toasts>()
+        .info(format!("Saving {}", path.display()));
+    let writing = pool().spawn(async move { save.write() });
+    world.insert_resource(SaveUnderWay {
+        request: Request {
+            command: command.clone(),
+            path,
+            on_change,
+        },
+        stage: Stage::Writing(writing),
+    });
+    Ok(true)
+}
+
+/// Goes on with the save that is under way, in every frame.
+pub(crate) fn go_on(world: &mut World) {
+    let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {
+        return;
+    };
+    match stage {
+        Stage::Writing(mut writing) => match check_ready(&mut writing) {
+            Some(result) => tell(world, |world| written(world, request, result)),
+            None => {
+                let stage = Stage::Writing(writing);
+                world.insert_resource(SaveUnderWay { request, stage });
+            }
+        },
+        Stage::Following(mut following) => {
+            let begun = Instant::now();
+            while begun.elapsed() < LONGEST {
+                if following.step(world, STEP) {
+                    return tell(world, |world| followed(world, request, following));
+                }
+            }
+            let stage = Stage::Following(following);
+            world.insert_resource(SaveUnderWay { request, stage });
+        }
+    }
+}
+
+/// Waits for the end of the save that is under way, if there is one. The error is that it failed.
+pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
+    while let Some(SaveUnderWay { request, stage }) = world.remove_resource() {
+        match stage {
+            Stage::Writing(writing) => written(world, request, block_on(writing))?,
+            Stage::Following(mut following) => {
+                while !following.step(world, STEP) {}
+                followed(world, request, following)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Lets a save that is under way end before the program does.
+pub(crate) fn finish_at_exit(world: &mut World) {
+    if let Err(error) = finish(world) {
+        error!("The scene could not be saved: {error}");
+    }
+}
+
+/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves is done.
+pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
+    let saves = matches!(
+        command,
+        Command::Save | Command::SaveScene(_) | Command::SaveChanged(..)
+    );
+    let waits = saves
+        || matches!(
+            command,
+            Command::NewScene
+                | Command::OpenScene(_)
+                | Command::ReloadScene
+                | Command::RevertScene
+                | Command::Quit
+                | Command::Shell(ShellCommand::Recover(_))
+        );
+    match waits {
+        true if saves => {
+            tell(world, finish);
+            Ok(())
+        }
+        true => finish(world),
+        false => Ok(()),
+    }
+}
+
+fn tell(world: &mut World, act: impl FnOnce(&mut World) -> Result<(), CommandError>) {
+    if let Err(error) = act(world) {
+        let mut toasts = world.resource_mut::<Toasts>();
+        toasts.error(Topic::Saving, error.to_string(), None);
+    }
+}
+
+/// The files are written, or could not be.
+fn written(
+    world: &mut World,
+    request: Request,
+    result: Result<Option<Written>, SaveError>,
+) -> Result<(), CommandError> {
+    match result {
+        Ok(Some(written)) => {
+            let stage = Stage::Following(written.follow(world));
+            world.insert_resource(SaveUnderWay { request, stage });
+            Ok(())
+        }
+        // Others have changed the files in this very moment.
+        Ok(None) => {
+            world.resource_mut::<History>().end_save(false);
+            files::save_scene(world, &request.path, request.on_change)
+        }
+        Err(error) => files::end_save(world, &request.path, Err(error)),
+    }
+}
+
+/// The scene is that of the file.
+fn followed(world: &mut World, request: Request, following: Following) -> Result<(), CommandError> {
+    let (trouble, old) = following.finish();
+    pool().spawn(async move { drop(old) }).detach();
+    files::end_save(world, &request.path, Ok(trouble))?;
+    let is_saved = world.resource::<History>().is_saved();
+    if let Some(mut tutorial) = world.get_resource_mut::<Tutorial>()
+        && tutorial.step.is_some()
+    {
+        tutorial.note(&request.command, is_saved);
+    }
+    Ok(())
+}

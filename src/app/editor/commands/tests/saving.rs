@@ -1,0 +1,134 @@
+//! Large scenes are saved on another thread while edits go on.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::app::editor::commands::saving::{SaveUnderWay, finish, go_on};
+use crate::files::{LARGEST_DATA, read_text};
+use crate::scene::{ReloadSummary, SceneDescription, SceneStatus, read, spawn};
+
+/// More than are saved within a frame.
+const BALLS: usize = 4200;
+
+struct Large {
+    world: World,
+    path: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl Large {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("scene.xml");
+        let balls: String = (0..BALLS)
+            .map(|ball| format!("  <shape type='sphere' id='ball-{ball}'/>\n"))
+            .collect();
+        let text =
+            format!("<scene version='3.0.0'>\n  <!-- balls -->\n  <sensor type='perspective'/>\n{balls}</scene>\n");
+        std::fs::write(&path, text).expect("a file");
+        let mut world = bare_world();
+        world.init_resource::<Messages<AppExit>>();
+        spawn::spawn_fresh(&mut world, &Arc::new(read_scene(&path)));
+        world.resource_mut::<SceneStatus>().path = Some(path.clone());
+        Self {
+            world,
+            path,
+            _folder: folder,
+        }
+    }
+
+    fn ball(&mut self, id: &str) -> Entity {
+        let mut all = self.world.query::<(Entity, &SceneId)>();
+        let found = all.iter(&self.world).find(|(_, its)| its.0 == id);
+        found.expect("it is there").0
+    }
+
+    fn place(&mut self, id: &str, x: f32) {
+        let ball = self.ball(id);
+        let pose = Affine3A::from_translation(Vec3::X * x);
+        say(&mut self.world, Command::Transform(vec![(ball, pose)]));
+    }
+
+    fn is_saved(&self) -> bool {
+        self.world.resource::<History>().is_saved()
+    }
+
+    fn text(&self) -> String {
+        read_text(&self.path, LARGEST_DATA).expect("a file")
+    }
+
+    /// What a reload of the file changes.
+    fn reload(&mut self) -> ReloadSummary {
+        let scene = Arc::new(read_scene(&self.path));
+        spawn::update(&mut self.world, &scene)
+    }
+}
+
+fn read_scene(path: &Path) -> SceneDescription {
+    read::read(&mut crate::document::load(path, &[]).expect("a scene"))
+}
+
+#[test]
+fn a_save_has_what_was_there_when_it_was_asked_for() {
+    let mut large = Large::new();
+    large.place("ball-7", 1.5);
+    say(&mut large.world, Command::Save);
+    assert!(large.world.contains_resource::<SaveUnderWay>() && !large.is_saved());
+    assert!(large.world.resource::<History>().is_being_saved());
+    large.place("ball-7", 2.5);
+    let gone = large.ball("ball-8");
+    say(&mut large.world, Command::Select(vec![gone], Extend::Replace));
+    say(&mut large.world, Command::Delete);
+    say(&mut large.world, Command::Add(AdditionKind::Cube.into()));
+    assert!(!large.world.resource::<History>().is_being_saved());
+    while large.world.contains_resource::<SaveUnderWay>() {
+        go_on(&mut large.world);
+    }
+    let text = large.text();
+    let has = |what: &str| text.contains(what);
+    assert!(has("1.5") && has("'ball-8'") && has("<!-- balls -->"));
+    assert!(!has("2.5") && !has("cube") && !large.is_saved());
+    // The edits are edits of the new file.
+    let summary = large.reload();
+    assert_eq!(
+        (summary.added, summary.changed, summary.removed, summary.replaced),
+        (0, 0, 0, 0)
+    );
+    let pose = large.ball("ball-7");
+    let pose = large.world.get::<ToWorld>(pose).expect("it has a place");
+    assert_eq!(pose.0.translation.x, 2.5);
+    for _ in 0..3 {
+        say(&mut large.world, Command::Undo);
+    }
+    assert!(large.is_saved());
+    assert!(large.reload().is_unchanged());
+    for _ in 0..3 {
+        say(&mut large.world, Command::Redo);
+    }
+    say(&mut large.world, Command::Save);
+    finish(&mut large.world).expect("saved");
+    let text = large.text();
+    assert!(text.contains("2.5") && text.contains("cube") && !text.contains("'ball-8'"));
+    assert!(large.is_saved() && large.reload().is_unchanged());
+}
+
+#[test]
+fn the_end_waits_for_a_save_and_does_not_come_after_a_failure() {
+    let mut large = Large::new();
+    large.place("ball-7", 1.5);
+    let nowhere = large.path.join("scene.xml");
+    large.world.resource_mut::<CommandQueue>().0 = vec![Command::SaveScene(nowhere), Command::Quit];
+    apply_commands(&mut large.world);
+    assert!(large.world.resource::<Messages<AppExit>>().is_empty() && !large.is_saved());
+    assert!(
+        large
+            .world
+            .resource::<Toasts>()
+            .texts()
+            .any(|text| text.contains("scene.xml/scene.xml"))
+    );
+    large.world.resource_mut::<CommandQueue>().0 = vec![Command::Save, Command::Quit];
+    apply_commands(&mut large.world);
+    assert!(!large.world.resource::<Messages<AppExit>>().is_empty() && large.is_saved());
+    assert!(large.text().contains("1.5"));
+}
