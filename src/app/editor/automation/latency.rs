@@ -215,7 +215,7 @@ pub fn watch_probe(
         false => ended_before > 0 && !history.is_saving(),
     };
     *ended += 1;
-    if since.elapsed() > PATIENCE {
+    if since.elapsed() > PATIENCE && !history.is_saving() {
         // The value was there already: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
         probe.skipped = !probe.skipped;
