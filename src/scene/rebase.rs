@@ -82,7 +82,7 @@ impl Pairing {
     }
 
     /// What follows for the entities, if each thing of the file has one.
-    pub fn rebase(self) -> Result<Rebase, Self> {
+    pub fn rebase(self) -> Result<Rebase, Box<Self>> {
         let lists = [
             &self.materials,
             &self.groups,
@@ -91,7 +91,7 @@ impl Pairing {
             &self.sensors,
         ];
         if lists.iter().any(|list| list.contains(&None)) {
-            return Err(self);
+            return Err(Box::new(self));
         }
         Ok(self.rebase_with(|| Entity::PLACEHOLDER))
     }

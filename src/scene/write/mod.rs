@@ -64,8 +64,8 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
         return Ok((vec![(target, text)], moves));
     };
     let mut document = in_place(scene, &target);
-    // Parts of glTF files that were opened in the meantime are moved.
-    let moves = parts::take_along(Arc::make_mut(&mut document.root), &target);
+    // Parts of glTF files that were opened in the meantime, and meshes that were made, are moved.
+    let moves = parts::take_along(Arc::make_mut(&mut document.root), folder(&settle(&origin.path)), &target);
     let files = with_destination(scene, &target, MeshSearch::new, |destination| {
         revise(origin, &document, destination)
     })?;
@@ -148,7 +148,7 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
             move_files(Arc::make_mut(&mut document.root), origin, destination);
         });
     }
-    let moves = parts::take_along(Arc::make_mut(&mut document.root), target);
+    let moves = parts::take_along(Arc::make_mut(&mut document.root), folder(target), target);
     (document, moves)
 }
 

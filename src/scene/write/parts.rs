@@ -11,15 +11,14 @@ use crate::scene::assets::parts_cache::is_part;
 /// The paths at which parts are, with those that they go to, absolute.
 pub type Moves = BTreeMap<PathBuf, PathBuf>;
 
-/// Renames the parts that are named in a document which will be written to `target` (absolute).
-pub fn take_along(root: &mut Object, target: &Path) -> Moves {
+/// Renames the parts that are named in a document which will be written to `target` (absolute). Names are relative to `folder`, before and after.
+pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
     let mut moves = Moves::new();
-    rename_inside(root, target, &mut moves);
+    rename_inside(root, folder, target, &mut moves);
     moves
 }
 
-fn rename_inside(object: &mut Object, target: &Path, moves: &mut Moves) {
-    let folder = target.parent().unwrap_or(Path::new("/"));
+fn rename_inside(object: &mut Object, folder: &Path, target: &Path, moves: &mut Moves) {
     for property in &mut object.properties {
         let Value::String(name) = &mut property.value else {
             continue;
@@ -31,7 +30,7 @@ fn rename_inside(object: &mut Object, target: &Path, moves: &mut Moves) {
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child {
-            rename_inside(Arc::make_mut(inner), target, moves);
+            rename_inside(Arc::make_mut(inner), folder, target, moves);
         }
     }
 }

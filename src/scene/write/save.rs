@@ -128,7 +128,7 @@ pub(crate) struct Written {
     target: PathBuf,
     files: Vec<(PathBuf, String)>,
     defines: Option<Vec<(String, String)>>,
-    reading: Result<(Result<Rebase, Pairing>, Arc<Diagnostics>), String>,
+    reading: Result<(Result<Rebase, Box<Pairing>>, Arc<Diagnostics>), String>,
     locks: Vec<FolderLock>,
 }
 

@@ -40,7 +40,7 @@ struct Request {
 
 enum Stage {
     Writing(Task<Result<Option<Written>, SaveError>>),
-    Following(Following),
+    Following(Box<Following>),
 }
 
 fn pool() -> &'static AsyncComputeTaskPool {
@@ -106,7 +106,7 @@ pub(crate) fn go_on(world: &mut World) {
             let begun = Instant::now();
             while begun.elapsed() < LONGEST {
                 if following.step(world, STEP) {
-                    return tell(world, |world| followed(world, request, following));
+                    return tell(world, |world| followed(world, request, *following));
                 }
             }
             let stage = Stage::Following(following);
@@ -122,7 +122,7 @@ pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
             Stage::Writing(writing) => written(world, request, block_on(writing))?,
             Stage::Following(mut following) => {
                 while !following.step(world, STEP) {}
-                followed(world, request, following)?;
+                followed(world, request, *following)?;
             }
         }
     }
@@ -177,7 +177,7 @@ fn written(
 ) -> Result<(), CommandError> {
     match result {
         Ok(Some(written)) => {
-            let stage = Stage::Following(written.follow(world));
+            let stage = Stage::Following(Box::new(written.follow(world)));
             world.insert_resource(SaveUnderWay { request, stage });
             Ok(())
         }
