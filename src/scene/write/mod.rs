@@ -65,7 +65,11 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
     };
     let mut document = in_place(scene, &target);
     // Parts of glTF files that were opened in the meantime, and meshes that were made, are moved.
-    let moves = parts::take_along(Arc::make_mut(&mut document.root), folder(&settle(&origin.path)), &target);
+    let moves = parts::take_along(
+        Arc::make_mut(&mut document.root),
+        folder(&settle(&origin.path)),
+        &target,
+    );
     let files = with_destination(scene, &target, MeshSearch::new, |destination| {
         revise(origin, &document, destination)
     })?;

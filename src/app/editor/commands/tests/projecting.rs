@@ -6,7 +6,7 @@ use super::*;
 use crate::app::editor::command::texture_placing::texture_groups;
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
 use crate::geometry::ply::load_ply;
-use crate::scene::{DocumentOrder, MeshFile, Solid, Texture};
+use crate::scene::{DocumentOrder, MeshFile, SceneStatus, Solid, Texture, spawn};
 
 fn board(world: &mut World) -> Entity {
     let board = Texture::Checkerboard {
@@ -186,4 +186,40 @@ fn what_has_no_surface_or_no_size_is_refused() {
     for tile in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(refused(&mut world, vec![cube], tile), "{tile}");
     }
+}
+
+/// Meshes that were made stay in a cache until the scene is saved, and go with it wherever it is saved.
+#[test]
+fn a_scene_that_is_saved_elsewhere_takes_its_new_meshes_along() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [old, new] = ["old/scene.xml", "new/deeper/scene.xml"].map(|name| folder.path().join(name));
+    for path in [&old, &new] {
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
+    }
+    std::fs::write(
+        &old,
+        "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere' id='a'/></scene>",
+    )
+    .expect("a file");
+    let mut world = bare_world();
+    world.init_resource::<SceneStatus>();
+    let mut document = crate::document::load(&old, &[]).expect("a scene");
+    spawn::spawn_fresh(
+        &mut world,
+        &std::sync::Arc::new(crate::scene::read::read(&mut document)),
+    );
+    world.resource_mut::<SceneStatus>().path = Some(old);
+    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
+    let ball = shapes.single(&world).expect("a ball");
+    project(&mut world, &[ball], ProjectedFrom::Box, 0.5);
+    apply(&mut world, Command::SaveScene(new.clone())).expect("it can be saved");
+    let text = crate::files::read_text(&new, crate::files::LARGEST_NOTE).expect("a file");
+    let name = text
+        .split("scene-files/")
+        .nth(1)
+        .and_then(|rest| rest.split('"').next());
+    let part = new
+        .with_file_name("scene-files")
+        .join(name.expect("the mesh is beside the scene"));
+    assert!(part.is_file(), "{text}");
 }
