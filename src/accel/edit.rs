@@ -3,7 +3,7 @@
 //! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which is built anew for every edit.
 //! Rays hit the same as in a hierarchy that is built anew over everything. Only distances may be rounded otherwise, because other shapes share a block.
 //!
-//! Rays take longer the more is beside it. A hierarchy that [is worn](Tlas::is_worn) is [built anew](Tlas::rebuilt) on another thread, and edits that
+//! The more shapes are beside it, the longer rays take. A hierarchy that [is worn](Tlas::is_worn) is [built anew](Tlas::rebuilt) on another thread, and edits that
 //! were made meanwhile are made again on the result ([`Tlas::after_edits`]).
 
 use super::build::SplitMethod;

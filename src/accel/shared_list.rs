@@ -52,7 +52,7 @@ impl<T> SharedList<T> {
         (0..self.len()).map(|index| &self[index])
     }
 
-    /// This is kept out of line, so that it does not weigh on what reads lists without edits.
+    /// This is kept out of line, so that reading a list without edits stays fast.
     #[inline(never)]
     fn get_edited<'a>(&'a self, edits: &'a Edits<T>, index: usize) -> Option<&'a T> {
         let place = *edits.places.get(index)? as usize;

@@ -45,7 +45,7 @@ pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) ->
 /// Joins a new wall to those that stand where it begins and ends.
 fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
     // The pose of a member of a group is not its place in the world, and hidden walls are not seen.
-    type Free = (Without<MemberOf>, Without<Hidden>, Without<Locked>);
+    type Free = (Without<MemberOf>, Without<Hidden>);
     let mut shapes = edit.world.query_filtered::<(Entity, &Shape, &ToWorld), Free>();
     let walls: Vec<StandingWall> = shapes
         .iter(edit.world)
@@ -54,6 +54,9 @@ fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
     let joints = joints(block, &walls);
     block.lengthen(joints.outwards);
     for (entity, face, by) in joints.pushes {
+        if edit.world.get::<Locked>(entity).is_some() {
+            continue;
+        }
         let (Some(shape), Some(ToWorld(pose))) = (edit.world.get::<Shape>(entity), edit.world.get::<ToWorld>(entity))
         else {
             continue;

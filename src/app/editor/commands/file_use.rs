@@ -41,10 +41,11 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
                     path.display()
                 )));
             }
-            trust::allow_chosen(edit.world, &path);
             materials::of_their_own(edit, &shapes)
                 .into_iter()
-                .try_for_each(|material| cover(edit, material, &path))
+                .try_for_each(|material| cover(edit, material, &path))?;
+            trust::allow_chosen(edit.world, &path);
+            Ok(())
         }
         Some(AssetKind::Mesh) => {
             import_chosen(edit, path)?;
@@ -59,8 +60,9 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
                 if shapes.is_empty() {
                     return Err("There is no shape that could take the material.".into());
                 }
+                materials::use_preset(edit, &preset, &shapes)?;
                 trust::allow_chosen(edit.world, path);
-                materials::use_preset(edit, &preset, &shapes)
+                Ok(())
             }
             None => import_chosen(edit, path),
         },

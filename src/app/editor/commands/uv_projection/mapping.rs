@@ -48,7 +48,7 @@ impl Plane {
     pub fn facing(normal: Vec3, top: Vec3, tile: f32) -> Self {
         let is_level = normal.dot(top).abs() >= 0.999 * normal.length() * top.length();
         let upright = top.reject_from(normal).try_normalize().filter(|_| !is_level);
-        // On level faces the upper edge is away from who looks along the axes of the world.
+        // On level faces the upper edge points along -z, or along +y where z is up.
         let top = upright.unwrap_or(match top.y.abs() > 0.5 {
             true => Vec3::NEG_Z,
             false => Vec3::Y,
@@ -115,7 +115,7 @@ impl Mapping {
 
 /// The axis of the world, or its opposite, that a face faces most.
 pub(super) fn side(normal: Vec3) -> Vec3 {
-    // Of equals the first, whatever rounding says.
+    // Among equal axes the first is taken, so that rounding does not decide.
     let steepness = normal.abs() * Vec3::new(1.0, 0.9999, 0.9998);
     let axis = steepness.max_position();
     let mut side = Vec3::ZERO;

@@ -7,6 +7,7 @@
 mod mapping;
 
 use bevy::asset::Assets;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{Affine2, Affine3A, Vec2, Vec3};
 use bevy::prelude::*;
 
@@ -16,7 +17,7 @@ use super::things::{outer_materials, replace};
 use crate::app::editor::camera::pose;
 use crate::app::editor::command::blocking::openings::wall_of;
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::command::texture_placing::texture_groups;
+use crate::app::editor::command::texture_placing::{texture_groups, upright};
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
@@ -156,6 +157,7 @@ fn plane(world: &World, from: ProjectedFrom, tile: f32) -> Option<Plane> {
 fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec<Entity>, CommandError> {
     let mut rest = Vec::new();
     let mut copies: Vec<(Entity, Affine2, Entity)> = Vec::new();
+    let placings: EntityHashMap<Affine2> = fittings.iter().map(|fitting| (fitting.shape, fitting.to_uv)).collect();
     for index in 0..fittings.len() {
         let Fitting {
             shape,
@@ -171,13 +173,13 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
         };
         // A texture that has lain so before, or lies so since a shape before this one, suits as it is.
         if !first.abs_diff_eq(to_uv, 1e-5 * to_uv.matrix2.x_axis.length().max(1.0)) {
-            let suits_all = shapes_of(edit.world, material).into_iter().all(|user| {
-                let of_user = fittings.iter().find(|fitting| fitting.shape == user);
-                of_user.is_some_and(|fitting| fitting.to_uv == to_uv)
-            });
+            let suits_all = || {
+                let mut users = shapes_of(edit.world, material).into_iter();
+                users.all(|user| placings.get(&user) == Some(&to_uv))
+            };
             let target = match copies.iter().find(|(of, with, _)| *of == material && *with == to_uv) {
                 Some((.., copy)) => Some(*copy),
-                None if suits_all => {
+                None if suits_all() => {
                     place_first(edit, material, first, to_uv);
                     None
                 }
@@ -216,7 +218,12 @@ fn first_placing(world: &World, material: Entity) -> Option<Affine2> {
 
 /// Places the first texture of a material anew, and all others so that they lie as before relative to it.
 fn place_first(edit: &mut Edit, material: Entity, before: Affine2, after: Affine2) {
-    let change = before.inverse() * after;
+    let back = before.inverse();
+    let change = if back.is_finite() {
+        back * after
+    } else {
+        Affine2::IDENTITY
+    };
     for part in material_parts(edit.world, material) {
         let Some(mut edited) = edit.world.get::<Material>(part).cloned() else {
             continue;
@@ -271,11 +278,7 @@ fn into_mesh(edit: &mut Edit, entity: Entity, projection: Projection) -> Result<
     let to_uv = to_uv.unwrap_or(Affine2::IDENTITY);
     // A picture that was turned over for its shape is so for the mesh as well, and the other way round.
     let flip_tex_coords = to_uv.matrix2.determinant() > 0.0;
-    let turned_over = Affine2::from_scale_angle_translation(Vec2::new(1.0, -1.0), 0.0, Vec2::Y);
-    let uv_from_tiles = match flip_tex_coords {
-        true => turned_over * to_uv.inverse(),
-        false => to_uv.inverse(),
-    };
+    let uv_from_tiles = upright(flip_tex_coords) * to_uv.inverse();
     let mapped = mapping::mapped(&mesh, &pose, &map, &uv_from_tiles);
     if !mapped.uvs.iter().all(|uv| uv.is_finite()) {
         return Err(format!("{name} is too large for tiles of this size.").into());
