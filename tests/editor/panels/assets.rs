@@ -63,6 +63,7 @@ fn model() -> Model {
                 ..AssetPicture::default()
             },
         ),
+        (path("room.xml"), AssetPicture::default()),
     ];
     Model {
         assets: AssetsModel {
@@ -151,6 +152,14 @@ fn a_double_click_does_what_suits_the_file() {
         };
         assert_eq!(harness.state().commands, [expected]);
     }
+}
+
+#[test]
+fn a_file_that_has_not_been_read_does_not_replace_the_scene() {
+    let (mut harness, _) = shown();
+    harness.state_mut().given.assets.pictures = Arc::default();
+    double_click(&mut harness, "red.xml");
+    assert_eq!(harness.state().commands, []);
 }
 
 #[test]

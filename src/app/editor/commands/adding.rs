@@ -16,7 +16,7 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::words::files::{ENVIRONMENTS, extension};
+use crate::app::editor::words::files::{PICTURES, extension};
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
@@ -270,7 +270,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         "obj" => add_mesh(edit, path, MeshFormat::Obj),
         "ply" => add_mesh(edit, path, MeshFormat::Ply),
         "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
-        picture if ENVIRONMENTS.contains(&picture) => set_environment(edit, path),
+        picture if PICTURES.contains(&picture) => set_environment(edit, path),
         "xml" | "gltf" | "glb" => {
             let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
             let access = trust.access(&path);
@@ -284,7 +284,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         }
         _ => {
             return Err(CommandError::file(format!(
-                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm)",
+                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm)",
                 path.display()
             )));
         }

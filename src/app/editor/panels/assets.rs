@@ -281,7 +281,9 @@ fn file_cell(
     let is_scene = kind == AssetKind::Scene && !picture.is_some_and(|picture| picture.is_material);
     let used = || Command::UseFile(Box::new(known.use_of(&entry.path)));
     let opened = || Command::OpenScene(entry.path.clone());
-    if response.double_clicked() {
+    // A file of materials must not take the place of the scene before it is known for what it is.
+    let is_known = kind != AssetKind::Scene || picture.is_some();
+    if response.double_clicked() && is_known {
         commands.push(if is_scene { opened() } else { used() });
     }
     let can_open = is_scene || SCENES.iter().any(|end| entry.name.to_lowercase().ends_with(end));
@@ -336,6 +338,7 @@ fn tool_tip(ui: &mut Ui, entry: &AssetEntry, kind: AssetKind, picture: Option<&A
         }
         AssetKind::Mesh => "Drag it to where it is to stand. A double click adds it where its file says.",
         AssetKind::Scene if is_material => "Drag it onto a shape. A double click is for the selection.",
+        AssetKind::Scene if picture.is_none() => "It has not been read yet.",
         AssetKind::Scene => "Drag it into the picture to add it to the scene. A double click opens it.",
     });
 }

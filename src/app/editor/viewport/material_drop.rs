@@ -13,6 +13,7 @@ use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::dragged::{Dragged, DraggedFile, DraggedPreset};
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
+use crate::scene::assets::gltf_scene::is_called_gltf;
 
 /// The data for dropping a material on the picture.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,8 @@ impl Takers<'_> {
                 "All around, as light".to_owned()
             }
             Some(AssetKind::Picture | AssetKind::Environment) => self.hint(at),
+            // A glTF file is a scene.
+            Some(AssetKind::Mesh) if is_called_gltf(path) => "Add it to the scene".to_owned(),
             Some(AssetKind::Mesh) => "It will stand here".to_owned(),
             Some(AssetKind::Scene) | None => match picking::pick(self.packed, at) {
                 Some(_) => format!("{}, if it is a material", self.hint(at)),
@@ -150,5 +153,9 @@ mod tests {
         assert!(takers(&none).is_material(&[glass]));
         assert!(!takers(&none).is_material(&[lamp]) && !takers(&none).is_material(&[glass, lamp]));
         assert_eq!(takers(&locked).hint(middle), "ball is locked");
+        let of_file = |file: &str| takers(&none).file_hint(Path::new(file), Vec2::ZERO);
+        assert_eq!(of_file("sky.bmp"), "All around, as light");
+        assert_eq!(of_file("chair.ply"), "It will stand here");
+        assert_eq!(of_file("room.GLB"), "Add it to the scene");
     }
 }

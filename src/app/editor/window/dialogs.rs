@@ -11,7 +11,7 @@ use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
-use crate::app::editor::words::files::{ENVIRONMENTS, SCENE_FILES, extension};
+use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension};
 use crate::render::tonemap::ToneMap;
 
 #[derive(Resource, Default)]
@@ -143,8 +143,8 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
-        FileDialogKind::OpenEnvironment if !ENVIRONMENTS.contains(&extension(&path).as_str()) => {
-            let known = ENVIRONMENTS.join(", ");
+        FileDialogKind::OpenEnvironment if !PICTURES.contains(&extension(&path).as_str()) => {
+            let known = PICTURES.join(", ");
             return Err(format!(
                 "{}: not a picture for an environment ({known})",
                 path.display()
@@ -166,7 +166,6 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
 
 /// What can be imported: meshes, scenes and environments.
 const IMPORTS: &[&str] = &["obj", "ply", "serialized", "hdr", "exr", "xml", "glb", "gltf"];
-const PICTURES: &[&str] = &["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
 const IMAGES: &[(&str, &str)] = &[("PNG, as shown", "png"), ("EXR, linear", "exr"), ("HDR, linear", "hdr")];
 
 fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog {
@@ -177,8 +176,8 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog 
             "Import a mesh, a scene or an environment".to_owned(),
             Purpose::Open(IMPORTS),
         ),
-        FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&ENVIRONMENTS)),
-        FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(PICTURES)),
+        FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
+        FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::SaveScene => (
             "Save the scene".to_owned(),
             Purpose::Save(&[("Scene", "xml")], proposed("scene", "xml")),

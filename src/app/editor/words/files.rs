@@ -7,8 +7,8 @@ use bevy::prelude::*;
 /// The extensions of scenes.
 pub(crate) const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
 
-/// The extensions of pictures that can be an environment.
-pub(crate) const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
+/// The extensions of pictures. Each of them can be a texture or an environment.
+pub(crate) const PICTURES: [&str; 10] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm", "bmp", "tga", "ppm", "pgm"];
 
 /// The extension in small letters; empty without one.
 pub fn extension(path: &Path) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy_egui::egui::text::{CCursor, CCursorRange};
 use bevy_egui::egui::{self, Align, ComboBox, Id, Key, Layout, TextEdit, Ui};
 
-use super::{FileDialog, Outcome, Purpose};
+use super::{FileDialog, NAME, Outcome, Purpose, in_format};
 use crate::app::editor::panels::look;
 use crate::app::editor::words::files::extension;
 
@@ -61,7 +61,7 @@ impl FileDialog {
 
     fn name_row(&mut self, ui: &mut Ui, formats: &[(&'static str, &'static str)]) {
         ui.label("Name");
-        let id = Id::new("name of the file");
+        let id = Id::new(NAME);
         let field = ui.add(TextEdit::singleline(&mut self.name).id(id).desired_width(220.0));
         if !self.has_begun {
             field.request_focus();
@@ -80,9 +80,9 @@ impl FileDialog {
                 .selected_text(chosen.0)
                 .show_ui(ui, |ui| {
                     for (label, known) in formats {
-                        if ui.selectable_label(chosen.1 == *known, *label).clicked() {
-                            let renamed = Path::new(&self.name).with_extension(known);
-                            self.name = renamed.to_string_lossy().into_owned();
+                        let is_chosen = ui.selectable_label(chosen.1 == *known, *label).clicked();
+                        if is_chosen && !self.name.is_empty() {
+                            self.name = in_format(&self.name, formats, known);
                         }
                     }
                 });

@@ -112,7 +112,9 @@ fn natural(name: &str) -> Vec<(u64, String)> {
     for letter in name.to_lowercase().chars() {
         let Some((number, text)) = parts.last_mut() else { break };
         match letter.to_digit(10) {
-            Some(digit) if in_digits || text.is_empty() => *number = number.saturating_mul(10) + u64::from(digit),
+            Some(digit) if in_digits || text.is_empty() => {
+                *number = number.saturating_mul(10).saturating_add(u64::from(digit))
+            }
             Some(digit) => parts.push((u64::from(digit), String::new())),
             None => text.push(letter),
         }

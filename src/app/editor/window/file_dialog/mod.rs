@@ -3,6 +3,8 @@
 mod foot;
 pub mod listing;
 mod table;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -66,6 +68,9 @@ pub struct FileDialog {
 /// The largest size of the dialog, and that of the column of places, in points.
 const SIZE: egui::Vec2 = egui::vec2(820.0, 480.0);
 const PLACES: f32 = 150.0;
+/// The fields for the name of the file to write and for the search.
+const NAME: &str = "name of the file";
+const SEARCH: &str = "search for a file";
 
 impl FileDialog {
     /// A dialog in a folder, which is absolute.
@@ -109,13 +114,27 @@ impl FileDialog {
             Ok(entries) => (entries, None),
             Err(problem) => (Vec::new(), Some(problem)),
         };
-        (self.chosen, self.path, self.new_folder) = (None, None, None);
+        (self.chosen, self.path, self.new_folder, self.replaces) = (None, None, None, None);
         self.filter.part.clear();
+    }
+
+    /// Goes to a folder. A path to a file is that file.
+    fn go_or_accept(&mut self, path: &Path) -> Option<Outcome> {
+        if !path.is_file() {
+            self.go_to(path);
+            return None;
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.go_to(path.parent().unwrap_or(path));
+        self.choose(name.clone());
+        self.accept(&name)
     }
 
     /// Shows the dialog.
     pub fn show(&mut self, context: &egui::Context) -> Outcome {
         let size = SIZE.min(context.content_rect().size() - egui::vec2(60.0, 120.0));
+        // A text field loses the focus in the frame in which Enter is pressed in it.
+        let focused = context.memory(|memory| memory.focused());
         let modal = Modal::new(Id::new("file dialog")).show(context, |ui| {
             ui.set_width(size.x);
             ui.label(RichText::new(&self.title).heading().strong());
@@ -137,13 +156,14 @@ impl FileDialog {
                 Some(file) => self.replace_row(ui, &file),
                 None => self.foot(ui),
             };
-            let accepted = picked.or_else(|| self.keys(ui).filter(|_| !has_field));
-            if let Some(folder) = went {
-                self.go_to(&folder);
-            } else if let Some(name) = accepted {
-                return self.accept(&name).or(outcome);
+            if outcome.is_some() {
+                return outcome;
             }
-            outcome
+            if let Some(path) = went {
+                return self.go_or_accept(&path);
+            }
+            let accepted = picked.or_else(|| self.keys(ui, focused).filter(|_| !has_field));
+            accepted.and_then(|name| self.accept(&name))
         });
         self.has_begun = true;
         match modal.inner {
@@ -153,7 +173,7 @@ impl FileDialog {
         }
     }
 
-    /// The way up, the path, and the search; the folder to go to.
+    /// The way up, the path, and the search; the folder to go to, or the file.
     fn path_row(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut went = None;
         ui.horizontal(|ui| {
@@ -179,6 +199,7 @@ impl FileDialog {
                 went = Some(self.folder.join(home_for_tilde(&typed)));
             }
             let search = TextEdit::singleline(&mut self.filter.part)
+                .id(Id::new(SEARCH))
                 .hint_text("Find")
                 .desired_width(f32::INFINITY);
             let search = ui.add(search);
@@ -194,16 +215,7 @@ impl FileDialog {
                 self.chosen = first.map(|place| self.entries[*place].name.clone());
             }
         });
-        // A path to a file is that file.
-        match went {
-            Some(file) if file.is_file() => {
-                let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                self.go_to(file.parent().unwrap_or(&file));
-                self.choose(name);
-                None
-            }
-            went => went,
-        }
+        went
     }
 
     fn choose(&mut self, name: String) {
@@ -211,6 +223,7 @@ impl FileDialog {
             self.name.clone_from(&name);
         }
         self.chosen = Some(name);
+        self.replaces = None;
         self.shows_chosen = true;
     }
 
@@ -246,10 +259,11 @@ impl FileDialog {
 
     /// The files; the name of one that was clicked twice.
     fn table(&mut self, ui: &mut Ui, height: f32) -> Option<String> {
+        let top = ui.cursor().top();
         if let Some(problem) = &self.problem {
             ui.colored_label(ui.visuals().error_fg_color, problem);
-            return None;
         }
+        let height = height - (ui.cursor().top() - top);
         let shown = listing::shown(&self.entries, &self.filter, self.order);
         let scrolls = std::mem::take(&mut self.shows_chosen);
         let clicked = table::show(
@@ -267,8 +281,8 @@ impl FileDialog {
         clicked.twice.then_some(name)
     }
 
-    /// The keys of the list; what Enter accepts.
-    fn keys(&mut self, ui: &Ui) -> Option<String> {
+    /// The keys of the list; what Enter accepts. Enter is for the focused button or field where there is one, other than the field that names the file.
+    fn keys(&mut self, ui: &Ui, focused: Option<Id>) -> Option<String> {
         if egui::Popup::is_any_open(ui.ctx()) {
             return None;
         }
@@ -304,7 +318,9 @@ impl FileDialog {
             true => Some(self.name.clone()).filter(|name| !name.trim().is_empty()),
             false => self.chosen.clone(),
         };
-        wanted.filter(|_| enter && !is_moving)
+        let own = Id::new(if self.saves() { NAME } else { SEARCH });
+        let is_own = focused.is_none_or(|focused| focused == own);
+        wanted.filter(|_| enter && is_own && !is_moving)
     }
 
     /// Goes into a folder of that name, or answers with the file.
@@ -317,14 +333,9 @@ impl FileDialog {
         let Purpose::Save(formats, _) = &self.purpose else {
             return path.exists().then_some(Outcome::Picked(path));
         };
-        // A file that was clicked in the list is written as it is called.
-        let is_known = formats.iter().any(|(_, known)| *known == extension(&path));
-        let path = match (is_known, formats.first()) {
-            (false, Some((_, first))) => {
-                let mut name = path.into_os_string();
-                name.push(format!(".{first}"));
-                PathBuf::from(name)
-            }
+        // Any other ending is a part of the name.
+        let path = match formats.first() {
+            Some((_, first)) if !is_of(formats, &path) => with_end(path, first),
             _ => path,
         };
         if path.exists() {
@@ -360,45 +371,24 @@ fn home_for_tilde(path: &str) -> PathBuf {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Whether the name of a file ends as those of one of the formats.
+fn is_of(formats: &[(&str, &str)], path: &Path) -> bool {
+    formats.iter().any(|(_, known)| *known == extension(path))
+}
 
-    const SCENES: &[&str] = &["xml"];
-    const PICTURES: &[(&str, &str)] = &[("PNG", "png"), ("EXR", "exr")];
+/// The path with `.` and an extension after all that it has.
+fn with_end(path: PathBuf, extension: &str) -> PathBuf {
+    let mut name = path.into_os_string();
+    name.push(format!(".{extension}"));
+    name.into()
+}
 
-    fn folder() -> tempfile::TempDir {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::create_dir(folder.path().join("inner")).expect("a folder");
-        std::fs::write(folder.path().join("room.xml"), "<scene/>").expect("a file");
-        std::fs::write(folder.path().join("room.png"), "").expect("a file");
-        folder
-    }
-
-    #[test]
-    fn a_folder_is_entered_and_a_file_is_picked() {
-        let folder = folder();
-        let mut dialog = FileDialog::new("", Purpose::Open(SCENES), folder.path().to_path_buf(), Vec::new());
-        assert_eq!(dialog.accept("inner"), None);
-        assert_eq!(dialog.folder, folder.path().join("inner"));
-        assert_eq!(dialog.accept(".."), None);
-        assert_eq!(dialog.folder, folder.path());
-        assert_eq!(dialog.accept("none.xml"), None);
-        let picked = Outcome::Picked(folder.path().join("room.xml"));
-        assert_eq!(dialog.accept("room.xml"), Some(picked));
-    }
-
-    #[test]
-    fn a_saved_file_has_an_extension_and_another_one_is_replaced_only_after_a_question() {
-        let folder = folder();
-        let purpose = Purpose::Save(PICTURES, "room.png".to_owned());
-        let mut dialog = FileDialog::new("", purpose, folder.path().to_path_buf(), Vec::new());
-        assert_eq!(dialog.accept("room"), None);
-        assert_eq!(dialog.replaces, Some(folder.path().join("room.png")));
-        let picked = |name: &str| Some(Outcome::Picked(folder.path().join(name)));
-        assert_eq!(dialog.accept("new"), picked("new.png"));
-        assert_eq!(dialog.accept("new.EXR"), picked("new.EXR"));
-        assert_eq!(dialog.accept("a.b"), picked("a.b.png"));
-        assert_eq!(dialog.accept("inner/deep.exr"), picked("inner/deep.exr"));
-    }
+/// The name of a file in the format with this extension.
+fn in_format(name: &str, formats: &[(&str, &str)], extension: &str) -> String {
+    let path = Path::new(name);
+    let bare = match is_of(formats, path) {
+        true => path.with_extension(""),
+        false => path.to_path_buf(),
+    };
+    with_end(bare, extension).to_string_lossy().into_owned()
 }

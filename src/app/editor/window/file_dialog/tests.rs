@@ -1,0 +1,153 @@
+//! Drives the dialog without a window.
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use super::*;
+
+const SCENES: &[&str] = &["xml"];
+const PICTURES: &[(&str, &str)] = &[("PNG", "png"), ("EXR", "exr")];
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("inner")).expect("a folder");
+    std::fs::write(folder.path().join("room.xml"), "<scene/>").expect("a file");
+    std::fs::write(folder.path().join("room.png"), "").expect("a file");
+    folder
+}
+
+#[test]
+fn a_folder_is_entered_and_a_file_is_picked() {
+    let folder = folder();
+    let mut dialog = FileDialog::new("", Purpose::Open(SCENES), folder.path().to_path_buf(), Vec::new());
+    assert_eq!(dialog.accept("inner"), None);
+    assert_eq!(dialog.folder, folder.path().join("inner"));
+    assert_eq!(dialog.accept(".."), None);
+    assert_eq!(dialog.folder, folder.path());
+    assert_eq!(dialog.accept("none.xml"), None);
+    let picked = Outcome::Picked(folder.path().join("room.xml"));
+    assert_eq!(dialog.accept("room.xml"), Some(picked));
+}
+
+#[test]
+fn a_saved_file_has_an_extension_and_another_one_is_replaced_only_after_a_question() {
+    let folder = folder();
+    let purpose = Purpose::Save(PICTURES, "room.png".to_owned());
+    let mut dialog = FileDialog::new("", purpose, folder.path().to_path_buf(), Vec::new());
+    assert_eq!(dialog.accept("room"), None);
+    assert_eq!(dialog.replaces, Some(folder.path().join("room.png")));
+    let picked = |name: &str| Some(Outcome::Picked(folder.path().join(name)));
+    assert_eq!(dialog.accept("new"), picked("new.png"));
+    assert_eq!(dialog.accept("new.EXR"), picked("new.EXR"));
+    assert_eq!(dialog.accept("a.b"), picked("a.b.png"));
+    assert_eq!(dialog.accept("inner/deep.exr"), picked("inner/deep.exr"));
+}
+
+type Shown = Harness<'static, (FileDialog, Option<Outcome>)>;
+
+/// A dialog that has been shown, and how it has ended.
+fn shown(purpose: Purpose, folder: &Path) -> Shown {
+    let dialog = FileDialog::new("", purpose, folder.to_path_buf(), Vec::new());
+    let show = |ui: &mut Ui, (dialog, end): &mut (FileDialog, Option<Outcome>)| {
+        if end.is_none() {
+            let outcome = dialog.show(ui.ctx());
+            *end = Some(outcome).filter(|outcome| *outcome != Outcome::Open);
+        }
+    };
+    let mut harness = Harness::builder()
+        .with_size(egui::vec2(1000.0, 700.0))
+        .build_ui_state(show, (dialog, None));
+    harness.run_steps(3);
+    harness
+}
+
+fn saving(name: &str, folder: &Path) -> Shown {
+    shown(Purpose::Save(PICTURES, name.to_owned()), folder)
+}
+
+fn press(harness: &mut Shown, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(3);
+}
+
+fn click(harness: &mut Shown, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(3);
+}
+
+#[test]
+fn enter_is_for_the_focused_button() {
+    let folder = folder();
+    let mut harness = saving("new.png", folder.path());
+    press(&mut harness, Key::Enter);
+    let written = Outcome::Picked(folder.path().join("new.png"));
+    assert_eq!(harness.state().1, Some(written));
+    let mut harness = saving("new.png", folder.path());
+    harness.get_by_label("Cancel").focus();
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().1, Some(Outcome::Cancelled));
+    let mut harness = saving("new.png", folder.path());
+    harness.get_by_label("Hidden").focus();
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    assert!(harness.state().0.filter.shows_hidden);
+    assert_eq!(harness.state().1, None);
+}
+
+#[test]
+fn enter_in_the_search_opens_what_is_found() {
+    let folder = folder();
+    let mut harness = shown(Purpose::Open(SCENES), folder.path());
+    harness.event(egui::Event::Text("oo".to_owned()));
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    let found = Outcome::Picked(folder.path().join("room.xml"));
+    assert_eq!(harness.state().1, Some(found));
+}
+
+#[test]
+fn the_question_before_replacing_is_for_the_file_that_was_named() {
+    let folder = folder();
+    std::fs::write(folder.path().join("other.png"), "").expect("a file");
+    let question = "room.png is there already. Replace it?";
+    let mut harness = saving("room.png", folder.path());
+    press(&mut harness, Key::Enter);
+    assert!(harness.query_by_label(question).is_some());
+    click(&mut harness, "other.png");
+    assert!(harness.query_by_label(question).is_none());
+    assert_eq!(
+        (harness.state().0.name.as_str(), &harness.state().1),
+        ("other.png", &None)
+    );
+    press(&mut harness, Key::Enter);
+    assert!(harness.query_by_label("Replace").is_some());
+    click(&mut harness, "⬆");
+    assert!(harness.query_by_label("Replace").is_none());
+    assert_eq!(harness.state().1, None);
+}
+
+#[test]
+fn the_list_stays_where_a_folder_cannot_be_made() {
+    let folder = folder();
+    let mut harness = saving("new.png", folder.path());
+    click(&mut harness, "New folder");
+    harness.event(egui::Event::Text("inner".to_owned()));
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    let problem = harness.state().0.problem.clone().expect("the folder is there already");
+    assert!(harness.query_by_label(&problem).is_some() && harness.query_by_label("room.png").is_some());
+    assert_eq!(harness.state().1, None);
+}
+
+#[test]
+fn another_format_leaves_the_name() {
+    let folder = folder();
+    let mut harness = saving("room v1.2", folder.path());
+    for (format, expected) in [("EXR", "room v1.2.exr"), ("PNG", "room v1.2.png")] {
+        harness.get_by_role(egui::accesskit::Role::ComboBox).click();
+        harness.run_steps(3);
+        click(&mut harness, format);
+        assert_eq!(harness.state().0.name, expected);
+    }
+}
