@@ -46,6 +46,18 @@ pub(crate) fn program_folder(name: &str) -> Option<PathBuf> {
     places_of(Path::new(name)).find(|path| path.is_dir())
 }
 
+/// The folders that come with the program and are there, with their names.
+pub(crate) fn program_folders() -> impl Iterator<Item = (&'static str, PathBuf)> {
+    let known = [
+        ("Environments", "assets/environments"),
+        ("Models", "assets/models"),
+        ("Sample scenes", "scenes"),
+    ];
+    known
+        .into_iter()
+        .filter_map(|(name, folder)| Some((name, program_folder(folder)?)))
+}
+
 /// The places where a file or a folder of the program may be.
 fn places_of(name: &Path) -> impl Iterator<Item = PathBuf> {
     let program = std::env::current_exe().unwrap_or_default();

@@ -7,6 +7,7 @@ use bevy_egui::egui;
 
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
+use crate::app::editor::command::samples::{program_folder, program_folders};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
@@ -51,7 +52,7 @@ impl Dialogs {
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            let examples = || Some(PathBuf::from("scenes")).filter(|folder| folder.is_dir());
+            let examples = || program_folder("scenes");
             let before = match wanted {
                 FileDialogKind::SaveImage => self.image_folder.clone(),
                 FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
@@ -108,7 +109,7 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
         (name.into_owned(), absolute(&folder), is_recent)
     };
     let own = beside(scene).map(|folder| named("The scene's folder", folder));
-    let samples = named("Sample scenes", PathBuf::from("scenes"));
+    let samples = program_folders().map(|(name, folder)| named(name, folder));
     let assets = asset_folders().into_iter().map(|folder| called(folder, false));
     let home = std::env::home_dir().map(|folder| named("Home", folder));
     let root = absolute(Path::new("."))
@@ -118,7 +119,7 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
     let recent = folders_of(recent).into_iter().map(|folder| called(folder, true));
     let all = own
         .into_iter()
-        .chain([samples])
+        .chain(samples)
         .chain(assets)
         .chain(home)
         .chain(root)
@@ -221,6 +222,8 @@ mod tests {
         assert_eq!(places[0].folder, folder.path());
         let same = places.iter().filter(|place| place.folder == folder.path());
         assert_eq!(same.count(), 1);
+        // The tests run in a checkout.
+        assert!(places.iter().any(|place| place.name == "Sample scenes"));
         assert!(places.iter().all(|place| place.folder.is_dir() && !place.is_recent));
     }
 

@@ -31,7 +31,8 @@ const MOST: usize = 256;
 /// The work for the panel, and what has come of it.
 #[derive(Resource, Default)]
 pub(crate) struct AssetWork {
-    listing: Option<Receiver<Listing>>,
+    /// The folder that is being read.
+    listing: Option<(PathBuf, Receiver<Listing>)>,
     listed: Option<(Arc<Listing>, Instant)>,
     content: Option<(AssetEntry, Receiver<Result<Content, String>>)>,
     made: HashMap<PathBuf, Made>,
@@ -74,14 +75,12 @@ pub(crate) fn update_assets(
     if shelf.folder.is_none() {
         shelf.folder = assets.places.first().map(|place| place.folder.clone());
     }
-    if let Some(folder) = &shelf.folder {
-        work.list(folder, &wake_up);
-    }
+    let mut is_new = shelf.folder.as_ref().is_some_and(|folder| work.list(folder, &wake_up));
     let listed = work.listed.as_ref().map(|(listing, _)| listing);
     assets.listing = listed
         .filter(|listing| Some(&listing.folder) == shelf.folder.as_ref())
         .cloned();
-    let mut is_new = work.take_content(contexts.ctx_mut()?);
+    is_new |= work.take_content(contexts.ctx_mut()?);
     if work.content.is_none() && pacing.rests() {
         let next = shelf.in_sight.iter().find(|entry| !work.has(entry));
         if let Some(entry) = next {
@@ -109,23 +108,35 @@ impl AssetWork {
         self.made.get(&entry.path).is_some_and(|made| made.of == *entry)
     }
 
-    /// Takes the listing that was asked for, and asks for one of the folder where there is none or an old one.
-    fn list(&mut self, folder: &PathBuf, wake_up: &WakeUp) {
-        match self.listing.as_ref().map(Receiver::try_recv) {
-            Some(Err(TryRecvError::Empty)) => return,
-            Some(Ok(listing)) => {
-                let known = self.listed.take().filter(|(known, _)| **known == listing);
-                let listing = known.map_or_else(|| Arc::new(listing), |(known, _)| known);
-                self.listed = Some((listing, Instant::now()));
-                self.listing = None;
+    /// Takes the listing that was asked for, and asks for one of the folder where there is none or an old one. True if files of another folder that
+    /// could not be read are forgotten: the reason may have passed when one comes back.
+    fn list(&mut self, folder: &PathBuf, wake_up: &WakeUp) -> bool {
+        let mut forgets = false;
+        // A folder that is slow to read must not keep others waiting.
+        let asked = self.listing.take().filter(|(asked, _)| asked == folder);
+        match asked.map(|(asked, receiver)| (receiver.try_recv(), asked, receiver)) {
+            Some((Err(TryRecvError::Empty), asked, receiver)) => {
+                self.listing = Some((asked, receiver));
+                return false;
             }
-            _ => self.listing = None,
+            Some((Ok(listing), ..)) => {
+                let before = self.listed.take().map(|(known, _)| known);
+                forgets = before.as_ref().is_some_and(|known| known.folder != listing.folder);
+                let known = before.filter(|known| **known == listing);
+                self.listed = Some((known.unwrap_or_else(|| Arc::new(listing)), Instant::now()));
+            }
+            Some((Err(TryRecvError::Disconnected), ..)) | None => {}
+        }
+        if forgets {
+            self.made.retain(|_, made| made.picture.problem.is_none());
         }
         let is_fresh = |(listing, since): &(Arc<Listing>, Instant)| listing.folder == *folder && since.elapsed() < AGE;
         if !self.listed.as_ref().is_some_and(is_fresh) {
-            let folder = folder.clone();
-            self.listing = on_thread("listing", wake_up.clone(), move || listing::list(&folder));
+            let asked = folder.clone();
+            let receiver = on_thread("listing", wake_up.clone(), move || listing::list(&asked));
+            self.listing = receiver.map(|receiver| (folder.clone(), receiver));
         }
+        forgets
     }
 
     /// Takes what was found out of a file; true if there was something.

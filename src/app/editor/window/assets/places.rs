@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::samples::program_folder;
+use crate::app::editor::command::samples::{program_folder, program_folders};
 use crate::app::editor::model::assets::AssetPlace;
 use crate::app::editor::session::trust::asset_folders;
 
@@ -25,14 +25,8 @@ pub(super) fn places(scene: Option<&Path>, preferences: &Preferences) -> Vec<Ass
     if let Some(folder) = scene.and_then(Path::parent) {
         add("Beside the scene".to_owned(), folder.to_owned(), false);
     }
-    for (folder, name) in [
-        ("assets/environments", "Environments"),
-        ("assets/models", "Models"),
-        ("scenes", "Sample scenes"),
-    ] {
-        if let Some(folder) = program_folder(folder) {
-            add(name.to_owned(), folder, false);
-        }
+    for (name, folder) in program_folders() {
+        add(name.to_owned(), folder, false);
     }
     for folder in asset_folders() {
         add(name_of(&folder), folder, false);

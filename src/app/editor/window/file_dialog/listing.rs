@@ -1,6 +1,6 @@
 //! What a folder holds, as the file dialog lists it.
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -84,25 +84,21 @@ pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
             && (part.is_empty() || entry.name.to_lowercase().contains(&part))
     };
     let mut places: Vec<usize> = (0..entries.len()).filter(|place| passes(&entries[*place])).collect();
-    places.sort_by(|a, b| compare(&entries[*a], &entries[*b], order));
-    places
-}
-
-fn compare(a: &Entry, b: &Entry, order: Order) -> Ordering {
-    let by_name = || {
-        natural(&a.name)
-            .cmp(&natural(&b.name))
-            .then_with(|| a.name.cmp(&b.name))
-    };
-    let by_column = match order.column {
-        Column::Name => Ordering::Equal,
+    places.sort_by_cached_key(|place| {
+        let entry = &entries[*place];
+        let by_column = match order.column {
+            Column::Name => 0,
+            Column::Size => entry.bytes,
+            Column::Changed => entry.changed,
+        };
         // Large and new files come first: they are what one looks for.
-        Column::Size => b.bytes.cmp(&a.bytes),
-        Column::Changed => b.changed.cmp(&a.changed),
-    };
-    let along = by_column.then_with(by_name);
-    let along = if order.is_reversed { along.reverse() } else { along };
-    b.is_folder.cmp(&a.is_folder).then(along)
+        (Reverse(by_column), natural(&entry.name), entry.name.clone())
+    });
+    if order.is_reversed {
+        places.reverse();
+    }
+    places.sort_by_key(|place| !entries[*place].is_folder);
+    places
 }
 
 /// A name by which `wall 9` comes before `wall 10`, and capitals do not matter.

@@ -50,6 +50,9 @@ pub struct FileDialog {
     problem: Option<String>,
     filter: Filter,
     order: Order,
+    /// The places of the entries that are shown, and the filter and the order that they are for.
+    shown: Vec<usize>,
+    shown_for: Option<(Filter, Order)>,
     /// The name of the entry that is chosen.
     chosen: Option<String>,
     /// The text of the path while it is edited.
@@ -91,6 +94,8 @@ impl FileDialog {
                 ..Filter::default()
             },
             order: Order::default(),
+            shown: Vec::new(),
+            shown_for: None,
             chosen: None,
             path: None,
             name,
@@ -114,6 +119,7 @@ impl FileDialog {
             Ok(entries) => (entries, None),
             Err(problem) => (Vec::new(), Some(problem)),
         };
+        self.shown_for = None;
         (self.chosen, self.path, self.new_folder, self.replaces) = (None, None, None, None);
         self.filter.part.clear();
     }
@@ -210,12 +216,21 @@ impl FileDialog {
                 // The field shows what was typed in the next frame.
                 ui.ctx().request_repaint();
                 // The first that is found is what Enter opens.
-                let shown = listing::shown(&self.entries, &self.filter, self.order);
-                let first = shown.first().filter(|_| !self.filter.part.is_empty());
+                self.update_shown();
+                let first = self.shown.first().filter(|_| !self.filter.part.is_empty());
                 self.chosen = first.map(|place| self.entries[*place].name.clone());
             }
         });
         went
+    }
+
+    /// Chooses and orders anew what is shown, where that has changed.
+    fn update_shown(&mut self) {
+        let is_for = |(filter, order): &(Filter, Order)| *filter == self.filter && *order == self.order;
+        if !self.shown_for.as_ref().is_some_and(is_for) {
+            self.shown = listing::shown(&self.entries, &self.filter, self.order);
+            self.shown_for = Some((self.filter.clone(), self.order));
+        }
     }
 
     fn choose(&mut self, name: String) {
@@ -264,13 +279,13 @@ impl FileDialog {
             ui.colored_label(ui.visuals().error_fg_color, problem);
         }
         let height = height - (ui.cursor().top() - top);
-        let shown = listing::shown(&self.entries, &self.filter, self.order);
+        self.update_shown();
         let scrolls = std::mem::take(&mut self.shows_chosen);
         let clicked = table::show(
             ui,
             height,
             &self.entries,
-            &shown,
+            &self.shown,
             self.chosen.as_deref(),
             scrolls,
             &mut self.order,
@@ -301,7 +316,8 @@ impl FileDialog {
             return None;
         }
         if up || down {
-            let shown = listing::shown(&self.entries, &self.filter, self.order);
+            self.update_shown();
+            let shown = &self.shown;
             let is_chosen = |place: &usize| Some(&self.entries[*place].name) == self.chosen.as_ref();
             let next = match (shown.iter().position(is_chosen), down) {
                 (None, true) => 0,
@@ -309,8 +325,8 @@ impl FileDialog {
                 (Some(at), true) => (at + 1).min(shown.len() - 1),
                 (Some(at), false) => at.saturating_sub(1),
             };
-            if let Some(place) = shown.get(next) {
-                self.choose(self.entries[*place].name.clone());
+            if let Some(place) = shown.get(next).copied() {
+                self.choose(self.entries[place].name.clone());
             }
         }
         let is_moving = up || down;
