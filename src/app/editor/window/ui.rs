@@ -23,6 +23,7 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
+use crate::app::editor::picture::awaited_image::EndedImage;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::resolution::PicturePlace;
@@ -79,6 +80,7 @@ pub struct Shell<'w, 's> {
     mouse: Res<'w, AccumulatedMouseMotion>,
     unsaved_question: Local<'s, UnsavedQuestion>,
     late_quit: Local<'s, LateQuit>,
+    ended_image: Option<Res<'w, EndedImage>>,
 }
 
 pub fn show_window(
@@ -258,10 +260,11 @@ pub fn show_window(
         edits: model.status.unsaved && !model.status.being_saved,
         dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
     };
+    let image = model.status.awaited_image.as_ref();
+    let ended = shell.ended_image.as_deref();
+    shell.late_quit.hold(commands, image, ended, &mut said.toasts);
     shell.unsaved_question.hold(commands, unsaved.edits);
     shell.unsaved_question.show(&context, unsaved, commands);
-    let image = model.status.awaited_image.as_ref();
-    shell.late_quit.hold(commands, image, &mut said.toasts);
     let asks = shell.trusted.question.is_some();
     toasts::show(&mut said.toasts, asks, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
