@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use bevy::prelude::Resource;
@@ -26,6 +26,8 @@ const LONGEST_SIDE: u32 = 512;
 const LARGEST: u64 = 2 << 20;
 /// The size of all files together, in bytes, above which the oldest are removed.
 const MOST_BYTES: u64 = 64 << 20;
+/// The bytes that are written between two looks at that size.
+const BYTES_UNTIL_TIDIED: u64 = 8 << 20;
 /// Two programs that make pictures in another way have other keys.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " 1");
 
@@ -41,7 +43,8 @@ pub(crate) struct Kept {
 pub(crate) struct PictureCache {
     /// None if nothing is kept.
     folder: Option<PathBuf>,
-    is_tidy: Arc<AtomicBool>,
+    /// The bytes that were written since the folder was tidied.
+    untidied: Arc<AtomicU64>,
 }
 
 impl PictureCache {
@@ -53,7 +56,8 @@ impl PictureCache {
     pub(crate) fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
-            is_tidy: Arc::default(),
+            // What earlier runs left is looked at with the first picture.
+            untidied: Arc::new(AtomicU64::new(BYTES_UNTIL_TIDIED)),
         }
     }
 
@@ -69,8 +73,8 @@ impl PictureCache {
         })
     }
 
-    /// Keeps a picture, if it can be kept: nothing depends on it. `text` is one line. The first call removes the oldest pictures if there are too
-    /// many.
+    /// Keeps a picture, if it can be kept: nothing depends on it. `text` is one line. The first call, and each after
+    /// [`BYTES_UNTIL_TIDIED`], removes the oldest pictures if there are too many.
     pub fn keep(&self, key: &str, kept: &Kept) {
         let Some(path) = self.path(key) else { return };
         let [width, height] = kept.image.size.map(|side| side as u32);
@@ -82,8 +86,10 @@ impl PictureCache {
         std::io::Write::write_all(&mut bytes, b"\n").expect("memory takes all bytes");
         let encoder = PngEncoder::new(&mut bytes);
         let is_encoded = encoder.write_image(kept.image.as_raw(), width, height, ExtendedColorType::Rgba8);
-        if is_encoded.is_ok() && write_atomically(&path, bytes.into_inner()).is_ok() {
-            self.tidy_once(MOST_BYTES);
+        let bytes = bytes.into_inner();
+        let written = bytes.len() as u64;
+        if is_encoded.is_ok() && write_atomically(&path, bytes).is_ok() {
+            self.tidy_after(written, MOST_BYTES);
         }
     }
 
@@ -92,10 +98,12 @@ impl PictureCache {
         Some(self.folder.as_ref()?.join(format!("{hash:016x}.{EXTENSION}")))
     }
 
-    fn tidy_once(&self, most_bytes: u64) {
-        if let Some(folder) = &self.folder
-            && !self.is_tidy.swap(true, Ordering::Relaxed)
-        {
+    /// Counts what was written, and tidies the folder once that is much.
+    fn tidy_after(&self, written: u64, most_bytes: u64) {
+        let Some(folder) = &self.folder else { return };
+        let untidied = written + self.untidied.fetch_add(written, Ordering::Relaxed);
+        // Of several threads one tidies.
+        if untidied >= BYTES_UNTIL_TIDIED && self.untidied.swap(0, Ordering::Relaxed) >= BYTES_UNTIL_TIDIED {
             tidy(folder, most_bytes);
         }
     }
@@ -190,5 +198,18 @@ mod tests {
         assert_eq!(left, [true, true, false]);
         tidy(folder.path(), 0);
         assert!(cache.get("new").is_none() && folder.path().join("letter.txt").exists());
+    }
+
+    #[test]
+    fn the_folder_is_tidied_again_when_much_was_written() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let cache = PictureCache::in_folder(Some(folder.path().to_owned()));
+        for _ in 0..2 {
+            cache.keep("a", &picture(16, 1));
+            cache.clone().tidy_after(BYTES_UNTIL_TIDIED / 2, 0);
+            assert!(cache.get("a").is_some(), "little was written");
+            cache.tidy_after(BYTES_UNTIL_TIDIED / 2, 0);
+            assert!(cache.get("a").is_none(), "much was written");
+        }
     }
 }
