@@ -7,6 +7,7 @@ use std::time::UNIX_EPOCH;
 
 use bevy::math::{Affine3A, Mat3, Vec3};
 use bevy_egui::egui::ColorImage;
+use rayon::ThreadPoolBuilder;
 
 use crate::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use crate::app::editor::command::asset_kind::AssetKind;
@@ -17,6 +18,7 @@ use crate::app::editor::picture::ball_picture::{self, without_noise};
 use crate::app::editor::picture::material_ball::{self, MaterialBall};
 use crate::app::editor::session::picture_cache::{Kept, PictureCache};
 use crate::color::Rgb;
+use crate::engine::yield_to_all;
 use crate::files::Access;
 use crate::geometry::mesh::MeshData;
 use crate::light::LightTable;
@@ -71,18 +73,27 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache) -> Result<Con
     if !access.covers(&entry.path) {
         return Err("it is a link that leads out of the folder".to_owned());
     }
-    let content = match entry.kind {
+    let content = beside_everything(|| match entry.kind {
         Some(AssetKind::Picture | AssetKind::Environment) => picture(&entry.path, &access),
         Some(AssetKind::Mesh) => mesh(&entry.path, &access),
         Some(AssetKind::Scene) => material(&entry.path, access),
         None => Ok(Content::default()),
-    }?;
+    })?;
     if let Some(image) = &content.image {
         let text = to_text(&content);
         let image = image.clone();
         cache.keep(&key, &Kept { image, text });
     }
     Ok(content)
+}
+
+/// Does work on one thread that gives way to all others. Readers and hierarchies would share it with the threads of the whole program otherwise.
+fn beside_everything(work: impl FnOnce() -> Result<Content, String> + Send) -> Result<Content, String> {
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(1)
+        .start_handler(|_| yield_to_all())
+        .build();
+    pool.map_err(|error| error.to_string())?.install(work)
 }
 
 /// The note, whether it is a material, and the bounds, in one line.
@@ -254,6 +265,16 @@ mod tests {
             modified: None,
             path,
         }
+    }
+
+    #[test]
+    fn work_does_not_reach_the_threads_of_the_program() {
+        let mut threads = 0;
+        let content = beside_everything(|| {
+            threads = rayon::current_num_threads();
+            Ok(Content::default())
+        });
+        assert_eq!((content, threads), (Ok(Content::default()), 1));
     }
 
     const TRIANGLE: &[u8] = b"v -1 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n";
