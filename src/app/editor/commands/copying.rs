@@ -29,6 +29,7 @@ pub struct CopyOf(Entity);
 /// suits its size. If what is selected was copied just before, and perhaps moved since, the copies continue that series.
 pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
+    let selected = grouping::whole_groups(edit.world, selected);
     let before = |entity: &Entity| before_in_series(edit.world, *entity);
     let series: Option<Vec<Affine3A>> = selected.iter().map(before).collect();
     let series = series.filter(|_| edit.world.resource::<History>().was_just_copied());

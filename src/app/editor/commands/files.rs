@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::finished;
+use super::{finished, grouping};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
@@ -175,6 +175,7 @@ pub fn copy(world: &mut World) -> Result<(), CommandError> {
     if selected.is_empty() {
         return Err("Nothing is selected.".into());
     }
+    let selected = grouping::whole_groups(world, selected);
     if selected.iter().any(|entity| world.get::<Placements>(*entity).is_some()) {
         return Err("So many instances cannot be copied.".into());
     }

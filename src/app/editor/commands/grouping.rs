@@ -272,6 +272,27 @@ pub fn members(world: &mut World, frame: Entity) -> Vec<Entity> {
     inside
 }
 
+/// These things, and everything in the groups whose frames are among them. Members stand before their frame, as they are selected.
+pub fn whole_groups(world: &mut World, things: Vec<Entity>) -> Vec<Entity> {
+    let mut whole = Vec::new();
+    let mut known = HashSet::new();
+    for thing in things {
+        let inside = match is_frame(world, thing) {
+            true => named_within(world, &path(world, thing)),
+            false => Vec::new(),
+        };
+        whole.extend(
+            inside
+                .into_iter()
+                .filter(|member| *member != thing && known.insert(*member)),
+        );
+        if known.insert(thing) {
+            whole.push(thing);
+        }
+    }
+    whole
+}
+
 /// The things in a folder and in folders inside it, in the order of the file.
 pub fn named_within(world: &mut World, folder: &str) -> Vec<Entity> {
     let start = format!("{folder}/");

@@ -134,6 +134,24 @@ fn a_copy_of_a_group_is_a_group() {
 }
 
 #[test]
+fn the_frame_of_a_group_is_copied_with_what_is_in_the_group() {
+    for command in [Command::Duplicate, Command::Copy] {
+        let mut world = bare_world();
+        let [.., group] = pair(&mut world);
+        select(&mut world, &[group]);
+        let copies = command == Command::Copy;
+        say(&mut world, command);
+        let clipboard = world.resource::<Requests>().clipboard.clone();
+        if let Some(text) = clipboard.filter(|_| copies) {
+            say(&mut world, Command::Paste(text));
+        }
+        let selected = world.resource::<Selection>().entities().to_vec();
+        let names: Vec<String> = selected.iter().map(|it| name(&world, *it)).collect();
+        assert_eq!(names, ["group-2/left", "group-2/right", "group-2/"]);
+    }
+}
+
+#[test]
 fn a_copy_of_a_group_can_be_pasted() {
     let mut world = bare_world();
     pair(&mut world);
