@@ -26,7 +26,7 @@ struct Edited {
 
 impl Extracted {
     /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes, but for what the hierarchy looks
-    /// like inside. None, and nothing is changed, where only packing all shapes does.
+    /// like inside. None where all shapes have to be packed, which also replaces what was noted here.
     pub(super) fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,

@@ -182,7 +182,7 @@ impl Rebase {
     /// What was known of the old file is returned as well.
     pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
         for (entity, before, id) in self.given {
-            // Who has renamed it since keeps that.
+            // A thing that was renamed since then keeps its new name.
             if ObjectState::is_in_scene(world, entity) && world.get::<SceneId>(entity) == before.as_ref() {
                 let name = Name::new(id.0.clone());
                 world.entity_mut(entity).insert((id, name));

@@ -26,7 +26,7 @@ pub use self::known::KnownTexts;
 pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
 pub use self::portable::Extensions;
-pub(crate) use self::save::{Following, Save, Written};
+pub(crate) use self::save::{Following, MOST_ATTEMPTS, Save, Written};
 pub use self::save::{save, save_with};
 use self::writer::Writer;
 pub(in crate::scene) use self::writer::identities;

@@ -23,7 +23,7 @@ use crate::scene::rebase::{Marks, Old, Pairing, Rebase};
 use crate::scene::{SceneDescription, loading};
 
 /// The number of times that files are read again which change between reading and replacing them.
-const MOST_ATTEMPTS: usize = 5;
+pub(crate) const MOST_ATTEMPTS: usize = 5;
 
 /// Saves as [`save_with`] and [`OnChange::Refuse`].
 pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {

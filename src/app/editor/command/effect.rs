@@ -2,6 +2,7 @@
 
 use super::Command;
 use super::blocking::Reshaping;
+use super::shell::ShellCommand;
 
 /// The effect of a command on the history and the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +149,18 @@ impl Command {
     /// Whether the command is about single pixels of the picture.
     pub(crate) fn keeps_picture(&self) -> bool {
         matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
+    }
+
+    /// Whether edits that no file has are lost with the command.
+    pub(crate) fn loses_edits(&self) -> bool {
+        matches!(
+            self,
+            Self::NewScene
+                | Self::OpenScene(_)
+                | Self::RevertScene
+                | Self::Quit
+                | Self::Shell(ShellCommand::Recover(_))
+        )
     }
 
     /// Whether the command as a rule begins the picture anew.

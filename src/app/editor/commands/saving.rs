@@ -13,9 +13,10 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::history::History;
+use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::tutorial::Tutorial;
-use crate::scene::write::{Following, OnChange, Save, SaveError, Written};
+use crate::scene::write::{Following, MOST_ATTEMPTS, OnChange, Save, SaveError, Written};
 use crate::scene::{DocumentOrder, SceneState, SceneStatus};
 
 /// From this number of things on a save is done on another thread; smaller scenes are saved within a frame.
@@ -36,6 +37,8 @@ struct Request {
     command: Command,
     path: PathBuf,
     on_change: OnChange,
+    /// How often others have changed the files while this was saved.
+    disturbed: usize,
 }
 
 enum Stage {
@@ -67,26 +70,36 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
         return Ok(false);
     }
     make_way(world, command)?;
+    let message = format!("Saving {}", path.display());
+    let request = Request {
+        command: command.clone(),
+        path,
+        on_change,
+        disturbed: 0,
+    };
+    start(world, request)?;
+    if world.contains_resource::<SaveUnderWay>() {
+        world.resource_mut::<Toasts>().info(message);
+    }
+    Ok(true)
+}
+
+/// Copies the scene as it is now, and begins to write it. Nothing is under way afterwards if the user has to be asked first.
+fn start(world: &mut World, request: Request) -> Result<(), CommandError> {
+    if world.resource::<SceneStatus>().state == SceneState::Loading {
+        world.resource_mut::<History>().end_save(false);
+        return Err(CommandError::file("A scene is still being read."));
+    }
     let started = Instant::now();
-    let save = match Save::begin(world, &path, on_change) {
+    let save = match Save::begin(world, &request.path, request.on_change) {
         Ok(save) => save,
-        Err(error) => return files::end_save(world, &path, Err(error)).map(|()| true),
+        Err(error) => return files::end_save(world, &request.path, Err(error)),
     };
     debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
     world.resource_mut::<History>().begin_save();
-    world
-        .resource_mut::<Toasts>()
-        .info(format!("Saving {}", path.display()));
-    let writing = pool().spawn(async move { save.write() });
-    world.insert_resource(SaveUnderWay {
-        request: Request {
-            command: command.clone(),
-            path,
-            on_change,
-        },
-        stage: Stage::Writing(writing),
-    });
-    Ok(true)
+    let stage = Stage::Writing(pool().spawn(async move { save.write() }));
+    world.insert_resource(SaveUnderWay { request, stage });
+    Ok(())
 }
 
 /// Goes on with the save that is under way, in every frame.
@@ -131,35 +144,32 @@ pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
 
 /// Lets a save that is under way end before the program does.
 pub(crate) fn finish_at_exit(world: &mut World) {
-    if let Err(error) = finish(world) {
+    let ended = finish(world).and_then(|()| files::unanswered(world, &Command::Quit));
+    if let Err(error) = ended {
         error!("The scene could not be saved: {error}");
     }
 }
 
-/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves is done.
+/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves is done. A command that
+/// loses edits is not done either while there is a question how to save them.
 pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let saves = matches!(
         command,
         Command::Save | Command::SaveScene(_) | Command::SaveChanged(..)
     );
-    let waits = saves
-        || matches!(
-            command,
-            Command::NewScene
-                | Command::OpenScene(_)
-                | Command::ReloadScene
-                | Command::RevertScene
-                | Command::Quit
-                | Command::Shell(ShellCommand::Recover(_))
-        );
-    match waits {
-        true if saves => {
-            tell(world, finish);
-            Ok(())
-        }
-        true => finish(world),
-        false => Ok(()),
+    let reads = matches!(
+        command,
+        Command::ReloadScene | Command::Shell(ShellCommand::AllowFiles(_))
+    );
+    if saves {
+        tell(world, finish);
+    } else if reads || command.loses_edits() {
+        finish(world)?;
     }
+    if command.loses_edits() && world.resource::<Requests>().save_question.is_some() {
+        return Err("The scene is not saved yet: there is a question about its file.".into());
+    }
+    Ok(())
 }
 
 fn tell(world: &mut World, act: impl FnOnce(&mut World) -> Result<(), CommandError>) {
@@ -172,7 +182,7 @@ fn tell(world: &mut World, act: impl FnOnce(&mut World) -> Result<(), CommandErr
 /// The files are written, or could not be.
 fn written(
     world: &mut World,
-    request: Request,
+    mut request: Request,
     result: Result<Option<Written>, SaveError>,
 ) -> Result<(), CommandError> {
     match result {
@@ -183,8 +193,12 @@ fn written(
         }
         // Others have changed the files in this very moment.
         Ok(None) => {
-            world.resource_mut::<History>().end_save(false);
-            files::save_scene(world, &request.path, request.on_change)
+            request.disturbed += 1;
+            if request.disturbed < MOST_ATTEMPTS {
+                return start(world, request);
+            }
+            let path = request.path.clone();
+            files::end_save(world, &request.path, Err(SaveError::Restless { path }))
         }
         Err(error) => files::end_save(world, &request.path, Err(error)),
     }
@@ -202,4 +216,18 @@ fn followed(world: &mut World, request: Request, following: Following) -> Result
         tutorial.note(&request.command, is_saved);
     }
     Ok(())
+}
+
+/// Lets the save that is under way find that others have changed the files meanwhile, as `change` does.
+#[cfg(test)]
+pub(super) fn disturb(world: &mut World, change: impl FnOnce()) {
+    let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {
+        panic!("nothing is being saved");
+    };
+    if let Stage::Writing(writing) = stage {
+        drop(block_on(writing));
+    }
+    change();
+    let stage = Stage::Writing(pool().spawn(async { Ok(None) }));
+    world.insert_resource(SaveUnderWay { request, stage });
 }

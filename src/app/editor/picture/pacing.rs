@@ -13,6 +13,7 @@ use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEve
 
 use super::denoiser::{Denoiser, DenoiserState};
 use super::texture::Picture;
+use crate::app::editor::session::history::History;
 use crate::app::editor::session::toasts::Toasts;
 use crate::engine::{RenderState, RenderStatus, WakeUp};
 
@@ -91,8 +92,10 @@ pub fn pace(
     status: Res<RenderStatus>,
     denoiser: Res<Denoiser>,
     toasts: Res<Toasts>,
+    history: Res<History>,
 ) {
-    let in_use = !pacing.rests();
+    // A save goes on by a slice in each frame.
+    let in_use = !pacing.rests() || history.is_saving();
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering

@@ -264,7 +264,10 @@ pub fn show_window(
     let ended = shell.ended_image.as_deref();
     shell.late_quit.hold(commands, image, ended, &mut said.toasts);
     shell.unsaved_question.hold(commands, unsaved.edits);
-    shell.unsaved_question.show(&context, unsaved, commands);
+    if shell.unsaved_question.show(&context, unsaved, commands) {
+        // How to save them is no question any more.
+        requests.save_question = None;
+    }
     let asks = shell.trusted.question.is_some();
     toasts::show(&mut said.toasts, asks, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);

@@ -3,7 +3,6 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::dialog;
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, Effect};
 use crate::app::editor::panels::look;
 
@@ -39,8 +38,8 @@ pub struct UnsavedState<'a> {
     pub dialog_open: bool,
 }
 
-/// The number of frames after which edits that are still there mean that the save failed or was cancelled. A save takes one frame, and the panels
-/// know one later.
+/// The number of frames after which edits that are still there mean that the save failed or was cancelled. A save of a
+/// small scene takes one frame, and the panels know one later. One that goes on beside the frames counts as saved here.
 const FRAMES_UNTIL_SAVED: u32 = 3;
 
 impl UnsavedQuestion {
@@ -54,17 +53,7 @@ impl UnsavedQuestion {
     /// Holds back the first command that would lose edits, and drops those after it.
     pub fn hold(&mut self, commands: &mut Vec<Command>, edits: bool) {
         self.is_new = false;
-        let loses = |command: &Command| {
-            matches!(
-                command,
-                Command::NewScene
-                    | Command::OpenScene(_)
-                    | Command::RevertScene
-                    | Command::Quit
-                    | Command::Shell(ShellCommand::Recover(_))
-            )
-        };
-        let Some(place) = commands.iter().position(loses) else {
+        let Some(place) = commands.iter().position(Command::loses_edits) else {
             return;
         };
         // Edits of this very frame count as well.
@@ -80,14 +69,15 @@ impl UnsavedQuestion {
         }
     }
 
-    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`].
-    pub fn show(&mut self, context: &egui::Context, unsaved: UnsavedState, commands: &mut Vec<Command>) {
+    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`]. True if the user has chosen to lose the
+    /// edits.
+    pub fn show(&mut self, context: &egui::Context, unsaved: UnsavedState, commands: &mut Vec<Command>) -> bool {
         let Some(waiting) = &mut self.waiting else {
-            return;
+            return false;
         };
         if !unsaved.edits && !self.is_new {
             commands.extend(self.waiting.take().map(|waiting| waiting.command));
-            return;
+            return false;
         }
         match &mut waiting.step {
             Step::Saving(frames) => {
@@ -101,11 +91,15 @@ impl UnsavedQuestion {
                     waiting.step = Step::Saving(0);
                     commands.push(Command::Save);
                 }
-                Some(Answer::Lose) => commands.extend(self.waiting.take().map(|waiting| waiting.command)),
+                Some(Answer::Lose) => {
+                    commands.extend(self.waiting.take().map(|waiting| waiting.command));
+                    return true;
+                }
                 Some(Answer::Cancel) => self.waiting = None,
                 None => {}
             },
         }
+        false
     }
 }
 

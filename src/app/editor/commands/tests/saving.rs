@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::app::editor::commands::saving::{SaveUnderWay, finish, go_on};
+use crate::app::editor::commands::saving::{SaveUnderWay, disturb, finish, go_on};
 use crate::files::{LARGEST_DATA, read_text};
-use crate::scene::{ReloadSummary, SceneDescription, SceneStatus, read, spawn};
+use crate::scene::{OpenScene, ReloadSummary, SceneDescription, SceneStatus, read, spawn};
 
 /// More than are saved within a frame.
 const BALLS: usize = 4200;
@@ -23,6 +23,7 @@ impl Large {
         let balls: String = (0..BALLS)
             .map(|ball| format!("  <shape type='sphere' id='ball-{ball}'/>\n"))
             .collect();
+        let balls = balls.replacen("/>", "><bsdf type='diffuse'/></shape>", 1);
         let text =
             format!("<scene version='3.0.0'>\n  <!-- balls -->\n  <sensor type='perspective'/>\n{balls}</scene>\n");
         std::fs::write(&path, text).expect("a file");
@@ -131,4 +132,64 @@ fn the_end_waits_for_a_save_and_does_not_come_after_a_failure() {
     apply_commands(&mut large.world);
     assert!(!large.world.resource::<Messages<AppExit>>().is_empty() && large.is_saved());
     assert!(large.text().contains("1.5"));
+}
+
+#[test]
+fn the_end_does_not_come_while_there_is_a_question_how_to_save() {
+    let mut large = Large::new();
+    let others = |place: &str| {
+        let moved = format!("id='ball-7'><transform name='to_world'><translate {place}/></transform></shape>");
+        large.text().replace("id='ball-7'/>", &moved)
+    };
+    let (theirs, path) = (others("x='9'"), large.path.clone());
+    large.place("ball-7", 1.5);
+    say(&mut large.world, Command::Save);
+    disturb(&mut large.world, || std::fs::write(&path, &theirs).expect("a file"));
+    let losing = [
+        Command::Quit,
+        Command::NewScene,
+        Command::OpenScene(path.clone()),
+        Command::RevertScene,
+    ];
+    for command in losing {
+        say(&mut large.world, command);
+        assert!(large.world.resource::<Requests>().save_question.is_some());
+        assert!(large.world.resource::<Messages<AppExit>>().is_empty() && !large.is_saved());
+        assert!(large.world.resource::<Messages<OpenScene>>().is_empty());
+    }
+    assert!(large.text() == theirs);
+    let is_said = |world: &World| {
+        let mut texts = world.resource::<Toasts>().texts();
+        texts.any(|text| text.contains("there is a question about its file"))
+    };
+    assert!(is_said(&large.world));
+    large.world.resource_mut::<Requests>().save_question = None;
+    say(&mut large.world, Command::SaveChanged(path, OnChange::Overwrite));
+    say(&mut large.world, Command::Quit);
+    assert!(!large.world.resource::<Messages<AppExit>>().is_empty() && large.is_saved());
+    assert!(large.text().contains("1.5"));
+}
+
+#[test]
+fn a_save_that_others_disturb_begins_again_beside_the_frames() {
+    let mut large = Large::new();
+    let theirs = large.text().replace(
+        "id='ball-9'/>",
+        "id='ball-9'><float name='radius' value='2.25'/></shape>",
+    );
+    let path = large.path.clone();
+    large.place("ball-7", 1.5);
+    say(&mut large.world, Command::Save);
+    disturb(&mut large.world, || std::fs::write(&path, theirs).expect("a file"));
+    let original = large.text();
+    large.place("ball-8", 3.5);
+    let mut frames = 0;
+    while large.world.contains_resource::<SaveUnderWay>() {
+        go_on(&mut large.world);
+        frames += 1;
+    }
+    assert!(frames > 1 && large.is_saved() && large.text() != original);
+    let text = large.text();
+    assert!(text.contains("1.5") && text.contains("2.25") && text.contains("3.5"));
+    assert!(large.reload().is_unchanged());
 }
