@@ -204,7 +204,7 @@ pub(super) fn extract_scene(
         moved = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
     }
     // The camera of a scene that was just opened waits for its shapes.
-    let is_new_scene = extracted.packs_revision != extracted.packed_revision;
+    let is_new_scene = authored.status.fresh_load && extracted.packs_revision != extracted.packed_revision;
     if moved.is_none() && (is_new_scene || !dirty.view) {
         return;
     }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::description::{Identity, SceneDescription};
 use super::file_base::{FileBase, Thing, set_authored};
-use super::spawn::StandInSensor;
+use super::spawn::{StandInSensor, give_way};
 use super::write::gather::Entities;
 use super::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
 
@@ -181,13 +181,17 @@ impl Rebase {
     /// Completes what [`Self::step`] has begun, and returns the file's description. What was made in the editor belongs to the file from now on.
     /// What was known of the old file is returned as well.
     pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
+        let mut new_ids = HashMap::new();
         for (entity, before, id) in self.given {
             // A thing that was renamed since then keeps its new name.
             if ObjectState::is_in_scene(world, entity) && world.get::<SceneId>(entity) == before.as_ref() {
                 let name = Name::new(id.0.clone());
+                new_ids.insert(id.clone(), entity);
                 world.entity_mut(entity).insert((id, name));
             }
         }
+        // Something else may have got such an id meanwhile.
+        give_way(world, &new_ids);
         let written = self.base.scene.clone();
         // The memory of their places is shared with the new document.
         for (shape, &entity) in written.shapes.iter().zip(&self.base.entities.shapes) {

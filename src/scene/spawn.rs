@@ -213,7 +213,7 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
 }
 
 /// Renames things of the scene whose ids something new of the file has. Returns the number of the renamed things.
-fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
+pub(super) fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
     if new_ids.is_empty() {
         return 0;
     }

@@ -193,3 +193,27 @@ fn a_save_that_others_disturb_begins_again_beside_the_frames() {
     assert!(text.contains("1.5") && text.contains("2.25") && text.contains("3.5"));
     assert!(large.reload().is_unchanged());
 }
+
+#[test]
+fn what_gets_the_id_of_a_thing_of_the_file_meanwhile_gives_way() {
+    let mut large = Large::new();
+    let first = large.ball("ball-0");
+    let material = large.world.get::<UsesMaterial>(first).expect("its own").0;
+    let shapes = vec![large.ball("ball-1")];
+    let share = Command::UseMaterial {
+        shapes,
+        material: Some(material),
+    };
+    say(&mut large.world, share);
+    say(&mut large.world, Command::Save);
+    let other = large.ball("ball-2");
+    say(&mut large.world, Command::Rename(other, "material-1".into()));
+    finish(&mut large.world).expect("saved");
+    let id = |world: &World, entity| world.get::<SceneId>(entity).map(|id| id.0.clone());
+    assert_eq!(id(&large.world, material).as_deref(), Some("material-1"));
+    let given = id(&large.world, other).expect("it keeps an id");
+    assert!(given != "material-1" && given != "ball-2", "{given}");
+    say(&mut large.world, Command::Save);
+    finish(&mut large.world).expect("saved");
+    assert!(large.text().contains(&format!("id='{given}'")) && large.reload().is_unchanged());
+}
