@@ -2,10 +2,11 @@
 
 use bevy::math::{Vec2, Vec3};
 use bevy_egui::egui::{
-    self, Align, Button, Color32, CornerRadius, DragValue, Frame, Id, Layout, Margin, Painter, Pos2, Rect, Sense,
-    Shape, Stroke, Ui, UiBuilder,
+    self, Align, Button, Color32, DragValue, Id, Layout, Margin, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui,
+    UiBuilder,
 };
 
+use super::marks::bar_frame;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::seeing::{AXES, CutOpen, Seeing};
@@ -134,13 +135,8 @@ pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, keys: &ActionContext, scene_si
     let place = Rect::from_min_size(picture.left_bottom() + egui::vec2(8.0, -8.0 - size.y), size);
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("cut bar").max_rect(place).layout(layout));
-    let frame = Frame::new()
-        .fill(bar.visuals().window_fill.gamma_multiply_u8(238))
-        .stroke(bar.visuals().window_stroke)
-        .corner_radius(CornerRadius::same(4))
-        .inner_margin(Margin::symmetric(6, 3));
     let mut edited = Some(cut);
-    frame.show(&mut bar, |ui| {
+    bar_frame(&bar, Margin::symmetric(6, 3)).show(&mut bar, |ui| {
         ui.label("Cut");
         let mut next = cut;
         for (axis, name) in AXES.into_iter().enumerate() {

@@ -1,7 +1,8 @@
 //! The hint over the picture of a scene without shapes: what one can do first.
 
-use bevy_egui::egui::{self, Align, CornerRadius, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder};
+use bevy_egui::egui::{self, Align, Layout, Margin, Rect, RichText, Ui, UiBuilder};
 
+use super::marks::bar_frame;
 use crate::app::editor::command::Command;
 use crate::app::editor::input::actions::{self, ActionContext};
 
@@ -13,12 +14,7 @@ pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, c
     let layout = Layout::top_down(Align::Center);
     let mut middle = ui.new_child(UiBuilder::new().id_salt("first steps").max_rect(place).layout(layout));
     middle.set_clip_rect(picture);
-    let frame = Frame::new()
-        .fill(middle.visuals().window_fill.gamma_multiply_u8(238))
-        .stroke(middle.visuals().window_stroke)
-        .corner_radius(CornerRadius::same(4))
-        .inner_margin(Margin::symmetric(14, 10));
-    frame.show(&mut middle, |ui| {
+    bar_frame(&middle, Margin::symmetric(14, 10)).show(&mut middle, |ui| {
         ui.label(RichText::new("This scene has no shapes yet").strong());
         // Buttons look like buttons on the fill of a window as well.
         ui.visuals_mut().widgets.inactive.bg_stroke = ui.visuals().widgets.noninteractive.bg_stroke;

@@ -1,6 +1,6 @@
 //! Texts and frames that are visible on any picture.
 
-use bevy_egui::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke};
+use bevy_egui::egui::{self, Align2, Color32, CornerRadius, FontId, Frame, Margin, Pos2, Rect, Stroke, Ui};
 
 /// The background of texts over the picture: white texts are legible on it whatever is behind.
 pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
@@ -13,6 +13,15 @@ pub(crate) fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
     ] {
         painter.rect_stroke(rect, 0.0, Stroke::new(width, color), egui::StrokeKind::Middle);
     }
+}
+
+/// The frame of a bar, in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
+pub(crate) fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
+    Frame::new()
+        .fill(ui.visuals().window_fill.gamma_multiply_u8(238))
+        .stroke(ui.visuals().window_stroke)
+        .corner_radius(CornerRadius::same(4))
+        .inner_margin(margin)
 }
 
 /// A text that can be read on any picture.

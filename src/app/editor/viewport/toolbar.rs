@@ -1,8 +1,9 @@
 //! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
 //! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build and place.
 
-use bevy_egui::egui::{self, Align, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder};
+use bevy_egui::egui::{self, Align, ComboBox, DragValue, Layout, Margin, Rect, Ui, UiBuilder};
 
+use super::marks::bar_frame;
 use super::model::ViewportModel;
 use super::snap_menu::snap_menu;
 use super::tool_icons::{ToolIcon, icon_button, icon_menu};
@@ -49,15 +50,6 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands:
         ui.data_mut(|data| data.insert_temp(id, width));
         ui.ctx().request_repaint();
     }
-}
-
-/// The frame of a bar, in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
-fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
-    Frame::new()
-        .fill(ui.visuals().window_fill.gamma_multiply_u8(238))
-        .stroke(ui.visuals().window_stroke)
-        .corner_radius(CornerRadius::same(4))
-        .inner_margin(margin)
 }
 
 /// The tools that build and place, each with its action; None: a gap.

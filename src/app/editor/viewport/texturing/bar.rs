@@ -2,13 +2,13 @@
 
 use bevy::math::Affine2;
 use bevy_egui::egui::{
-    Align, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Response, Ui, UiBuilder, WidgetInfo,
-    WidgetType, vec2,
+    Align, ComboBox, DragValue, Layout, Margin, Rect, Response, Ui, UiBuilder, WidgetInfo, WidgetType, vec2,
 };
 
 use super::{TextureTarget, TexturingState};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::Placing;
+use crate::app::editor::viewport::marks::bar_frame;
 
 const HEIGHT: f32 = 30.0;
 /// The width before the first frame; afterwards it is what the fields need.
@@ -31,13 +31,8 @@ pub(crate) fn bar(
     let layout = Layout::left_to_right(Align::Center);
     let place = Rect::from_min_size(corner, size);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("texture bar").max_rect(place).layout(layout));
-    let frame = Frame::new()
-        .fill(bar.visuals().window_fill.gamma_multiply_u8(238))
-        .stroke(bar.visuals().window_stroke)
-        .corner_radius(CornerRadius::same(4))
-        .inner_margin(Margin::symmetric(6, 3));
     let mut after = group.to_uv;
-    frame.show(&mut bar, |ui| {
+    bar_frame(&bar, Margin::symmetric(6, 3)).show(&mut bar, |ui| {
         choice(ui, target, state);
         if let Some(before) = Placing::of(&group.to_uv) {
             let mut placing = before;
