@@ -6,18 +6,24 @@ use bevy::math::{Affine2, Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Id, Key, Modifiers, PointerButton, Pos2, Rect, Sense, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Extend;
 use sunroom::app::editor::command::texture_placing::{Placing, TextureGroup};
+use sunroom::app::editor::command::tool::Tool;
+use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::viewport::model::ViewportModel;
+use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::texturing::{TextureTarget, TexturingModel, TexturingState};
+use sunroom::app::editor::viewport::viewport;
 use sunroom::engine::PackedScene;
 use sunroom::render::camera::Camera;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::LengthUnit;
 
-use crate::support::presses;
+use crate::support::{ViewportContent, presses};
 
 struct Window {
     state: TexturingState,
@@ -298,4 +304,63 @@ fn textures_that_are_passed_are_not_taken_along() {
     let groups = &harness.state().target.as_ref().expect("a target").groups;
     assert_eq!([groups[1].to_uv, groups[2].to_uv], [passed, other]);
     assert!(groups[0].to_uv.translation.abs_diff_eq(Vec2::new(-0.2, 0.0), 1e-4));
+}
+
+/// The whole viewport with the tool, on a shape that is locked or not.
+fn whole_viewport(is_locked: bool) -> Harness<'static, Vec<Command>> {
+    let content = ViewportContent {
+        packed: packed(),
+        locked: is_locked.then(|| entity(1)).into_iter().collect(),
+        ..ViewportContent::default()
+    };
+    let target = TextureTarget {
+        entity: entity(1),
+        groups: vec![group(Affine2::from_scale(Vec2::new(4.0, 2.0)))],
+        upright: Affine2::IDENTITY,
+    };
+    let mut state = ViewportState::default();
+    let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
+        move |ui, commands: &mut Vec<Command>| {
+            let presses = presses(ui);
+            let screen = screen();
+            let pose = Affine3A::from_translation(Vec3::new(0.0, 0.0, -10.0));
+            let empty = content.model([800, 600], pose, screen.camera, &presses);
+            let model = ViewportModel {
+                textures: Some(&target),
+                keys: ActionContext {
+                    tool: Tool::PlaceTexture,
+                    ..empty.keys
+                },
+                ..empty
+            };
+            viewport(ui, &model, &mut state, commands);
+        },
+        Vec::new(),
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn shows(harness: &Harness<'static, Vec<Command>>, words: &str) -> bool {
+    let shapes = &harness.output().shapes;
+    shapes
+        .iter()
+        .any(|shape| matches!(&shape.shape, egui::Shape::Text(text) if text.galley.text().contains(words)))
+}
+
+#[test]
+fn textures_of_locked_shapes_stay() {
+    let mut free = whole_viewport(false);
+    assert!(!shows(&free, "locked"));
+    free.get_by_label("Reset").click();
+    free.run_steps(2);
+    let placed = Command::PlaceTextures {
+        owner: entity(1),
+        before: Affine2::from_scale(Vec2::new(4.0, 2.0)),
+        after: Affine2::IDENTITY,
+    };
+    assert!(free.state().contains(&placed), "{:?}", free.state());
+    let locked = whole_viewport(true);
+    assert!(locked.query_by_label("Reset").is_none());
+    assert!(shows(&locked, "locked"));
 }

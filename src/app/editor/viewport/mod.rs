@@ -110,9 +110,10 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         toolbar(ui, panel, model, commands);
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
-        if let Some(target) = model.textures.filter(|_| model.keys.tool == Tool::PlaceTexture) {
+        if model.keys.tool == Tool::PlaceTexture {
             let foot = model.keys.seeing.cut.map_or(0.0, |_| cut_handle::BAR_HEIGHT + 6.0);
-            texturing::bar(ui, picture, foot, target, &mut state.texturing, commands);
+            let texturing = &mut state.texturing;
+            texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
         }
     }
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {

@@ -5,7 +5,7 @@ use bevy_egui::egui::{
     Align, ComboBox, DragValue, Layout, Margin, Rect, Response, Ui, UiBuilder, WidgetInfo, WidgetType, vec2,
 };
 
-use super::{TextureTarget, TexturingState};
+use super::{TextureTarget, TexturingModel, TexturingState};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::Placing;
 use crate::app::editor::viewport::marks::bar_frame;
@@ -14,15 +14,16 @@ const HEIGHT: f32 = 30.0;
 /// The width before the first frame; afterwards it is what the fields need.
 const WIDTH: f32 = 560.0;
 
-/// Shows it. `foot` is the distance from the foot of the picture.
+/// Shows it if there is something to place. `foot` is the distance from the foot of the picture.
 pub(crate) fn bar(
     ui: &mut Ui,
     picture: Rect,
     foot: f32,
-    target: &TextureTarget,
+    model: &TexturingModel,
     state: &mut TexturingState,
     commands: &mut Vec<Command>,
 ) {
+    let Some(target) = model.placeable() else { return };
     let Some(group) = target.groups.get(state.chosen) else {
         return;
     };

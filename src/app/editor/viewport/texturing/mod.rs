@@ -51,6 +51,13 @@ pub struct TexturingModel<'a> {
     pub unit: LengthUnit,
 }
 
+impl<'a> TexturingModel<'a> {
+    /// The textures that can be placed: those of the selected shape, unless it is locked.
+    fn placeable(&self) -> Option<&'a TextureTarget> {
+        self.target.filter(|target| !self.locked.contains(&target.entity))
+    }
+}
+
 /// The state that the tool keeps between frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TexturingState {
@@ -127,7 +134,7 @@ impl TexturingState {
             let down = input.pointer.button_down(PointerButton::Primary);
             (origin.unwrap_or(latest), pressed, down, input.modifiers)
         });
-        let target = model.target.filter(|target| !model.locked.contains(&target.entity));
+        let target = model.placeable();
         self.find_tile(screen, model, target);
         if self.held.as_ref().map(|held| held.entity) != target.map(|target| target.entity) {
             self.held = None;
@@ -171,7 +178,10 @@ impl TexturingState {
     fn find_tile(&mut self, screen: &Screen, model: &TexturingModel, target: Option<&TextureTarget>) {
         (self.tile, self.note) = (None, "");
         let Some(target) = target else {
-            self.note = "Click a shape that has a picture or a checkerboard";
+            self.note = match model.target {
+                Some(_) => "The shape is locked: its textures stay as they are",
+                None => "Click a shape that has a picture or a checkerboard",
+            };
             return;
         };
         if target.groups.is_empty() {
