@@ -75,7 +75,8 @@ fn row(ui: &mut Ui, part: &InspectedMaterial, is_shown: bool, model: &Model, com
     response
 }
 
-/// What a part is within the one around it, its kind, and its name if it has one of its own.
+/// The kind of a part. Before it stands which side or layer of the one around it the part is; after it, for the whole material alone, the name if
+/// it has one of its own.
 fn text(part: &InspectedMaterial) -> String {
     let place = match part.place {
         MaterialPlace::Whole | MaterialPlace::Inside => "",

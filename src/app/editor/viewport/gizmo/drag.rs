@@ -69,7 +69,7 @@ pub struct Drag {
     /// The unit of the scene, for lengths that are typed.
     pub(super) lengths: LengthUnit,
     pub(super) settings: GizmoSettings,
-    /// The place in the world where the face was pressed.
+    /// The point of the window at which the drag began.
     grabbed: Pos2,
     /// The place where it was seen last, and below the angle up to there: a ring may be turned more than once.
     last: Pos2,

@@ -8,7 +8,7 @@ use crate::scene::LengthUnit;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Typed(String);
 
-/// The longest number; more is a cat on the keyboard.
+/// The longest text that can be typed.
 const LONGEST: usize = 32;
 
 impl Typed {
