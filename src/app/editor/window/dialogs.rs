@@ -126,7 +126,8 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
         .chain(recent);
     let mut places: Vec<Place> = Vec::new();
     for (name, folder, is_recent) in all {
-        if folder.is_dir() && !places.iter().any(|place| place.folder == folder) {
+        // Recent folders may be on a network that is slow or gone, and there may be many.
+        if (is_recent || folder.is_dir()) && !places.iter().any(|place| place.folder == folder) {
             let place = Place {
                 name,
                 folder,
@@ -224,7 +225,7 @@ mod tests {
         assert_eq!(same.count(), 1);
         // The tests run in a checkout.
         assert!(places.iter().any(|place| place.name == "Sample scenes"));
-        assert!(places.iter().all(|place| place.folder.is_dir() && !place.is_recent));
+        assert!(places.iter().all(|place| place.folder.is_dir() != place.is_recent));
     }
 
     #[test]

@@ -4,6 +4,9 @@ use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
+use bevy::log::error;
+use crossbeam_channel::{Receiver, bounded};
+
 use crate::app::editor::words::files::extension;
 use crate::app::editor::words::times::clock_of;
 
@@ -47,11 +50,33 @@ pub struct Filter {
     pub shows_hidden: bool,
 }
 
-/// The entries of a folder, unordered. The error says what is wrong with the folder.
-pub fn read(folder: &Path) -> Result<Vec<Entry>, String> {
-    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let listed = std::fs::read_dir(folder).map_err(wrong)?;
-    Ok(listed.filter_map(|entry| entry_of(&entry.ok()?.path())).collect())
+/// The entries of a folder, unordered; what is wrong with the folder, or that not all of it is there.
+pub type Listed = (Vec<Entry>, Option<String>);
+
+/// The most entries that are read; a folder may hold any number.
+const MOST: usize = 20_000;
+
+/// Begins to read a folder on a thread: one on a network may take long, and the window is not to wait for it.
+pub fn begin(folder: PathBuf) -> Receiver<Listed> {
+    let (sender, receiver) = bounded(1);
+    // The receiver is gone if another folder is wanted by then.
+    let work = move || drop(sender.send(read(&folder)));
+    if let Err(error) = std::thread::Builder::new().name("listing".to_owned()).spawn(work) {
+        error!("A thread for the file dialog could not be started: {error}");
+    }
+    receiver
+}
+
+fn read(folder: &Path) -> Listed {
+    let listed = match std::fs::read_dir(folder) {
+        Ok(listed) => listed,
+        Err(error) => return (Vec::new(), Some(format!("{}: {error}", folder.display()))),
+    };
+    let mut found = listed.filter_map(|entry| entry_of(&entry.ok()?.path()));
+    let entries = found.by_ref().take(MOST).collect();
+    let is_cut = found.next().is_some();
+    let problem = is_cut.then(|| format!("Only {MOST} entries of the folder are listed."));
+    (entries, problem)
 }
 
 /// The entry of a path, following links; None without a name. What a broken link leads to has no size.
@@ -173,6 +198,7 @@ mod tests {
         };
         let order = Order::default();
         assert_eq!(names(&scenes, order), ["attic", "zoo", "Wall 9.XML", "wall 10.xml"]);
+        assert!(natural("wall 99999999999999999999") > natural("wall 9"));
         let by_size = Order {
             column: Column::Size,
             is_reversed: false,
@@ -206,7 +232,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::create_dir(folder.path().join("inner")).expect("a folder");
         std::fs::write(folder.path().join("a.xml"), "<scene/>").expect("a file");
-        let mut entries = read(folder.path()).expect("it is there");
+        let (mut entries, problem) = read(folder.path());
+        assert_eq!(problem, None);
         entries.sort_by(|a, b| a.name.cmp(&b.name));
         let found: Vec<_> = entries
             .iter()
@@ -214,7 +241,8 @@ mod tests {
             .collect();
         assert_eq!(found, [("a.xml", false), ("inner", true)]);
         assert_eq!(entries[0].bytes, 8);
-        assert!(read(&folder.path().join("none")).is_err_and(|error| error.contains("none")));
+        let (entries, problem) = read(&folder.path().join("none"));
+        assert!(entries.is_empty() && problem.is_some_and(|problem| problem.contains("none")));
     }
 
     #[test]

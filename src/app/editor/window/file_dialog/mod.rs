@@ -7,11 +7,13 @@ mod table;
 mod tests;
 
 use std::path::{Component, Path, PathBuf};
+use std::time::Duration;
 
 use bevy_egui::egui::{self, Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use crossbeam_channel::{Receiver, RecvTimeoutError};
 
 use crate::app::editor::words::files::extension;
-use listing::{Entry, Filter, Order};
+use listing::{Entry, Filter, Listed, Order};
 
 /// What the dialog is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub struct FileDialog {
     places: Vec<Place>,
     folder: PathBuf,
     entries: Vec<Entry>,
+    /// What comes of the folder while it is being read.
+    reading: Option<Receiver<Listed>>,
     problem: Option<String>,
     filter: Filter,
     order: Order,
@@ -71,6 +75,8 @@ pub struct FileDialog {
 /// The largest size of the dialog, and that of the column of places, in points.
 const SIZE: egui::Vec2 = egui::vec2(820.0, 480.0);
 const PLACES: f32 = 150.0;
+/// So long a frame waits for a folder: most are read by then, and the list does not flicker.
+const SOON: Duration = Duration::from_millis(50);
 /// The fields for the name of the file to write and for the search.
 const NAME: &str = "name of the file";
 const SEARCH: &str = "search for a file";
@@ -88,6 +94,7 @@ impl FileDialog {
             places,
             folder: PathBuf::new(),
             entries: Vec::new(),
+            reading: None,
             problem: None,
             filter: Filter {
                 extensions,
@@ -112,16 +119,26 @@ impl FileDialog {
         matches!(self.purpose, Purpose::Save(..))
     }
 
-    /// Shows a folder. One that cannot be read is an empty one, with what is wrong with it.
+    /// Shows a folder, as soon as it has been read. One that cannot be read is an empty one, with what is wrong with it.
     fn go_to(&mut self, folder: &Path) {
         self.folder = without_dots(folder);
-        (self.entries, self.problem) = match listing::read(&self.folder) {
-            Ok(entries) => (entries, None),
-            Err(problem) => (Vec::new(), Some(problem)),
-        };
+        (self.entries, self.problem) = (Vec::new(), None);
+        self.reading = Some(listing::begin(self.folder.clone()));
         self.shown_for = None;
         (self.chosen, self.path, self.new_folder, self.replaces) = (None, None, None, None);
         self.filter.part.clear();
+        self.take_listing(SOON);
+    }
+
+    /// Takes what has come of the folder, waiting so long for it at most.
+    fn take_listing(&mut self, wait: Duration) {
+        let Some(reading) = &self.reading else { return };
+        (self.entries, self.problem) = match reading.recv_timeout(wait) {
+            Ok(listed) => listed,
+            Err(RecvTimeoutError::Timeout) => return,
+            Err(RecvTimeoutError::Disconnected) => (Vec::new(), Some("The folder could not be read.".to_owned())),
+        };
+        (self.reading, self.shown_for) = (None, None);
     }
 
     /// Goes to a folder. A path to a file is that file.
@@ -132,6 +149,9 @@ impl FileDialog {
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         self.go_to(path.parent().unwrap_or(path));
+        if self.saves() {
+            self.name.clone_from(&name);
+        }
         self.choose(name.clone());
         self.accept(&name)
     }
@@ -139,6 +159,10 @@ impl FileDialog {
     /// Shows the dialog.
     pub fn show(&mut self, context: &egui::Context) -> Outcome {
         let size = SIZE.min(context.content_rect().size() - egui::vec2(60.0, 120.0));
+        self.take_listing(Duration::ZERO);
+        if self.reading.is_some() {
+            context.request_repaint();
+        }
         // A text field loses the focus in the frame in which Enter is pressed in it.
         let focused = context.memory(|memory| memory.focused());
         let modal = Modal::new(Id::new("file dialog")).show(context, |ui| {
@@ -274,6 +298,10 @@ impl FileDialog {
 
     /// The files; the name of one that was clicked twice.
     fn table(&mut self, ui: &mut Ui, height: f32) -> Option<String> {
+        if self.reading.is_some() {
+            ui.weak("The folder is being read.");
+            return None;
+        }
         let top = ui.cursor().top();
         if let Some(problem) = &self.problem {
             ui.colored_label(ui.visuals().error_fg_color, problem);

@@ -58,6 +58,9 @@ fn shown(purpose: Purpose, folder: &Path) -> Shown {
         .with_size(egui::vec2(1000.0, 700.0))
         .build_ui_state(show, (dialog, None));
     harness.run_steps(3);
+    while harness.state().0.reading.is_some() {
+        harness.run_steps(1);
+    }
     harness
 }
 
