@@ -158,13 +158,13 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
     let mut rest = Vec::new();
     let mut copies: Vec<(Entity, Affine2, Entity)> = Vec::new();
     let placings: EntityHashMap<Affine2> = fittings.iter().map(|fitting| (fitting.shape, fitting.to_uv)).collect();
-    for index in 0..fittings.len() {
+    for fitting in &fittings {
         let Fitting {
             shape,
             to_uv,
             wall,
             is_part,
-        } = &fittings[index];
+        } = fitting;
         let (shape, to_uv) = (*shape, *to_uv);
         let used = edit.world.get::<UsesMaterial>(shape).map(|uses| uses.0);
         let first = used.and_then(|material| first_placing(edit.world, material));
