@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use bevy::asset::AssetPlugin;
 use bevy::math::Affine3A;
@@ -17,6 +18,8 @@ use sunroom::scene::{
 use crate::split_mix::Random;
 
 const SHAPES: u32 = 2600;
+/// So many that the window packs them in several frames.
+const MANY_SHAPES: u32 = 16_500;
 
 struct Field {
     app: App,
@@ -26,7 +29,7 @@ struct Field {
 }
 
 impl Field {
-    fn new() -> Self {
+    fn new(shapes: u32) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
         let world = app.world_mut();
@@ -54,7 +57,7 @@ impl Field {
             materials,
             next_order: 5,
         };
-        for _ in 0..SHAPES {
+        for _ in 0..shapes {
             field.add();
         }
         field
@@ -103,6 +106,18 @@ impl Field {
         shapes.into_iter().map(|(_, entity)| entity).collect()
     }
 
+    /// The shapes that are seen, in their order.
+    fn shown(&mut self) -> Vec<Entity> {
+        let mut shapes = self.shapes();
+        let world = self.app.world();
+        shapes.retain(|entity| {
+            let entity = world.entity(*entity);
+            let pose = entity.get::<ToWorld>().expect("shapes have poses");
+            !entity.contains::<Hidden>() && pose.0 != Affine3A::ZERO
+        });
+        shapes
+    }
+
     /// One edit of any kind.
     fn edit(&mut self) {
         let shapes = self.shapes();
@@ -149,7 +164,7 @@ impl Field {
 
 #[test]
 fn edits_leave_the_tables_as_packing_all_would() {
-    let mut field = Field::new();
+    let mut field = Field::new(SHAPES);
     field.app.update();
     for step in 0..150 {
         for _ in 0..1 + step % 3 {
@@ -159,14 +174,8 @@ fn edits_leave_the_tables_as_packing_all_would() {
         let edited = field.scene();
         let entities = field.packed().entity_of_instance.clone();
         // What is seen is what the entities say, in their order.
-        let shapes = field.shapes();
+        let shown = field.shown();
         let world = field.app.world();
-        let is_shown = |entity: &Entity| {
-            let entity = world.entity(*entity);
-            let pose = entity.get::<ToWorld>().expect("shapes have poses");
-            !entity.contains::<Hidden>() && pose.0 != Affine3A::ZERO
-        };
-        let shown: Vec<Entity> = shapes.into_iter().filter(is_shown).collect();
         assert_eq!(*entities, shown, "step {step}");
         for (entity, instance) in shown.iter().zip(edited.geometry.instances().iter()) {
             let entity = world.entity(*entity);
@@ -193,10 +202,61 @@ fn edits_leave_the_tables_as_packing_all_would() {
     }
 }
 
+#[test]
+fn edits_while_many_shapes_are_packed_are_packed_afterwards() {
+    let mut field = Field::new(MANY_SHAPES);
+    field.app.world_mut().resource_mut::<RenderControl>().interactive = true;
+    field.app.update();
+    assert!(
+        field.packed().entity_of_instance.is_empty(),
+        "one frame does not pack so many"
+    );
+    let begin = Instant::now();
+    while field.packed().entity_of_instance.is_empty() {
+        field.edit();
+        field.app.update();
+        assert!(begin.elapsed() < Duration::from_secs(600), "they are never packed");
+    }
+    // The last edit is packed with all those before it.
+    let shown = field.shown();
+    let (last, place) = (shown[0], Vec3::splat(100.0));
+    let kind = ShapeKind::Cube;
+    let flip_normals = false;
+    let pose = ToWorld(Affine3A::from_translation(place));
+    let moved = (Shape { kind, flip_normals }, pose);
+    field.app.world_mut().entity_mut(last).insert(moved);
+    let is_packed = |field: &Field| {
+        let instances = field.scene();
+        let first = instances
+            .geometry
+            .instances()
+            .iter()
+            .next()
+            .map(|it| it.world_from_local.translation);
+        first == Some(place.into())
+    };
+    while !is_packed(&field) {
+        std::thread::sleep(Duration::from_millis(1));
+        field.app.update();
+        assert!(begin.elapsed() < Duration::from_secs(600), "edits are never packed");
+    }
+    assert_eq!(*field.packed().entity_of_instance, shown);
+    let edited = field.scene();
+    let world = field.app.world_mut();
+    world.resource_mut::<RenderControl>().interactive = false;
+    world.resource_mut::<AccelMethod>().set_changed();
+    field.app.update();
+    let anew = field.scene();
+    assert!(Arc::ptr_eq(&edited.geometry, &anew.geometry));
+    assert!(Arc::ptr_eq(&edited.surfaces, &anew.surfaces));
+    assert!(Arc::ptr_eq(&edited.materials, &anew.materials));
+    assert!(Arc::ptr_eq(&edited.lights, &anew.lights));
+}
+
 /// Most of an edited hierarchy is the same memory.
 #[test]
 fn an_edit_keeps_the_rest_of_the_hierarchy() {
-    let mut field = Field::new();
+    let mut field = Field::new(SHAPES);
     field.app.update();
     let before = field.scene();
     let moved = field.shapes()[1000];
