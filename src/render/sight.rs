@@ -11,7 +11,7 @@ use crate::accel::{Detail, Hit, RayLanes, Tlas};
 use crate::math::Ray;
 use crate::math::lanes::each_lane;
 
-/// Which parts of a scene stop camera rays; by default all of them.
+/// The parts of a scene that stop camera rays; by default all of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sight {
     /// Whether rays pass surfaces that they meet from behind, whose geometric normal points away from the camera.

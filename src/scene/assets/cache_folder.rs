@@ -24,7 +24,7 @@ pub(super) fn cache_folders(name: &str) -> impl Iterator<Item = PathBuf> {
 }
 
 /// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user: such a folder may hold
-/// links and files that nobody here has put there.
+/// links and files that another user has put there.
 pub(super) fn prepare(folder: &Path) -> io::Result<()> {
     let planted = || io::Error::other("the folder is a link, or belongs to another user");
     for folder in folder.ancestors().take(2).collect::<Vec<_>>().into_iter().rev() {

@@ -63,7 +63,7 @@ fn place_as(target: &TextureTarget, before: Affine2, after: Affine2, commands: &
     }
 }
 
-/// Which of the textures are placed.
+/// The choice of the textures that are placed.
 fn choice(ui: &mut Ui, target: &TextureTarget, state: &mut TexturingState) {
     let names: Vec<String> = target.groups.iter().map(|group| group.name()).collect();
     if let [only] = &names[..] {

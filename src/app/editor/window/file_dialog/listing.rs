@@ -39,7 +39,7 @@ pub struct Order {
     pub is_reversed: bool,
 }
 
-/// Which entries are shown.
+/// The rule by which entries are shown or left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Filter {
     /// The extensions of files, in small letters; those of all files if it is empty.
