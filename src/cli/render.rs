@@ -12,8 +12,7 @@ use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
 use sunroom::engine::{load_to_completion, render_to_completion};
-use sunroom::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
-use sunroom::render::film::Film;
+use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::tonemap::{Display, ToneMap};
 use sunroom::scene::{
@@ -199,7 +198,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let threads = app.world().resource::<RenderControl>().threads.get();
     let denoising = Instant::now();
     let denoised = match args.denoise && ending.is_whole() {
-        true => Some(denoised(film, threads)),
+        true => Some(denoise_film(film, Some(threads), &AtomicBool::new(false)).map_err(Error::from)),
         false => None,
     };
     let (pixels, denoise_ms, denoise_failure) = match denoised {
@@ -343,21 +342,4 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> 
         world.resource_mut::<RenderControl>().film_size_override = Some(size);
     }
     Ok(())
-}
-
-fn denoised(film: &Film, threads: usize) -> Result<Vec<sunroom::color::Rgb>, Error> {
-    let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
-    Ok(denoise(
-        &DenoiseInput {
-            width: film.width(),
-            height: film.height(),
-            color: &color,
-            albedo: Some(&albedo),
-            normal: Some(&normal),
-            prefilter: true,
-            quality: DenoiseQuality::High,
-            threads: Some(threads),
-        },
-        &AtomicBool::new(false),
-    )?)
 }

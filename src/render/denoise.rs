@@ -15,6 +15,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 pub use self::request::{DenoiseError, DenoiseInput, DenoiseQuality};
+use super::film::Film;
 use crate::color::Rgb;
 
 /// The picture without noise, in the order of `color`, all of it finite and not negative.
@@ -24,6 +25,23 @@ use crate::color::Rgb;
 pub fn denoise(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     input.check()?;
     run(input, cancel)
+}
+
+/// [`denoise`] in high quality of the radiance that a film has gathered, with its features. `threads` is the number that the denoiser may use; None
+/// is one for each core.
+pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
+    let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
+    let input = DenoiseInput {
+        width: film.width(),
+        height: film.height(),
+        color: &color,
+        albedo: Some(&albedo),
+        normal: Some(&normal),
+        prefilter: true,
+        quality: DenoiseQuality::High,
+        threads,
+    };
+    denoise(&input, cancel)
 }
 
 #[cfg(not(feature = "denoise"))]

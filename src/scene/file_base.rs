@@ -155,11 +155,11 @@ impl Thing {
 /// The place of each thing of a new description in the same list of the old one; None for new things.
 #[derive(Debug)]
 pub(super) struct Recognised {
-    materials: Vec<Option<usize>>,
-    groups: Vec<Option<usize>>,
-    shapes: Vec<Option<usize>>,
-    emitters: Vec<Option<usize>>,
-    sensors: Vec<Option<usize>>,
+    pub materials: Vec<Option<usize>>,
+    pub groups: Vec<Option<usize>>,
+    pub shapes: Vec<Option<usize>>,
+    pub emitters: Vec<Option<usize>>,
+    pub sensors: Vec<Option<usize>>,
 }
 
 impl Recognised {

@@ -7,7 +7,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use super::description::{Identity, SceneDescription};
-use super::file_base::{FileBase, Thing, set_authored};
+use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::spawn::{StandInSensor, give_way};
 use super::write::gather::Entities;
 use super::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
@@ -33,11 +33,7 @@ pub(super) struct Pairing {
     entities: Entities,
     marks: Marks,
     written: SceneDescription,
-    materials: Vec<Option<usize>>,
-    groups: Vec<Option<usize>>,
-    shapes: Vec<Option<usize>>,
-    emitters: Vec<Option<usize>>,
-    sensors: Vec<Option<usize>>,
+    recognised: Recognised,
 }
 
 impl Pairing {
@@ -53,7 +49,7 @@ impl Pairing {
                     && a.instance_of.is_some() == b.instance_of.is_some()
             },
         );
-        Self {
+        let recognised = Recognised {
             materials: material_pairs(&scene, &written, &shapes),
             shapes,
             sensors: pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
@@ -64,33 +60,20 @@ impl Pairing {
                 |it| &it.identity,
                 |a, b| a.emitter.plugin() == b.emitter.plugin(),
             ),
+        };
+        Self {
             scene,
             entities,
             marks,
             written,
-        }
-    }
-
-    fn before(&self, thing: Thing) -> Option<Thing> {
-        match thing {
-            Thing::Material(index) => self.materials[index].map(Thing::Material),
-            Thing::Group(index) => self.groups[index].map(Thing::Group),
-            Thing::Shape(index) => self.shapes[index].map(Thing::Shape),
-            Thing::Emitter(index) => self.emitters[index].map(Thing::Emitter),
-            Thing::Sensor(index) => self.sensors[index].map(Thing::Sensor),
+            recognised,
         }
     }
 
     /// What follows for the entities, if each thing of the file has one.
     pub fn rebase(self) -> Result<Rebase, Box<Self>> {
-        let lists = [
-            &self.materials,
-            &self.groups,
-            &self.shapes,
-            &self.emitters,
-            &self.sensors,
-        ];
-        if lists.iter().any(|list| list.contains(&None)) {
+        let is_known = |thing| self.recognised.before(thing).is_some();
+        if !Thing::all(&self.written).all(is_known) {
             return Err(Box::new(self));
         }
         Ok(self.rebase_with(|| Entity::PLACEHOLDER))
@@ -98,17 +81,7 @@ impl Pairing {
 
     /// What follows for the entities. `make` gives one for each thing that is only in the file.
     pub fn rebase_with(self, mut make: impl FnMut() -> Entity) -> Rebase {
-        let mut all = |pairs: &[Option<usize>], known: &[Entity]| {
-            let entity = |pair: &Option<usize>| pair.map_or_else(&mut make, |index| known[index]);
-            pairs.iter().map(entity).collect()
-        };
-        let now = Entities {
-            materials: all(&self.materials, &self.entities.materials),
-            groups: all(&self.groups, &self.entities.groups),
-            shapes: all(&self.shapes, &self.entities.shapes),
-            emitters: all(&self.emitters, &self.entities.emitters),
-            sensors: all(&self.sensors, &self.entities.sensors),
-        };
+        let now = (self.recognised).entities(&self.entities, |known| known.unwrap_or_else(&mut make));
         let mut base = FileBase {
             integrator: Some(self.written.integrator),
             ..FileBase::default()
@@ -117,7 +90,7 @@ impl Pairing {
         for thing in Thing::all(&self.written) {
             let entity = thing.entity(&now);
             let in_file = thing.state(&self.written, &now);
-            let mut here = match self.before(thing) {
+            let mut here = match self.recognised.before(thing) {
                 Some(known) => ObjectState {
                     hidden: self.marks.hidden.contains(&entity).then_some(Hidden),
                     locked: self.marks.locked.contains(&entity).then_some(Locked),

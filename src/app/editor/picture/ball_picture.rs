@@ -17,7 +17,7 @@ use crate::app::editor::command::presets::{self, Preset};
 use crate::app::editor::session::stable_hash::stable_hash;
 use crate::color::Rgb;
 use crate::engine::pack_loose;
-use crate::render::denoise::{DenoiseInput, DenoiseQuality, denoise};
+use crate::render::denoise::denoise_film;
 use crate::render::film::Film;
 use crate::render::tonemap::Display;
 
@@ -110,18 +110,7 @@ pub fn make_shipped(show: impl Fn(&str) + Sync) -> Result<(Vec<u8>, String), Str
 /// The radiance without noise, or as it is where the denoiser is not there. `threads` is the number that the denoiser may use; None is one for each
 /// core.
 pub(crate) fn without_noise(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Vec<Rgb> {
-    let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
-    let input = DenoiseInput {
-        width: film.width(),
-        height: film.height(),
-        color: &color,
-        albedo: Some(&albedo),
-        normal: Some(&normal),
-        prefilter: true,
-        quality: DenoiseQuality::High,
-        threads,
-    };
-    denoise(&input, cancel).unwrap_or(color)
+    denoise_film(film, threads, cancel).unwrap_or_else(|_| film.radiance())
 }
 
 #[cfg(test)]
