@@ -149,6 +149,22 @@ pub const EDGES: [[usize; 2]; 12] = [
 ];
 
 #[cfg(test)]
+impl Block {
+    /// A wall on level ground, 2.5 high and 0.2 thick.
+    pub(crate) fn wall(from: Vec3, to: Vec3) -> Self {
+        Self {
+            kind: BlockKind::Wall,
+            name: None,
+            from,
+            to,
+            plane: Plane::of_normal(Vec3::Y, Vec3::Y),
+            height: 2.5,
+            thickness: 0.2,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -163,8 +163,7 @@ fn end_at_side(wall: &StandingWall, new: &StandingWall) -> Option<(Entity, Face,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::editor::command::blocking::BlockKind;
-    use crate::app::editor::command::blocking::block::{Plane, corners};
+    use crate::app::editor::command::blocking::block::corners;
     use crate::app::editor::command::blocking::faces::pushed;
 
     type Built = (ShapeKind, Affine3A);
@@ -174,15 +173,7 @@ mod tests {
         let mut walls: Vec<Built> = Vec::new();
         for ends in lines {
             let [from, to] = ends.map(|(x, z)| Vec3::new(x, 0.0, z));
-            let mut block = Block {
-                kind: BlockKind::Wall,
-                name: None,
-                from,
-                to,
-                plane: Plane::of_normal(Vec3::Y, Vec3::Y),
-                height: 2.5,
-                thickness: 0.2,
-            };
+            let mut block = Block::wall(from, to);
             let standing: Vec<_> = walls
                 .iter()
                 .enumerate()

@@ -1,8 +1,8 @@
 //! What is drawn and cut, in a world without a window.
 
 use super::*;
-use crate::app::editor::command::blocking::block::{Block, Plane};
-use crate::app::editor::command::blocking::{BlockKind, Reshaping};
+use crate::app::editor::command::blocking::Reshaping;
+use crate::app::editor::command::blocking::block::Block;
 use crate::scene::{MemberOf, Opening, Solid};
 
 #[test]
@@ -32,17 +32,7 @@ fn a_wall_gets_no_more_openings_than_a_file_may_have() {
 
 #[test]
 fn walls_are_joined_to_those_that_one_sees_and_undo_parts_them() {
-    let draw = |from, to| {
-        Command::Build(Box::new(Block {
-            kind: BlockKind::Wall,
-            name: None,
-            from,
-            to,
-            plane: Plane::of_normal(Vec3::Y, Vec3::Y),
-            height: 2.5,
-            thickness: 0.2,
-        }))
-    };
+    let draw = |from, to| Command::Build(Box::new(Block::wall(from, to)));
     let length = |world: &World, wall: Entity| match world.get::<Shape>(wall).map(|shape| shape.kind.clone()) {
         Some(ShapeKind::Solid(Solid::Wall { length, .. })) => length,
         other => panic!("{other:?}"),
