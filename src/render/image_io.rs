@@ -3,6 +3,9 @@
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
 //! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is [`crate::texture::load_image`].
 
+pub mod exr;
+mod exr_compression;
+
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +15,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use thiserror::Error;
 
+pub use self::exr_compression::ExrCompression;
 use super::tonemap::Display;
 use crate::color::Rgb;
 use crate::files::write_atomically;
@@ -71,6 +75,10 @@ pub enum ImageIoError {
     Write { path: PathBuf, source: std::io::Error },
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] ImageError),
+    #[error("cannot encode the picture: {0}")]
+    Exr(String),
+    #[error("the channel `{name}` {what}")]
+    Channel { name: String, what: String },
     #[error("{pixels} pixels are no picture of {width} x {height}")]
     WrongSize { width: u32, height: u32, pixels: usize },
 }

@@ -10,6 +10,7 @@ mod headlight;
 pub mod image_io;
 pub mod inspect;
 mod lanes;
+pub mod layered_image;
 pub mod light_layers;
 mod mis;
 pub mod noise;

@@ -15,16 +15,9 @@ use crate::memory::Reservation;
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileError> {
-    let memory = reserve(bytes)?;
-    let file = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(refused)?;
+    // The colour of one layer is taken out while all layers are still there.
+    let memory = reserve_exr(bytes, |_| COLOR_BYTES + ENVIRONMENT_BYTES)?;
+    let file = read_exr_parts(bytes)?;
     let found = file
         .layer_data
         .iter()
@@ -44,8 +37,25 @@ pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileErro
     hold(image.ok_or(ImageFileError::Empty)?, memory)
 }
 
-/// Reserves, before pixels are read, what the headers promise: all layers are read before the colour is taken from one of them.
-fn reserve(bytes: &[u8]) -> std::result::Result<Reservation, ImageFileError> {
+/// All parts of a file with their channels, each at its full resolution.
+pub(crate) fn read_exr_parts(bytes: &[u8]) -> std::result::Result<FlatImage, ImageFileError> {
+    read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(refused)
+}
+
+/// Reserves, before pixels are read, what the headers promise, and so many more bytes for each pixel of a part, whose number of channels is given. An
+/// error for files of kinds that are not read.
+pub(crate) fn reserve_exr(
+    bytes: &[u8],
+    more_bytes: impl Fn(usize) -> u64,
+) -> std::result::Result<Reservation, ImageFileError> {
     let mut all = PromisedSize {
         width: 0,
         height: 0,
@@ -70,9 +80,8 @@ fn reserve(bytes: &[u8]) -> std::result::Result<Reservation, ImageFileError> {
         let promised = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
         (all.width, all.height) = (all.width.max(width), all.height.max(height));
         all.decoded_bytes = all.decoded_bytes.saturating_add(promised);
-        // The colour of one layer is taken out while all layers are still there.
-        let color = pixels.saturating_mul(COLOR_BYTES + ENVIRONMENT_BYTES);
-        all.memory_bytes = all.memory_bytes.saturating_add(promised).saturating_add(color);
+        let more = pixels.saturating_mul(more_bytes(header.channels.list.len()));
+        all.memory_bytes = all.memory_bytes.saturating_add(promised).saturating_add(more);
     }
     all.reserve(bytes.len())
 }

@@ -1,0 +1,82 @@
+//! The compressions of OpenEXR that are written.
+
+use exr::prelude::Compression;
+
+/// The ways in which OpenEXR makes files smaller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExrCompression {
+    /// Samples as they are.
+    None,
+    /// Runs of equal bytes.
+    Rle,
+    /// Deflate, row by row.
+    Zips,
+    /// Deflate of 16 rows at a time.
+    #[default]
+    Zip,
+    /// Wavelets, without loss; best for noise.
+    Piz,
+    /// Floats lose their last eight bits; the rest is without loss.
+    Pxr24,
+    /// Halves in blocks of a fixed size, with loss; the rest is not compressed.
+    B44,
+    /// As [`Self::B44`], and flat blocks take less.
+    B44a,
+    /// A cosine transform of 32 rows at a time, with loss.
+    Dwaa,
+    /// A cosine transform of 256 rows at a time, with loss.
+    Dwab,
+}
+
+impl ExrCompression {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 10] = [
+        Self::None,
+        Self::Rle,
+        Self::Zips,
+        Self::Zip,
+        Self::Piz,
+        Self::Pxr24,
+        Self::B44,
+        Self::B44a,
+        Self::Dwaa,
+        Self::Dwab,
+    ];
+
+    /// The name on the command line, as other programs call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rle => "rle",
+            Self::Zips => "zips",
+            Self::Zip => "zip",
+            Self::Piz => "piz",
+            Self::Pxr24 => "pxr24",
+            Self::B44 => "b44",
+            Self::B44a => "b44a",
+            Self::Dwaa => "dwaa",
+            Self::Dwab => "dwab",
+        }
+    }
+
+    /// Whether the bits of a float survive.
+    pub fn keeps_floats(self) -> bool {
+        !matches!(self, Self::Pxr24 | Self::Dwaa | Self::Dwab)
+    }
+
+    pub(super) fn method(self) -> Compression {
+        match self {
+            Self::None => Compression::Uncompressed,
+            Self::Rle => Compression::RLE,
+            Self::Zips => Compression::ZIP1,
+            Self::Zip => Compression::ZIP16,
+            Self::Piz => Compression::PIZ,
+            Self::Pxr24 => Compression::PXR24,
+            Self::B44 => Compression::B44,
+            Self::B44a => Compression::B44A,
+            // The level that OpenEXR itself begins with.
+            Self::Dwaa => Compression::DWAA(Some(45.0)),
+            Self::Dwab => Compression::DWAB(Some(45.0)),
+        }
+    }
+}

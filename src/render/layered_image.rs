@@ -1,0 +1,294 @@
+//! A picture of named channels with attributes, as an OpenEXR file of one part holds it.
+//!
+//! The channels of the picture itself are named `R`, `G`, `B` and perhaps `A`. Others belong to a layer, whose name stands before the last dot
+//! (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR, "Channel names". What writes and reads the files is
+//! [`super::image_io::exr`].
+
+use glam::Vec3;
+
+use super::image_io::ImageRgb;
+use crate::color::Rgb;
+use crate::memory::Held;
+
+/// Named channels of one size, in any order, and attributes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayeredImage {
+    /// The number of pixels in a row, above zero.
+    pub width: u32,
+    /// The number of rows, above zero.
+    pub height: u32,
+    /// The channels. No two have the same name.
+    pub channels: Vec<Channel>,
+    /// What else is known of the picture, by name. No two have the same name.
+    pub attributes: Vec<(String, Attribute)>,
+    /// What a reader has taken from the memory budget.
+    pub(super) memory: Held,
+}
+
+/// One number for each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The name with that of its layer: `R`, `Albedo.R`, `CryptoObject00.R`. It has 1 to 255 bytes.
+    pub name: String,
+    /// `width * height` samples, row by row from the top left.
+    pub samples: Samples,
+}
+
+/// The samples of a channel, and how they are stored in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Floats that are stored with 16 bits. Those beyond 65504 are stored as that, and infinite ones stay so.
+    Half(Vec<f32>),
+    /// Floats that are stored bit by bit.
+    Float(Vec<f32>),
+    /// Whole numbers, such as identifiers.
+    Uint(Vec<u32>),
+}
+
+impl Samples {
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Half(samples) | Self::Float(samples) => samples.len(),
+            Self::Uint(samples) => samples.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A sample as a float; whole numbers are rounded to one.
+    pub fn value(&self, index: usize) -> f32 {
+        match self {
+            Self::Half(samples) | Self::Float(samples) => samples[index],
+            Self::Uint(samples) => samples[index] as f32,
+        }
+    }
+}
+
+/// A value that belongs to a picture as a whole.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// Text. Programs expect ASCII; other characters are written as UTF-8.
+    Text(String),
+    /// A whole number.
+    Int(i32),
+    /// A number in single precision.
+    Float(f32),
+    /// A matrix for row vectors, row by row: the translation is in the last row, as OpenEXR's `worldToCamera` is used.
+    Matrix([f32; 16]),
+}
+
+/// The last parts of the names of three channels that are one colour or vector.
+const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
+
+impl LayeredImage {
+    /// A picture without channels.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            ..Self::default()
+        }
+    }
+
+    /// The number of pixels.
+    pub fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The channel of this full name.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Adds a channel of floats that are stored bit by bit, with one sample for each pixel.
+    pub fn add_float(&mut self, name: &str, samples: Vec<f32>) {
+        self.channels.push(Channel {
+            name: name.to_owned(),
+            samples: Samples::Float(samples),
+        });
+    }
+
+    /// Adds the channels `R`, `G` and `B` of a layer, whose name is empty for the picture itself.
+    pub fn add_rgb(&mut self, layer: &str, pixels: &[Rgb]) {
+        self.add_triple(layer, TRIPLES[0], pixels);
+    }
+
+    /// Adds the channels `X`, `Y` and `Z` of a layer.
+    pub fn add_xyz(&mut self, layer: &str, vectors: &[Vec3]) {
+        self.add_triple(layer, TRIPLES[1], vectors);
+    }
+
+    fn add_triple(&mut self, layer: &str, names: [&str; 3], vectors: &[Vec3]) {
+        for (axis, name) in names.into_iter().enumerate() {
+            self.add_float(
+                &full_name(layer, name),
+                vectors.iter().map(|vector| vector[axis]).collect(),
+            );
+        }
+    }
+
+    /// The names of the layers in the order of their first channels; the picture itself has an empty name.
+    pub fn layers(&self) -> Vec<&str> {
+        let mut layers: Vec<&str> = Vec::new();
+        for channel in &self.channels {
+            let layer = split_name(&channel.name).0;
+            if !layers.contains(&layer) {
+                layers.push(layer);
+            }
+        }
+        layers
+    }
+
+    /// A layer as colours; its name is empty for the picture itself. The channels are `R`, `G`, `B`, or `X`, `Y`, `Z`, or else the only one of the
+    /// layer that is not `A` (or its `Y`), which becomes grey. None if the layer has no such channels.
+    pub fn layer(&self, layer: &str) -> Option<ImageRgb> {
+        let of_layer = |last: &str| {
+            let mut channels = self.channels.iter();
+            channels.find(|channel| {
+                let (before, after) = split_name(&channel.name);
+                before == layer && after.eq_ignore_ascii_case(last)
+            })
+        };
+        let triple = |names: &[&str; 3]| {
+            let [first, second, third] = names.map(of_layer);
+            Some([first?, second?, third?])
+        };
+        let only = || {
+            let others = |channel: &&Channel| {
+                let (before, after) = split_name(&channel.name);
+                before == layer && !after.eq_ignore_ascii_case("A")
+            };
+            let mut list = self.channels.iter().filter(others);
+            let first = list.next()?;
+            list.next().is_none().then_some(first)
+        };
+        let found = TRIPLES.iter().find_map(triple);
+        let [red, green, blue] = found.or_else(|| of_layer("Y").or_else(only).map(|grey| [grey; 3]))?;
+        let pixel = |i| Rgb::new(red.samples.value(i), green.samples.value(i), blue.samples.value(i));
+        Some(ImageRgb {
+            width: self.width,
+            height: self.height,
+            pixels: (0..self.pixel_count()).map(pixel).collect(),
+        })
+    }
+
+    /// The opacity of the picture itself, in [0, 1], row by row; None if it has no channel `A`.
+    pub fn alpha(&self) -> Option<Vec<f32>> {
+        let samples = &self.channel("A")?.samples;
+        Some((0..samples.len()).map(|i| samples.value(i)).collect())
+    }
+
+    /// The attribute of this name.
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        let found = self.attributes.iter().find(|(other, _)| other == name);
+        found.map(|(_, attribute)| attribute)
+    }
+
+    /// Adds an attribute, or replaces the one of the same name.
+    pub fn set_attribute(&mut self, name: &str, attribute: Attribute) {
+        self.attributes.retain(|(other, _)| other != name);
+        self.attributes.push((name.to_owned(), attribute));
+    }
+
+    /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Cryptomattes (`Crypto*`), whose floats are identifiers, and variances
+    /// (`Variance*`), which are too small for 16 bits, stay as they are, and so do vectors and depths.
+    pub fn store_colors_as_half(&mut self) {
+        for channel in &mut self.channels {
+            let (layer, last) = split_name(&channel.name);
+            let is_exact = is_cryptomatte(layer) || layer.starts_with("Variance");
+            if let Samples::Float(samples) = &mut channel.samples
+                && ["R", "G", "B", "A"].contains(&last)
+                && !is_exact
+            {
+                channel.samples = Samples::Half(std::mem::take(samples));
+            }
+        }
+    }
+}
+
+impl From<&ImageRgb> for LayeredImage {
+    fn from(image: &ImageRgb) -> Self {
+        let mut layered = Self::new(image.width, image.height);
+        layered.add_rgb("", &image.pixels);
+        layered
+    }
+}
+
+/// The name of a layer and that of the channel in it.
+pub(super) fn split_name(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// The name of a channel in a layer, which is empty for the picture itself.
+pub(super) fn full_name(layer: &str, channel: &str) -> String {
+    match layer {
+        "" => channel.to_owned(),
+        _ => format!("{layer}.{channel}"),
+    }
+}
+
+/// Whether the floats of the layer are bits that must not change.
+pub(super) fn is_cryptomatte(layer: &str) -> bool {
+    layer.starts_with("Crypto")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layered() -> LayeredImage {
+        let mut image = LayeredImage::from(&ImageRgb {
+            width: 2,
+            height: 1,
+            pixels: vec![Rgb::new(1.0, 2.0, 3.0), Rgb::new(4.0, 5.0, 6.0)],
+        });
+        image.add_float("A", vec![0.5, 1.0]);
+        image.add_xyz("Normal", &[Vec3::X, Vec3::NEG_Z]);
+        image.add_float("Depth.Z", vec![7.0, 8.0]);
+        image.add_rgb("Light.Key", &[Rgb::ONE, Rgb::ZERO]);
+        image.add_rgb("CryptoObject00", &[Rgb::ONE, Rgb::ZERO]);
+        image
+    }
+
+    #[test]
+    fn layers_are_found_by_name() {
+        let image = layered();
+        assert_eq!(image.layers(), ["", "Normal", "Depth", "Light.Key", "CryptoObject00"]);
+        assert_eq!(image.layer("").expect("the picture").pixels[1], Rgb::new(4.0, 5.0, 6.0));
+        assert_eq!(image.layer("Normal").expect("a vector").pixels, [Vec3::X, Vec3::NEG_Z]);
+        assert_eq!(
+            image.layer("Depth").expect("one channel").pixels,
+            [Rgb::splat(7.0), Rgb::splat(8.0)]
+        );
+        assert_eq!(
+            image.layer("Light.Key").expect("a dotted layer").pixels,
+            [Rgb::ONE, Rgb::ZERO]
+        );
+        assert_eq!(image.layer("Light"), None);
+        assert_eq!(image.alpha(), Some(vec![0.5, 1.0]));
+    }
+
+    #[test]
+    fn only_colours_become_half() {
+        let mut image = layered();
+        image.add_float("Variance.R", vec![1e-9, 1e-10]);
+        image.store_colors_as_half();
+        let halves = image.channels.iter().filter(|c| matches!(c.samples, Samples::Half(_)));
+        let names: Vec<&str> = halves.map(|channel| channel.name.as_str()).collect();
+        assert_eq!(names, ["R", "G", "B", "A", "Light.Key.R", "Light.Key.G", "Light.Key.B"]);
+    }
+
+    #[test]
+    fn an_attribute_has_one_value() {
+        let mut image = layered();
+        image.set_attribute("a", Attribute::Int(1));
+        image.set_attribute("a", Attribute::Float(2.0));
+        assert_eq!(image.attributes.len(), 1);
+        assert_eq!(image.attribute("a"), Some(&Attribute::Float(2.0)));
+        assert_eq!(image.attribute("b"), None);
+    }
+}
