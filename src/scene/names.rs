@@ -9,6 +9,9 @@ use smol_str::SmolStr;
 use super::{Authored, AuthoredScene, DocumentOrder, SceneId};
 use crate::document::{Document, Object};
 
+/// As few stems are compared one by one.
+const FEW: usize = 4;
+
 /// The ids of elements of the file that are no entities, such as textures.
 #[derive(Resource, Default)]
 struct ForeignIds {
@@ -37,7 +40,13 @@ impl TakenNames {
                 .entry(stem.to_owned())
                 .or_default();
         }
+        let stems: Vec<String> = taken.numbers.iter().flat_map(HashMap::keys).cloned().collect();
+        // Looking at the beginnings of all names is quicker than looking them up.
+        let is_far = |name: &str| stems.len() <= FEW && !stems.iter().any(|stem| name.starts_with(stem));
         each_name(world, |name| {
+            if is_far(name) {
+                return;
+            }
             if names.contains(name) {
                 taken.exact.insert(name.to_owned());
             }

@@ -196,7 +196,12 @@ pub fn scene_bounds(packed: &PackedScene) -> Option<Aabb> {
 
 /// World bounds of one shape; None if it is not in the picture.
 pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
-    bounds_of_each(packed, &[entity]).pop().flatten()
+    let geometry = &packed.scene.as_ref()?.geometry;
+    let items = (0..).zip(packed.entity_of_instance.iter());
+    let own = items.filter(|(_, its)| **its == entity);
+    let bounds = own.filter_map(|(item, _)| geometry.bounds_of(item));
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    (!bounds.is_empty()).then_some(bounds)
 }
 
 /// The world bounds of each of some shapes; None for those that are not in the picture.
@@ -218,18 +223,21 @@ pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<A
         .collect()
 }
 
-/// The world bounds of all shapes in the picture, by their entities.
-pub fn all_bounds(packed: &PackedScene) -> EntityHashMap<Aabb> {
-    let mut bounds = EntityHashMap::with_capacity(packed.entity_of_instance.len());
-    if let Some(scene) = &packed.scene {
-        for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
-            if let Some(own) = scene.geometry.bounds_of(item).filter(|own| !own.is_empty()) {
-                let all = bounds.entry(*entity).or_insert(Aabb::EMPTY);
-                *all = all.union(own);
-            }
+/// Calls `visit` with the world bounds of each shape in the picture, or of as many instances of it as stand together in the tables.
+pub fn each_bounds(packed: &PackedScene, mut visit: impl FnMut(Entity, Aabb)) {
+    let Some(scene) = &packed.scene else {
+        return;
+    };
+    let mut first = 0;
+    for instances in packed.entity_of_instance.chunk_by(|one, next| one == next) {
+        let own = (first..).take(instances.len());
+        let bounds = own.filter_map(|item| scene.geometry.bounds_of(item));
+        let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+        if !bounds.is_empty() {
+            visit(instances[0], bounds);
         }
+        first += instances.len() as u32;
     }
-    bounds
 }
 
 /// Half the field of view in radians along the picture's narrower side.

@@ -1,5 +1,6 @@
 //! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside similar things.
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
@@ -43,26 +44,26 @@ type Place = (Vec3, Option<SeenSurface>);
 
 /// Finds a place. `lift` is the distance from the foot to the position, in half sizes.
 pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> Spot {
-    let taken = Taken::of(world, is_light);
+    let has_shapes = world.query::<&Shape>().iter(world).next().is_some();
+    let mut things = Things::new(world);
+    let world = &*world;
     let nothing = PackedScene::default();
     let packed = world.get_resource::<PackedScene>().unwrap_or(&nothing);
     let up = world.resource::<ViewSettings>().navigation.up;
     let pose = pose::view_pose(world).unwrap_or_default();
     let ground = Ground::of(packed, up);
-    let surface = picking::ahead(packed).filter(|_| taken.has_shapes);
+    let surface = picking::ahead(packed).filter(|_| has_shapes);
     let seen = match surface {
         Some(surface) => surface.position,
-        None if taken.has_shapes => looked_at(&pose, &ground),
+        None if has_shapes => looked_at(&pose, &ground),
         None => Vec3::ZERO,
     };
-    let suits = || match taken.has_shapes {
+    let suits = || match has_shapes {
         true => picking::view_height(packed, &pose, seen).map_or(FIRST, |height| rounded(SIZE_IN_VIEW * height)),
         false => FIRST,
     };
     let size = size.unwrap_or_else(suits);
-    let all_bounds = picking::all_bounds(packed);
-    let bounds_of = |entity: Entity| all_bounds.get(&entity);
-    let taken = taken.only_like(bounds_of, size, up);
+    let bounds_of = |entity: Entity| picking::bounds_of(packed, entity);
     let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let right = -Vec3::from(pose.matrix3.x_axis)
         .reject_from(up)
@@ -79,14 +80,25 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
             };
             fall(packed, before + step, &ground)
         }
-        None if taken.has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
+        None if has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
         None => (seen, None),
     };
-    let is_passed = |entity: Entity| bounds_of(entity).is_some_and(|bounds| is_like(bounds, size, up));
+    let is_passed = |entity: Entity| bounds_of(entity).is_some_and(|bounds| is_like(&bounds, size, up));
     // Beside a thing of similar size, whichever side of it is seen.
     let start = match surface {
         Some(surface) if is_passed(surface.entity) => (surface.position, Some(surface)),
         _ => stand,
+    };
+    let mut taken = None;
+    let mut find_taken = || {
+        let slab = Slab {
+            through: start.0,
+            across: right.cross(up).normalize_or_zero(),
+            half_width: size,
+        };
+        Taken::find(world, &mut things, packed, is_light, &slab, |bounds| {
+            is_like(bounds, size, up)
+        })
     };
     // None: something is in the way that is no similar thing.
     let walk = |way: Vec3| -> Option<Place> {
@@ -94,10 +106,12 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         for _ in 0..MOST_TRIED {
             let (foot, on) = place;
             let beside = match on.and_then(|on| bounds_of(on.entity)) {
-                Some(bounds) if is_like(bounds, size, up) => {
+                Some(bounds) if is_like(&bounds, size, up) => {
                     bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
                 }
-                _ if taken.is_at(foot, up * size, lift) => foot + way * ((APART - 1.0) * size),
+                _ if taken.get_or_insert_with(&mut find_taken).is_at(foot, up * size, lift) => {
+                    foot + way * ((APART - 1.0) * size)
+                }
                 _ => break,
             };
             let next = beside + way * size;
@@ -152,54 +166,78 @@ pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
-/// The middles of the lights, or of the shapes, that exist already.
-struct Taken {
-    places: Vec<(Entity, Vec3)>,
-    has_shapes: bool,
+/// The part of space between two parallel planes. The feet of new things are looked for on one upright plane.
+struct Slab {
+    through: Vec3,
+    /// The normal of the planes.
+    across: Vec3,
+    half_width: f32,
 }
 
+impl Slab {
+    fn contains(&self, place: Vec3) -> bool {
+        (place - self.through).dot(self.across).abs() <= self.half_width
+    }
+}
+
+// Members of groups are where the instances of the groups are.
+type Things = QueryState<
+    (
+        Entity,
+        &'static ToWorld,
+        Option<&'static Shape>,
+        Has<AreaLight>,
+        Option<&'static Emitter>,
+    ),
+    Without<MemberOf>,
+>;
+
+/// The middles of the lights, or of the shapes, that exist already.
+struct Taken(Vec<Vec3>);
+
 impl Taken {
-    fn of(world: &mut World, lights: bool) -> Self {
-        type Parts = (
-            Entity,
-            &'static ToWorld,
-            Option<&'static Shape>,
-            Has<AreaLight>,
-            Option<&'static Emitter>,
-        );
-        // Members of groups are where the instances of the groups are.
-        let mut things = world.query_filtered::<Parts, Without<MemberOf>>();
-        let places = things
+    /// Finds those in a slab that are like what is new. Things in whose middle something may stand, such as a floor, are not among them.
+    fn find(
+        world: &World,
+        things: &mut Things,
+        packed: &PackedScene,
+        lights: bool,
+        slab: &Slab,
+        is_like: impl Fn(&Aabb) -> bool,
+    ) -> Self {
+        let is_meant = |shape: Option<&Shape>, shines: bool, emitter: Option<&Emitter>| match lights {
+            true => shines || emitter.is_some_and(Emitter::has_place),
+            false => shape.is_some() && !shines,
+        };
+        let mut outside_picture: EntityHashMap<Vec3> = things
             .iter(world)
-            .filter(|(_, _, shape, shines, emitter)| match lights {
-                true => *shines || emitter.is_some_and(Emitter::has_place),
-                false => shape.is_some() && !shines,
-            })
+            .filter(|(_, _, shape, shines, emitter)| is_meant(*shape, *shines, *emitter))
             .map(|(entity, pose, shape, ..)| {
                 let middle = shape.map_or(Vec3::ZERO, Shape::middle);
                 (entity, pose.0.transform_point3(middle))
             })
+            .filter(|(_, place)| slab.contains(*place))
             .collect();
-        let has_shapes = world.query::<&Shape>().iter(world).next().is_some();
-        Self { places, has_shapes }
-    }
-
-    /// Removes things in whose middle a new thing may stand, such as a floor. What is in the picture has its middle there.
-    fn only_like<'b>(mut self, bounds_of: impl Fn(Entity) -> Option<&'b Aabb>, size: f32, up: Vec3) -> Self {
-        self.places.retain_mut(|(entity, place)| match bounds_of(*entity) {
-            Some(bounds) => {
-                *place = bounds.center();
-                is_like(bounds, size, up)
+        let mut places = Vec::new();
+        // What is in the picture has its middle there.
+        picking::each_bounds(packed, |entity, bounds| {
+            outside_picture.remove(&entity);
+            if slab.contains(bounds.center())
+                && is_like(&bounds)
+                && let Ok((_, _, shape, shines, emitter)) = things.get_manual(world, entity)
+                && is_meant(shape, shines, emitter)
+            {
+                places.push(bounds.center());
             }
-            None => true,
         });
-        self
+        places.extend(outside_picture.values());
+        Self(places)
     }
 
     /// Whether something new would be in one of them. `upwards`: as long as half its size.
     fn is_at(&self, foot: Vec3, upwards: Vec3, lift: f32) -> bool {
         let size = upwards.length();
-        self.places.iter().any(|(_, place)| {
+        self.0.iter().any(|place| {
             let from = *place - foot;
             let height = from.dot(upwards) / (size * size);
             height > -1.0 && height < lift + 1.0 && from.reject_from(upwards).length() < size
