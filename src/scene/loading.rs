@@ -25,6 +25,14 @@ use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
 use crate::files;
 
+/// Asks for a scene. From now on one counts as being read, so that nothing begins in this frame that must not meet it, such as a save.
+pub(crate) fn ask_for(world: &mut World, request: OpenScene) {
+    if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
+        status.state = SceneState::Loading;
+    }
+    world.write_message(request);
+}
+
 pub(super) fn open_scenes(
     mut requests: MessageReader<OpenScene>,
     mut file: ResMut<SceneFile>,

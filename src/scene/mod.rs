@@ -66,7 +66,7 @@ pub use group::Placements;
 pub(crate) use group::{InstanceOf, MemberOf, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
 pub(crate) use keep_source::KeepSource;
-pub(crate) use loading::new_scene;
+pub(crate) use loading::{ask_for, new_scene};
 pub use material::{
     FirstNested, FirstNestedIn, Material, MaterialUsers, Principled, PrincipledThin, SecondNested, SecondNestedIn,
     UsesMaterial,

@@ -31,11 +31,12 @@ pub fn new_scene(world: &mut World) {
 pub fn open_scene(world: &mut World, path: PathBuf) {
     let defines = world.resource::<SceneDefines>().0.clone();
     let keeps_edits = false;
-    world.write_message(OpenScene {
+    let request = OpenScene {
         path,
         defines,
         keeps_edits,
-    });
+    };
+    scene::ask_for(world, request);
 }
 
 /// Reads the scene again, as if the file had changed on disk.
@@ -46,11 +47,12 @@ pub fn reload_scene(world: &mut World) -> Result<(), CommandError> {
     }
     let defines = world.resource::<SceneDefines>().0.clone();
     let keeps_edits = true;
-    world.write_message(OpenScene {
+    let request = OpenScene {
         path,
         defines,
         keeps_edits,
-    });
+    };
+    scene::ask_for(world, request);
     Ok(())
 }
 

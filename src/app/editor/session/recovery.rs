@@ -18,7 +18,7 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::write::{KnownTexts, gather, save_description};
-use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Trust};
+use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
 const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
@@ -328,10 +328,11 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
         folders.push(folder.to_owned());
     }
     world.resource_mut::<Recovery>().returning = Some((offer, aside));
-    world.write_message(OpenScene {
+    let request = OpenScene {
         path,
         ..OpenScene::default()
-    });
+    };
+    ask_for(world, request);
     Ok(())
 }
 

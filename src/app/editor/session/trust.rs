@@ -16,7 +16,7 @@ use crate::files::{FileError, LARGEST_NOTE, read, write_atomically};
 use crate::scene::assets::gltf_scene::is_called_gltf;
 use crate::scene::assets::parts_cache::allow_parts;
 use crate::scene::read::mesh_search::ASSETS_VARIABLE;
-use crate::scene::{OpenScene, SceneAccess, SceneFile, SceneState, SceneStatus, Trust};
+use crate::scene::{OpenScene, SceneAccess, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
 const FILE: &str = "trusted-folders.json";
 /// The folders that were allowed first are forgotten beyond this number.
@@ -182,11 +182,12 @@ pub fn allow(world: &mut World, question: &Question) {
     if let Some(path) = own.filter(|_| is_followed && !is_awaited) {
         world.resource_mut::<TrustedFolders>().news.clone_from(&question.shown);
         let defines = world.resource::<super::options::SceneDefines>().0.clone();
-        world.write_message(OpenScene {
+        let request = OpenScene {
             path,
             defines,
             keeps_edits: true,
-        });
+        };
+        ask_for(world, request);
     }
 }
 
