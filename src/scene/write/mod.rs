@@ -13,6 +13,7 @@ mod parts;
 mod patch;
 mod portable;
 mod save;
+pub(crate) mod snapshot;
 mod spectra;
 mod steps;
 mod writer;

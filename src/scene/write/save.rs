@@ -1,8 +1,9 @@
 //! Saves the entities as a file. From then on the scene is that of the file.
 //!
-//! A save has three parts. What it needs is copied from the world ([`Save::begin`]). The files are written and read again, which may be done on
-//! another thread ([`Save::write`]). Then the world follows the new files ([`Written::follow`]), all at once or step by step. The scene may be
-//! edited between them: such edits are edits of the new file. Nothing else may read or write files of the scene meanwhile.
+//! A save has three parts. The scene is copied from the world ([`Save::copy`]), all at once or step by step. The files are written and read again,
+//! which may be done on another thread ([`Save::write`]). Then the world follows the new files ([`Written::follow`]), step by step as well. The
+//! scene may be edited in between: what is edited before the copy is complete is in it, and later edits are edits of the new file. Nothing else may
+//! read or write files of the scene meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,8 +12,8 @@ use bevy::prelude::World;
 
 use super::changed::{Expected, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
 use super::error::SaveError;
-use super::gather::{self, Entities};
 use super::known::KnownTexts;
+use super::snapshot::Snapshot;
 use super::{copy_parts, home, plan};
 use crate::document::{self, Diagnostics};
 use crate::files::{Access, FolderLock};
@@ -35,7 +36,9 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
 /// needs mending.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
     for _ in 0..MOST_ATTEMPTS {
-        if let Some(written) = Save::begin(world, path, on_change)?.write()? {
+        let mut save = Save::begin(world, path, on_change)?;
+        while !save.copy(world, usize::MAX) {}
+        if let Some(written) = save.write()? {
             let mut following = written.follow(world);
             while !following.step(world, usize::MAX) {}
             return Ok(following.finish().0);
@@ -44,23 +47,27 @@ pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<
     Err(SaveError::Restless { path: settle(path) })
 }
 
-/// A save that has begun: the scene as it is then, and what else is needed of the world.
+/// A save that has begun.
 pub(crate) struct Save {
     target: PathBuf,
-    scene: SceneDescription,
-    entities: Entities,
-    marks: Marks,
-    expected: Vec<Expected>,
     overwrites: bool,
-    /// The values of the `$name`s of the scene where it was.
-    defines: Option<Vec<(String, String)>>,
-    access: Access,
+    scene: Snapshot,
+    /// What else is needed of the world, once the scene is copied.
+    rest: Option<Rest>,
     /// The folders stay locked until the world follows.
     locks: Vec<FolderLock>,
 }
 
+struct Rest {
+    marks: Marks,
+    expected: Vec<Expected>,
+    /// The values of the `$name`s of the scene where it was.
+    defines: Option<Vec<(String, String)>>,
+    access: Access,
+}
+
 impl Save {
-    /// Copies the scene. What others changed in its files since they were read is treated first, as `on_change` says.
+    /// Begins to copy the scene. What others changed in its files since they were read is treated first, as `on_change` says.
     pub fn begin(world: &mut World, path: &Path, on_change: OnChange) -> Result<Self, SaveError> {
         let target = settle(path);
         let locks = lock_folders(world, &target)?;
@@ -68,39 +75,51 @@ impl Save {
         if !overwrites {
             take_in_changes(world, &target, on_change)?;
         }
-        let (scene, entities) = gather::describe_entities(world);
-        let defines = world.get_resource::<SceneDefines>();
-        let defines = defines.map(|all| all.get(&home(&scene, &target)));
         Ok(Self {
-            marks: Marks::of(world),
-            expected: expected_files(world, &target),
-            overwrites,
-            defines,
-            access: access(world, &target),
             target,
-            scene,
-            entities,
+            overwrites,
+            scene: Snapshot::begin(world),
+            rest: None,
             locks,
         })
     }
 
-    /// Writes the files, and reads them again. None if others have changed them since the save began: nothing is written then.
+    /// Copies this number of things. True once the scene is copied as it is now; the save is to be written then.
+    pub fn copy(&mut self, world: &mut World, things: usize) -> bool {
+        if self.rest.is_none() && self.scene.step(world, things) {
+            let defines = world.get_resource::<SceneDefines>();
+            self.rest = Some(Rest {
+                defines: defines.map(|all| all.get(&home(self.scene.settings(), &self.target))),
+                marks: Marks::of(world),
+                expected: expected_files(world, &self.target),
+                access: access(world, &self.target),
+            });
+        }
+        self.rest.is_some()
+    }
+
+    /// Writes the files, and reads them again. None if the scene is not copied, or if others have changed the files since the save began: nothing is
+    /// written then.
     pub fn write(self) -> Result<Option<Written>, SaveError> {
-        let Self { target, scene, .. } = self;
-        let (files, moves) = plan(&scene, &target)?;
-        copy_parts(&moves)?;
-        let Some(files) = replace_files(&self.expected, files, self.overwrites)? else {
+        let Self { target, rest, .. } = self;
+        let Some(rest) = rest else {
             return Ok(None);
         };
-        let defines = self.defines.as_deref().unwrap_or_default();
-        let reading = read_again(&target, defines, self.access).map(|(read, diagnostics)| {
-            let pairing = Pairing::new(scene, self.entities, self.marks, read);
+        let (scene, entities) = self.scene.describe();
+        let (files, moves) = plan(&scene, &target)?;
+        copy_parts(&moves)?;
+        let Some(files) = replace_files(&rest.expected, files, self.overwrites)? else {
+            return Ok(None);
+        };
+        let defines = rest.defines.as_deref().unwrap_or_default();
+        let reading = read_again(&target, defines, rest.access).map(|(read, diagnostics)| {
+            let pairing = Pairing::new(scene, entities, rest.marks, read);
             (pairing.rebase(), Arc::new(diagnostics))
         });
         Ok(Some(Written {
             target,
             files,
-            defines: self.defines,
+            defines: rest.defines,
             reading,
             locks: self.locks,
         }))

@@ -1,5 +1,6 @@
-//! Saves large scenes on another thread while the user goes on. What is saved is the scene as it was when that was asked for; edits made meanwhile are
-//! edits of the new file. Commands that read or write files of the scene, and the end of the program, wait for it.
+//! Saves large scenes on another thread while the user goes on. The scene is copied over some frames first; what is saved is the scene as it was at
+//! the end of that, and later edits are edits of the new file. Commands that read or write files of the scene, and the end of the program, wait for
+//! it.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -21,9 +22,9 @@ use crate::scene::{DocumentOrder, SceneState, SceneStatus};
 
 /// From this number of things on a save is done on another thread; smaller scenes are saved within a frame.
 const MANY: usize = 4096;
-/// The part of a frame in which the entities follow the new file.
+/// The part of a frame in which the scene is copied, or the entities follow the new file.
 const LONGEST: Duration = Duration::from_millis(10);
-/// The things that follow between two looks at the clock.
+/// The things that are copied or follow between two looks at the clock.
 const STEP: usize = 256;
 
 /// The save that is under way.
@@ -42,6 +43,7 @@ struct Request {
 }
 
 enum Stage {
+    Copying(Box<Save>),
     Writing(Task<Result<Option<Written>, SaveError>>),
     Following(Box<Following>),
 }
@@ -84,22 +86,36 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
     Ok(true)
 }
 
-/// Copies the scene as it is now, and begins to write it. Nothing is under way afterwards if the user has to be asked first.
+/// Begins to save. Nothing is under way afterwards if the user has to be asked first.
 fn start(world: &mut World, request: Request) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         world.resource_mut::<History>().end_save(false);
         return Err(CommandError::file("A scene is still being read."));
     }
-    let started = Instant::now();
     let save = match Save::begin(world, &request.path, request.on_change) {
         Ok(save) => save,
         Err(error) => return files::end_save(world, &request.path, Err(error)),
     };
-    debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
+    world.resource_mut::<History>().begin_save();
+    go_on_copying(world, request, Box::new(save));
+    Ok(())
+}
+
+fn go_on_copying(world: &mut World, request: Request, mut save: Box<Save>) {
+    match for_a_while(|| save.copy(world, STEP)) {
+        true => copied(world, request, *save),
+        false => {
+            let stage = Stage::Copying(save);
+            world.insert_resource(SaveUnderWay { request, stage });
+        }
+    }
+}
+
+/// The scene is copied as it is now.
+fn copied(world: &mut World, request: Request, save: Save) {
     world.resource_mut::<History>().begin_save();
     let stage = Stage::Writing(pool().spawn(async move { save.write() }));
     world.insert_resource(SaveUnderWay { request, stage });
-    Ok(())
 }
 
 /// Goes on with the save that is under way, in every frame.
@@ -108,6 +124,7 @@ pub(crate) fn go_on(world: &mut World) {
         return;
     };
     match stage {
+        Stage::Copying(save) => go_on_copying(world, request, save),
         Stage::Writing(mut writing) => match check_ready(&mut writing) {
             Some(result) => tell(world, |world| written(world, request, result)),
             None => {
@@ -115,23 +132,35 @@ pub(crate) fn go_on(world: &mut World) {
                 world.insert_resource(SaveUnderWay { request, stage });
             }
         },
-        Stage::Following(mut following) => {
-            let begun = Instant::now();
-            while begun.elapsed() < LONGEST {
-                if following.step(world, STEP) {
-                    return tell(world, |world| followed(world, request, *following));
-                }
+        Stage::Following(mut following) => match for_a_while(|| following.step(world, STEP)) {
+            true => tell(world, |world| followed(world, request, *following)),
+            false => {
+                let stage = Stage::Following(following);
+                world.insert_resource(SaveUnderWay { request, stage });
             }
-            let stage = Stage::Following(following);
-            world.insert_resource(SaveUnderWay { request, stage });
+        },
+    }
+}
+
+/// Takes steps until one is the last or a frame must not take longer. True after the last step.
+fn for_a_while(mut step: impl FnMut() -> bool) -> bool {
+    let begun = Instant::now();
+    while begun.elapsed() < LONGEST {
+        if step() {
+            return true;
         }
     }
+    false
 }
 
 /// Waits for the end of the save that is under way, if there is one. The error is that it failed.
 pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
     while let Some(SaveUnderWay { request, stage }) = world.remove_resource() {
         match stage {
+            Stage::Copying(mut save) => {
+                while !save.copy(world, usize::MAX) {}
+                copied(world, request, *save);
+            }
             Stage::Writing(writing) => written(world, request, block_on(writing))?,
             Stage::Following(mut following) => {
                 while !following.step(world, STEP) {}
@@ -221,6 +250,7 @@ fn followed(world: &mut World, request: Request, following: Following) -> Result
 /// Lets the save that is under way find that others have changed the files meanwhile, as `change` does.
 #[cfg(test)]
 pub(super) fn disturb(world: &mut World, change: impl FnOnce()) {
+    copy(world, usize::MAX);
     let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {
         panic!("nothing is being saved");
     };
@@ -230,4 +260,24 @@ pub(super) fn disturb(world: &mut World, change: impl FnOnce()) {
     change();
     let stage = Stage::Writing(pool().spawn(async { Ok(None) }));
     world.insert_resource(SaveUnderWay { request, stage });
+}
+
+/// Copies more of the scene that is being saved; true once it is copied.
+#[cfg(test)]
+pub(super) fn copy(world: &mut World, things: usize) -> bool {
+    let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {
+        panic!("nothing is being saved");
+    };
+    match stage {
+        Stage::Copying(mut save) => match save.copy(world, things) {
+            true => copied(world, request, *save),
+            false => {
+                let stage = Stage::Copying(save);
+                world.insert_resource(SaveUnderWay { request, stage });
+                return false;
+            }
+        },
+        stage => world.insert_resource(SaveUnderWay { request, stage }),
+    }
+    true
 }

@@ -17,13 +17,17 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
-use crate::scene::write::{KnownTexts, gather, save_description};
+use crate::scene::write::snapshot::Snapshot;
+use crate::scene::write::{KnownTexts, save_description};
 use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
 const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
 const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
+/// The part of a frame in which the scene is copied, and the things that are copied between two looks at the clock.
+const LONGEST: Duration = Duration::from_millis(10);
+const STEP: usize = 256;
 
 /// A folder that no other window offers or removes while this value exists.
 #[derive(Debug)]
@@ -43,6 +47,10 @@ pub struct Recovery {
     /// The time since which there have been edits that are not written aside.
     since: Option<Instant>,
     is_due: bool,
+    /// There will be no later frame for it.
+    is_last_chance: bool,
+    /// The copy of the scene that will be written.
+    copy: Option<Snapshot>,
     task: Option<Task<Result<(), String>>>,
     /// The folders that are no longer needed once the scene is saved.
     mine: Vec<Aside>,
@@ -75,6 +83,7 @@ impl Recovery {
         if let Some(task) = self.task.take() {
             let _ = block_on(task);
         }
+        self.copy = None;
         for aside in self.mine.drain(..) {
             aside.remove();
         }
@@ -245,6 +254,7 @@ pub(crate) fn plan_autosave(
 ) {
     let recovery = recovery.bypass_change_detection();
     recovery.is_due = false;
+    let copy = recovery.copy.take();
     if recovery.folder.is_none() {
         return;
     }
@@ -277,6 +287,10 @@ pub(crate) fn plan_autosave(
     let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
     // While the scene is being saved its entities are not all of one file.
     recovery.is_due = breaks_off || is_over && is_staying && !history.is_saving();
+    recovery.is_last_chance = breaks_off;
+    if recovery.is_due {
+        recovery.copy = copy;
+    }
 }
 
 /// Whether [`autosave`] is to run in this frame.
@@ -284,10 +298,17 @@ pub fn is_due(recovery: Res<Recovery>) -> bool {
     recovery.is_due
 }
 
-/// Describes the scene here, and writes it in the background.
+/// Copies the scene, over several frames if it is large, and writes it in the background.
 pub fn autosave(world: &mut World) {
-    let started = Instant::now();
-    let scene = gather::describe(world);
+    let begun = Instant::now();
+    let copy = world.resource_mut::<Recovery>().copy.take();
+    let mut copy = copy.unwrap_or_else(|| Snapshot::begin(world));
+    while !copy.step(world, STEP) {
+        if begun.elapsed() > LONGEST && !world.resource::<Recovery>().is_last_chance {
+            world.resource_mut::<Recovery>().copy = Some(copy);
+            return;
+        }
+    }
     let path = world.resource::<SceneStatus>().path.clone();
     let mut recovery = world.resource_mut::<Recovery>();
     let Some(folder) = recovery.folder_of(path.as_deref()) else {
@@ -297,9 +318,8 @@ pub fn autosave(world: &mut World) {
         recovery.mine.extend(Aside::claim(&folder));
     }
     recovery.since = Some(Instant::now());
-    let task = IoTaskPool::get().spawn(async move { write_aside(&folder, &scene, path) });
+    let task = IoTaskPool::get().spawn(async move { write_aside(&folder, &copy.describe().0, path) });
     recovery.task = Some(task);
-    debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
 }
 
 /// After a good end nothing is kept. Otherwise the program waits for what is being written.

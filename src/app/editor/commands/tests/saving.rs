@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::app::editor::commands::saving::{SaveUnderWay, disturb, finish, go_on};
+use crate::app::editor::commands::saving::{SaveUnderWay, copy, disturb, finish, go_on};
+use crate::app::editor::session::options::SceneDefines;
 use crate::files::{LARGEST_DATA, read_text};
+use crate::scene::write::gather;
+use crate::scene::write::snapshot::Snapshot;
 use crate::scene::{OpenScene, ReloadSummary, SceneDescription, SceneStatus, read, spawn};
 
 /// More than are saved within a frame.
@@ -18,12 +21,17 @@ struct Large {
 
 impl Large {
     fn new() -> Self {
+        Self::with_materials(1)
+    }
+
+    /// So many balls have a material of their own.
+    fn with_materials(count: usize) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.xml");
         let balls: String = (0..BALLS)
             .map(|ball| format!("  <shape type='sphere' id='ball-{ball}'/>\n"))
             .collect();
-        let balls = balls.replacen("/>", "><bsdf type='diffuse'/></shape>", 1);
+        let balls = balls.replacen("/>", "><bsdf type='diffuse'/></shape>", count);
         let text =
             format!("<scene version='3.0.0'>\n  <!-- balls -->\n  <sensor type='perspective'/>\n{balls}</scene>\n");
         std::fs::write(&path, text).expect("a file");
@@ -70,10 +78,11 @@ fn read_scene(path: &Path) -> SceneDescription {
 }
 
 #[test]
-fn a_save_has_what_was_there_when_it_was_asked_for() {
+fn a_save_has_what_was_there_when_it_was_copied() {
     let mut large = Large::new();
     large.place("ball-7", 1.5);
     say(&mut large.world, Command::Save);
+    assert!(copy(&mut large.world, usize::MAX));
     assert!(large.world.contains_resource::<SaveUnderWay>() && !large.is_saved());
     assert!(large.world.resource::<History>().is_being_saved());
     large.place("ball-7", 2.5);
@@ -206,6 +215,7 @@ fn what_gets_the_id_of_a_thing_of_the_file_meanwhile_gives_way() {
     };
     say(&mut large.world, share);
     say(&mut large.world, Command::Save);
+    assert!(copy(&mut large.world, usize::MAX));
     let other = large.ball("ball-2");
     say(&mut large.world, Command::Rename(other, "material-1".into()));
     finish(&mut large.world).expect("saved");
@@ -216,4 +226,149 @@ fn what_gets_the_id_of_a_thing_of_the_file_meanwhile_gives_way() {
     say(&mut large.world, Command::Save);
     finish(&mut large.world).expect("saved");
     assert!(large.text().contains(&format!("id='{given}'")) && large.reload().is_unchanged());
+}
+
+#[test]
+fn a_reload_that_is_asked_for_in_the_same_frame_is_not_met_by_a_save() {
+    let mut large = Large::new();
+    large.world.init_resource::<SceneDefines>();
+    large.place("ball-7", 1.5);
+    let text = large.text();
+    large.world.resource_mut::<CommandQueue>().0 = vec![Command::RevertScene, Command::Save];
+    apply_commands(&mut large.world);
+    assert!(!large.world.contains_resource::<SaveUnderWay>());
+    assert!(!large.world.resource::<Messages<OpenScene>>().is_empty());
+    let mut texts = large.world.resource::<Toasts>().texts();
+    assert!(texts.any(|text| text.contains("still being read")));
+    assert_eq!(large.text(), text);
+}
+
+/// Edits of all kinds that a copy has to notice, of which the last is made after it has passed everything.
+#[test]
+fn a_copy_made_piece_by_piece_is_of_its_last_moment() {
+    let mut large = Large::with_materials(3);
+    let whole = |world: &mut World| gather::describe_entities(world);
+    let mut snapshot = Snapshot::begin(&mut large.world);
+    let mut step = |world: &mut World| snapshot.step(world, 900);
+    assert!(!step(&mut large.world));
+    // Some of these are copied already, others are not.
+    for (place, id) in ["ball-7", "ball-4000"].into_iter().enumerate() {
+        large.place(id, 2.5 + place as f32);
+    }
+    assert!(!step(&mut large.world));
+    for id in ["ball-8", "ball-4001"] {
+        let gone = large.ball(id);
+        say(&mut large.world, Command::Select(vec![gone], Extend::Replace));
+        say(&mut large.world, Command::Delete);
+    }
+    say(&mut large.world, Command::Add(AdditionKind::Cube.into()));
+    assert!(!step(&mut large.world));
+    let (first, second) = (large.ball("ball-0"), large.ball("ball-1"));
+    let shapes = vec![second];
+    let material = None;
+    say(&mut large.world, Command::UseMaterial { shapes, material });
+    say(&mut large.world, Command::Rename(first, "zero".into()));
+    let material = large.world.get::<UsesMaterial>(first).expect("its own").0;
+    let red = Material::Diffuse {
+        reflectance: Rgb::X.into(),
+    };
+    say(&mut large.world, Command::SetMaterial(material, Box::new(red)));
+    assert!(!step(&mut large.world));
+    say(&mut large.world, Command::Undo);
+    say(&mut large.world, Command::Redo);
+    let despawned = large.ball("ball-9");
+    large.world.despawn(despawned);
+    assert!(step(&mut large.world));
+    let (copied, entities) = snapshot.describe();
+    let (now, entities_now) = whole(&mut large.world);
+    assert!(copied == now && entities == entities_now);
+    assert_eq!(now.shapes.len(), BALLS - 2);
+    assert!(now.shapes.iter().any(|shape| shape.identity.name == "zero"));
+}
+
+#[test]
+fn a_copy_ends_though_everything_changes_all_the_time() {
+    let mut large = Large::new();
+    let mut snapshot = Snapshot::begin(&mut large.world);
+    let mut steps = 1;
+    while !snapshot.step(&mut large.world, BALLS) {
+        let mut poses = large.world.query::<&mut ToWorld>();
+        for mut pose in poses.iter_mut(&mut large.world) {
+            pose.0.translation.x += 1.0;
+        }
+        steps += 1;
+    }
+    assert!((2..20).contains(&steps), "{steps}");
+    assert!(snapshot.describe().0 == gather::describe(&mut large.world));
+}
+
+#[test]
+fn edits_while_a_scene_is_copied_are_in_the_file() {
+    let mut large = Large::new();
+    large.place("ball-7", 1.5);
+    say(&mut large.world, Command::Save);
+    let is_copied = copy(&mut large.world, 1);
+    large.place("ball-7", 2.5);
+    finish(&mut large.world).expect("saved");
+    // On a quick machine the copy was complete before.
+    assert!(large.text().contains(if is_copied { "1.5" } else { "2.5" }));
+    assert_eq!(large.is_saved(), !is_copied);
+    large.reload();
+    let ball = large.ball("ball-7");
+    let pose = large.world.get::<ToWorld>(ball).expect("it has a place");
+    assert_eq!(pose.0.translation.x, 2.5);
+}
+
+/// Renames, shared materials (which saving gives ids), undo and redo in every order, before, while and after the scene is saved and read again.
+#[test]
+fn no_id_is_given_twice_whatever_is_undone_around_saves() {
+    let mut large = Large::with_materials(4);
+    let names = ["material-1", "material-2", "ball-1", "ball-2", "other", ""];
+    let mut state = 1u32;
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 16) as usize % below
+    };
+    let balls: Vec<Entity> = (0..6).map(|ball| large.ball(&format!("ball-{ball}"))).collect();
+    let materials: Vec<Entity> = balls[..4]
+        .iter()
+        .map(|ball| large.world.get::<UsesMaterial>(*ball).expect("its own").0)
+        .collect();
+    for time in 0..160 {
+        let thing = match random(2) {
+            0 => balls[random(balls.len())],
+            _ => materials[random(materials.len())],
+        };
+        match random(14) {
+            0..4 => say(
+                &mut large.world,
+                Command::Rename(thing, names[random(names.len())].into()),
+            ),
+            4..7 => say(&mut large.world, Command::Undo),
+            7..9 => say(&mut large.world, Command::Redo),
+            9 | 10 => {
+                let shapes = vec![balls[random(balls.len())]];
+                let material = Some(materials[random(materials.len())]);
+                say(&mut large.world, Command::UseMaterial { shapes, material });
+            }
+            // All of it is copied at once, or most of it later.
+            11 => {
+                say(&mut large.world, Command::Save);
+                copy(&mut large.world, random(2) * BALLS);
+            }
+            12 => finish(&mut large.world).expect("saved"),
+            _ => {
+                finish(&mut large.world).expect("saved");
+                large.reload();
+            }
+        }
+        let mut ids = large.world.query_filtered::<&SceneId, With<DocumentOrder>>();
+        let mut known = std::collections::HashSet::new();
+        let twice = ids.iter(&large.world).find(|id| !known.insert(&id.0));
+        assert_eq!(twice, None, "after {time}");
+    }
+    finish(&mut large.world).expect("saved");
+    say(&mut large.world, Command::Save);
+    finish(&mut large.world).expect("saved");
+    assert!(large.is_saved() && large.reload().is_unchanged());
 }

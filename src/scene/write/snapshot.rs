@@ -1,0 +1,366 @@
+//! Copies the scene piece by piece, so that no frame has to copy all of a large one. The copy is of one moment, its end: what has changed since it was
+//! copied is copied again, until what is left is little enough to be copied at once.
+
+use bevy::ecs::archetype::{Archetype, ArchetypeId};
+use bevy::ecs::change_detection::Tick;
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+
+use super::gather::Entities;
+use crate::scene::description::{
+    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
+    SensorDescription, ShapeDescription,
+};
+use crate::scene::{
+    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, InstanceOf,
+    IntegratorSettings, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup,
+    ToWorld, UsesMaterial,
+};
+
+/// So many things are copied at once at the end.
+const FEW: usize = 512;
+/// After so many rounds all that is left is copied at once: somebody changes everything all the time.
+const MOST_ROUNDS: usize = 8;
+
+/// What a copy has of an entity: a component was added or removed if its archetype is another one.
+struct Copied {
+    archetype: ArchetypeId,
+    kind: Kind,
+    /// The place in the list of the kind.
+    index: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Sensor,
+    Material,
+    Group,
+    Shape,
+    Emitter,
+}
+
+/// The description of an entity.
+struct Described<T> {
+    /// None: it is no longer up to date.
+    entity: Option<Entity>,
+    thing: T,
+    /// What the thing refers to, by entity. The description itself does not say it yet.
+    refers_to: [Option<Entity>; 3],
+}
+
+/// A copy of the scene that is being made, or is complete.
+#[derive(Default)]
+pub(crate) struct Snapshot {
+    /// The part of the scene that is not of entities.
+    scene: SceneDescription,
+    sensors: Vec<Described<SensorDescription>>,
+    materials: Vec<Described<MaterialDescription>>,
+    groups: Vec<Described<GroupDescription>>,
+    shapes: Vec<Described<ShapeDescription>>,
+    emitters: Vec<Described<EmitterDescription>>,
+    copied: EntityHashMap<Copied>,
+    /// The things that are still to be copied in this round.
+    rest: std::vec::IntoIter<Entity>,
+    /// The tick at which this round began.
+    since: Tick,
+    rounds: usize,
+}
+
+type Changes = Or<(
+    Or<(
+        Changed<DocumentOrder>,
+        Changed<SceneId>,
+        Changed<Name>,
+        Changed<Authored>,
+        Changed<ToWorld>,
+        Changed<Sensor>,
+        Changed<Film>,
+        Changed<Emitter>,
+        Changed<Shape>,
+    )>,
+    Or<(
+        Changed<Material>,
+        Changed<UsesMaterial>,
+        Changed<AreaLight>,
+        Changed<MemberOf>,
+        Changed<InstanceOf>,
+        Changed<Placements>,
+        Changed<FirstNested>,
+        Changed<SecondNested>,
+        Changed<DeclaredIn>,
+    )>,
+)>;
+
+impl Snapshot {
+    pub fn begin(world: &mut World) -> Self {
+        let since = world.increment_change_tick();
+        let mut things: Vec<(DocumentOrder, Entity)> = world
+            .query::<(&DocumentOrder, Entity)>()
+            .iter(world)
+            .map(|(order, entity)| (*order, entity))
+            .collect();
+        things.sort_unstable();
+        let mut shapes = world.query_filtered::<(), (With<Shape>, With<DocumentOrder>)>();
+        let shapes = shapes.iter(world).len();
+        let rest: Vec<Entity> = things.into_iter().map(|(_, entity)| entity).collect();
+        Self {
+            since,
+            shapes: Vec::with_capacity(shapes),
+            copied: EntityHashMap::with_capacity(rest.len()),
+            rest: rest.into_iter(),
+            ..Self::default()
+        }
+    }
+
+    /// The whole scene at once.
+    pub fn of(world: &mut World) -> Self {
+        let mut snapshot = Self::begin(world);
+        while !snapshot.step(world, usize::MAX) {}
+        snapshot
+    }
+
+    /// Copies this number of things. True once the copy is complete: it is of the present moment then, and must not go on.
+    pub fn step(&mut self, world: &mut World, things: usize) -> bool {
+        for entity in self.rest.by_ref().take(things).collect::<Vec<_>>() {
+            self.copy(world, entity);
+        }
+        if self.rest.len() > 0 {
+            return false;
+        }
+        let since = world.increment_change_tick();
+        let outdated = self.outdated(world);
+        self.since = since;
+        self.rounds += 1;
+        if outdated.len() > FEW && self.rounds < MOST_ROUNDS {
+            self.rest = outdated.into_iter();
+            return false;
+        }
+        for entity in outdated {
+            self.copy(world, entity);
+        }
+        self.copy_settings(world);
+        true
+    }
+
+    /// The entities that are not as they were copied.
+    fn outdated(&self, world: &mut World) -> Vec<Entity> {
+        let mut there = world.query_filtered::<(Entity, &Archetype), With<DocumentOrder>>();
+        let mut outdated = Vec::new();
+        let mut known = 0;
+        for (entity, archetype) in there.iter(world) {
+            match self.copied.get(&entity) {
+                Some(copied) => {
+                    known += 1;
+                    if copied.archetype != archetype.id() {
+                        outdated.push(entity);
+                    }
+                }
+                None => outdated.push(entity),
+            }
+        }
+        if known < self.copied.len() {
+            let is_gone = |entity: &Entity| world.get::<DocumentOrder>(*entity).is_none();
+            outdated.extend(self.copied.keys().copied().filter(is_gone));
+        }
+        let changed = world.last_change_tick_scope(self.since, |world| {
+            let mut changed = world.query_filtered::<Entity, (With<DocumentOrder>, Changes)>();
+            changed.iter(world).collect::<Vec<_>>()
+        });
+        outdated.extend(changed);
+        outdated.sort_unstable();
+        outdated.dedup();
+        outdated
+    }
+
+    /// Copies an entity, in place of what was copied of it before.
+    fn copy(&mut self, world: &World, entity: Entity) {
+        if let Some(Copied { kind, index, .. }) = self.copied.remove(&entity) {
+            match kind {
+                Kind::Sensor => self.sensors[index].entity = None,
+                Kind::Material => self.materials[index].entity = None,
+                Kind::Group => self.groups[index].entity = None,
+                Kind::Shape => self.shapes[index].entity = None,
+                Kind::Emitter => self.emitters[index].entity = None,
+            }
+        }
+        let Ok(thing) = world.get_entity(entity) else {
+            return;
+        };
+        let Some(order) = thing.get::<DocumentOrder>() else {
+            return;
+        };
+        let authored = thing.get::<Authored>();
+        let identity = Identity {
+            id: thing.get::<SceneId>().map(|id| id.0.clone()),
+            name: thing
+                .get::<Name>()
+                .map(|name| name.as_str().to_owned().into())
+                .unwrap_or_default(),
+            order: order.0,
+            span: authored.map(|authored| authored.object.span).unwrap_or_default(),
+            authored: authored.cloned(),
+        };
+        let to_world = thing.get::<ToWorld>().map(|pose| pose.0);
+        let (kind, index);
+        if let (Some(shape), Some(to_world)) = (thing.get::<Shape>(), to_world) {
+            (kind, index) = (Kind::Shape, self.shapes.len());
+            self.shapes.push(Described {
+                entity: Some(entity),
+                thing: ShapeDescription {
+                    identity,
+                    shape: shape.clone(),
+                    to_world,
+                    material: None,
+                    area_light: thing.get::<AreaLight>().cloned(),
+                    member_of: None,
+                    instance_of: None,
+                    placements: thing.get::<Placements>().cloned(),
+                },
+                refers_to: [
+                    thing.get::<UsesMaterial>().map(|uses| uses.0),
+                    thing.get::<MemberOf>().map(|group| group.0),
+                    thing.get::<InstanceOf>().map(|group| group.0),
+                ],
+            });
+        } else if let Some(material) = thing.get::<Material>() {
+            (kind, index) = (Kind::Material, self.materials.len());
+            self.materials.push(Described {
+                entity: Some(entity),
+                thing: MaterialDescription {
+                    identity,
+                    material: material.clone(),
+                    first: None,
+                    second: None,
+                    declared_in: DeclarationPlace::TopLevel,
+                },
+                refers_to: [
+                    thing.get::<FirstNested>().map(|nested| nested.0),
+                    thing.get::<SecondNested>().map(|nested| nested.0),
+                    thing.get::<DeclaredIn>().map(|owner| owner.0),
+                ],
+            });
+        } else if let (Some(emitter), Some(to_world)) = (thing.get::<Emitter>(), to_world) {
+            (kind, index) = (Kind::Emitter, self.emitters.len());
+            let emitter = emitter.clone();
+            self.emitters.push(Described {
+                entity: Some(entity),
+                thing: EmitterDescription {
+                    identity,
+                    emitter,
+                    to_world,
+                },
+                refers_to: [None; 3],
+            });
+        } else if let (Some(&sensor), Some(&film), Some(to_world)) =
+            (thing.get::<Sensor>(), thing.get::<Film>(), to_world)
+        {
+            (kind, index) = (Kind::Sensor, self.sensors.len());
+            self.sensors.push(Described {
+                entity: Some(entity),
+                thing: SensorDescription {
+                    identity,
+                    sensor,
+                    film,
+                    to_world,
+                },
+                refers_to: [None; 3],
+            });
+        } else if thing.contains::<ShapeGroup>() {
+            (kind, index) = (Kind::Group, self.groups.len());
+            self.groups.push(Described {
+                entity: Some(entity),
+                thing: GroupDescription { identity },
+                refers_to: [None; 3],
+            });
+        } else {
+            return;
+        }
+        let archetype = thing.archetype().id();
+        let copied = Copied { archetype, kind, index };
+        self.copied.insert(entity, copied);
+    }
+
+    fn copy_settings(&mut self, world: &World) {
+        let scene = &mut self.scene;
+        if let Some(status) = world.get_resource::<SceneStatus>() {
+            scene.path = status.path.clone().unwrap_or_default();
+        }
+        if let Some(settings) = world.get_resource::<IntegratorSettings>() {
+            scene.integrator = *settings;
+        }
+        scene.unit = world.get_resource().copied().unwrap_or_default();
+        if let Some(remains) = world.get_resource::<AuthoredScene>() {
+            scene.remains = remains.clone();
+        }
+    }
+
+    /// The part of the copied scene that is not of entities.
+    pub fn settings(&self) -> &SceneDescription {
+        &self.scene
+    }
+
+    /// The description of the copied scene, each kind in the order of the file, and the entities that the descriptions are of.
+    pub fn describe(self) -> (SceneDescription, Entities) {
+        let Self {
+            mut scene,
+            sensors,
+            materials,
+            groups,
+            shapes,
+            emitters,
+            ..
+        } = self;
+        let sensors = in_order(sensors, |sensor| &sensor.identity);
+        let materials = in_order(materials, |material| &material.identity);
+        let groups = in_order(groups, |group| &group.identity);
+        let shapes = in_order(shapes, |shape| &shape.identity);
+        let emitters = in_order(emitters, |emitter| &emitter.identity);
+        let (material_of, group_of, shape_of) = (places(&materials), places(&groups), places(&shapes));
+        let place_in = |places: &EntityHashMap<usize>, entity: Option<Entity>| places.get(&entity?).copied();
+        let entities = Entities {
+            sensors: sensors.iter().filter_map(|it| it.entity).collect(),
+            materials: materials.iter().filter_map(|it| it.entity).collect(),
+            groups: groups.iter().filter_map(|it| it.entity).collect(),
+            shapes: shapes.iter().filter_map(|it| it.entity).collect(),
+            emitters: emitters.iter().filter_map(|it| it.entity).collect(),
+        };
+        scene.sensors = sensors.into_iter().map(|it| it.thing).collect();
+        scene.groups = groups.into_iter().map(|it| it.thing).collect();
+        scene.emitters = emitters.into_iter().map(|it| it.thing).collect();
+        let shape = |it: Described<ShapeDescription>| {
+            let [material, member_of, instance_of] = it.refers_to;
+            ShapeDescription {
+                material: place_in(&material_of, material),
+                member_of: place_in(&group_of, member_of),
+                instance_of: place_in(&group_of, instance_of),
+                ..it.thing
+            }
+        };
+        scene.shapes = shapes.into_iter().map(shape).collect();
+        let material = |it: Described<MaterialDescription>| {
+            let [first, second, owner] = it.refers_to;
+            let in_shape = place_in(&shape_of, owner).map(DeclarationPlace::Shape);
+            let in_material = || place_in(&material_of, owner).map(DeclarationPlace::Material);
+            MaterialDescription {
+                first: place_in(&material_of, first),
+                second: place_in(&material_of, second),
+                declared_in: in_shape.or_else(in_material).unwrap_or(DeclarationPlace::TopLevel),
+                ..it.thing
+            }
+        };
+        scene.materials = materials.into_iter().map(material).collect();
+        (scene, entities)
+    }
+}
+
+/// The things that are up to date, in the order of the file.
+fn in_order<T>(mut list: Vec<Described<T>>, identity: fn(&T) -> &Identity) -> Vec<Described<T>> {
+    list.retain(|it| it.entity.is_some());
+    list.sort_by_key(|it| (identity(&it.thing).order, it.entity));
+    list
+}
+
+fn places<T>(list: &[Described<T>]) -> EntityHashMap<usize> {
+    let entities = list.iter().filter_map(|it| it.entity);
+    entities.zip(0..).collect()
+}
