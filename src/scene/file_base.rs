@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::platform;
 use bevy::prelude::*;
 
 use super::description::{
@@ -87,6 +88,43 @@ impl Thing {
             Self::Emitter(index) => &scene.emitters[index].identity,
             Self::Sensor(index) => &scene.sensors[index].identity,
         }
+    }
+
+    /// Whether this thing of a description has the same components as `other` of another one, the order apart. `entities` are those of each. It makes
+    /// no copies, unlike a comparison of [`Self::state`].
+    pub(super) fn is_same(
+        self,
+        (scene, entities): (&SceneDescription, &Entities),
+        other: Self,
+        (other_scene, other_entities): (&SceneDescription, &Entities),
+    ) -> bool {
+        let (one, two) = (self.identity(scene), other.identity(other_scene));
+        let are_same = |list: fn(&Entities) -> &Vec<Entity>, one: Option<usize>, two: Option<usize>| {
+            let entity = |all, place: Option<usize>| place.map(|place| list(all)[place]);
+            entity(entities, one) == entity(other_entities, two)
+        };
+        let is_alike = match (self, other) {
+            (Self::Material(one), Self::Material(two)) => {
+                let (one, two) = (&scene.materials[one], &other_scene.materials[two]);
+                let are_at_top = [one, two].map(|it| it.declared_in) == [DeclarationPlace::TopLevel; 2];
+                are_at_top
+                    && one.is_alike(two)
+                    && are_same(|all| &all.materials, one.first, two.first)
+                    && are_same(|all| &all.materials, one.second, two.second)
+            }
+            (Self::Group(_), Self::Group(_)) => true,
+            (Self::Shape(one), Self::Shape(two)) => {
+                let (one, two) = (&scene.shapes[one], &other_scene.shapes[two]);
+                one.is_alike(two)
+                    && are_same(|all| &all.materials, one.material, two.material)
+                    && are_same(|all| &all.groups, one.member_of, two.member_of)
+                    && are_same(|all| &all.groups, one.instance_of, two.instance_of)
+            }
+            (Self::Emitter(one), Self::Emitter(two)) => scene.emitters[one].is_alike(&other_scene.emitters[two]),
+            (Self::Sensor(one), Self::Sensor(two)) => scene.sensors[one].is_alike(&other_scene.sensors[two]),
+            _ => false,
+        };
+        is_alike && (&one.id, &one.name) == (&two.id, &two.name)
     }
 
     /// The components that the description gives the thing's entity.
@@ -276,7 +314,7 @@ fn pairs<T: Described>(before: &[T], now: &[T]) -> Vec<Option<usize>> {
     if before.is_empty() {
         return pairs;
     }
-    let by_id: HashMap<&str, usize> = (0..)
+    let by_id: platform::collections::HashMap<&str, usize> = (0..)
         .zip(before)
         .filter_map(|(index, thing)| Some((thing.identity().id.as_deref()?, index)))
         .collect();

@@ -7,6 +7,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use super::description::SceneDescription;
@@ -128,9 +129,19 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     let has_ids = world.query::<&SceneId>().iter(world).next().is_some();
     for thing in Thing::all(scene) {
         let entity = thing.entity(&entities);
-        let theirs = thing.state(scene, &entities);
         let known = recognised.before(thing);
-        let Some(known) = known.filter(|known| known.entity(&base.entities) == entity) else {
+        let known = known.filter(|known| known.entity(&base.entities) == entity);
+        // Most things of a large scene have not changed in the file: then nothing changes here but their places in it.
+        if let Some(known) = known
+            && keeps_order
+            && !base.unlike_file.contains_key(&entity)
+            && thing.is_same((scene, &entities), known, (&base.scene, &base.entities))
+        {
+            set_authored(world, entity, thing.identity(scene).authored.as_ref());
+            continue;
+        }
+        let theirs = thing.state(scene, &entities);
+        let Some(known) = known else {
             summary.added += 1;
             if has_ids {
                 new_ids.extend(theirs.id.clone().map(|id| (id, entity)));
@@ -153,11 +164,11 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         };
         new_base.remember(entity, here, &theirs);
     }
-    let claimed: HashSet<Entity> = match base.entities.all().next() {
+    let claimed: EntityHashSet = match base.entities.all().next() {
         Some(_) => entities.all().collect(),
-        None => HashSet::new(),
+        None => EntityHashSet::default(),
     };
-    let is_gone: HashSet<Entity> = base.entities.all().filter(|entity| !claimed.contains(entity)).collect();
+    let is_gone: EntityHashSet = base.entities.all().filter(|entity| !claimed.contains(entity)).collect();
     let gone = Thing::all(&base.scene).filter(|thing| is_gone.contains(&thing.entity(&base.entities)));
     for thing in gone {
         let entity = thing.entity(&base.entities);
@@ -236,7 +247,7 @@ pub(super) fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) ->
 }
 
 /// Whether something that stays uses this material.
-fn is_needed(world: &World, material: Entity, is_gone: &HashSet<Entity>) -> bool {
+fn is_needed(world: &World, material: Entity, is_gone: &EntityHashSet) -> bool {
     let stays = |user: Entity| !is_gone.contains(&user) && ObjectState::is_in_scene(world, user);
     let users = world
         .get::<MaterialUsers>(material)
