@@ -38,7 +38,7 @@ impl Shortcut {
     pub fn text(&self) -> String {
         // Users do not think of the question mark as a key with Shift.
         let shift = self.shift && self.key != Key::Questionmark;
-        self.written(shift, self.key.symbol_or_name())
+        self.written(shift, shown(self.key))
     }
 
     /// The text that [`Shortcut::parse`] reads.
@@ -79,6 +79,19 @@ impl Shortcut {
             *held = true;
         }
         Some(shortcut)
+    }
+}
+
+/// A key as it is called on keyboards; the symbols of arrows are too small to be told apart.
+fn shown(key: Key) -> &'static str {
+    match key {
+        Key::ArrowLeft => "Left",
+        Key::ArrowRight => "Right",
+        Key::ArrowUp => "Up",
+        Key::ArrowDown => "Down",
+        Key::PageUp => "Page Up",
+        Key::PageDown => "Page Down",
+        _ => key.symbol_or_name(),
     }
 }
 

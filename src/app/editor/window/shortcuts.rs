@@ -24,17 +24,22 @@ const CONTROLS: [(&str, &str); 12] = [
     ("Ctrl +, -, 0", "Size of the panels"),
 ];
 
-/// The number of lines in a column.
-const COLUMN: usize = 27;
 /// The width of a column. Four of them fit into a window of 1280 points.
-const COLUMN_WIDTH: f32 = 260.0;
+const COLUMN_WIDTH: f32 = 268.0;
+/// The height of a line, in points.
+const LINE: f32 = 17.0;
+/// The lines that a heading takes together with the gap after its group.
+const AROUND: usize = 2;
 /// The size of the letters, in points.
 const KEY_SIZE: f32 = 11.5;
 
 type Lines = Vec<(String, &'static str)>;
 
-/// The headings with their lines, a list for each column.
-fn columns(preset: NavigationPreset, bound: &KeyBindings) -> Vec<Vec<(&'static str, Lines)>> {
+/// A column of the overview: headings with their lines.
+type Column = Vec<(&'static str, Lines)>;
+
+/// The headings with their lines.
+fn groups(preset: NavigationPreset, bound: &KeyBindings) -> Column {
     let mut mouse: Lines = drags(preset)
         .iter()
         .map(|rule| (rule.text(), rule.what.label()))
@@ -50,14 +55,33 @@ fn columns(preset: NavigationPreset, bound: &KeyBindings) -> Vec<Vec<(&'static s
         (name, lines.collect())
     }));
     groups.push(("Clipboard", clipboard()));
-    // Each where there is still room for it.
-    let mut columns: Vec<Vec<(&str, Lines)>> = Vec::new();
-    for group in groups.into_iter().filter(|(_, lines)| !lines.is_empty()) {
-        let height = |column: &Vec<(&str, Lines)>| column.iter().map(|(_, lines)| lines.len() + 2).sum::<usize>();
-        let fits = |column: &&mut Vec<(&str, Lines)>| height(column) + group.1.len() + 2 <= COLUMN;
+    groups.retain(|(_, lines)| !lines.is_empty());
+    groups
+}
+
+/// The groups in so many columns at most, which are as short as can be.
+fn columns(groups: &Column, most: usize) -> Vec<Column> {
+    let tallest = groups.iter().map(height).max().unwrap_or(0);
+    let all: usize = groups.iter().map(height).sum();
+    let tried = (tallest..all).map(|height| filled(groups, height));
+    tried
+        .into_iter()
+        .find(|columns| columns.len() <= most)
+        .unwrap_or_else(|| vec![groups.clone()])
+}
+
+fn height(group: &(&str, Lines)) -> usize {
+    group.1.len() + AROUND
+}
+
+/// Each group in the first column that has room for it.
+fn filled(groups: &Column, tallest: usize) -> Vec<Column> {
+    let mut columns: Vec<Column> = Vec::new();
+    for group in groups {
+        let fits = |column: &&mut Column| column.iter().map(height).sum::<usize>() + height(group) <= tallest;
         match columns.iter_mut().find(fits) {
-            Some(column) => column.push(group),
-            None => columns.push(vec![group]),
+            Some(column) => column.push(group.clone()),
+            None => columns.push(vec![group.clone()]),
         }
     }
     columns
@@ -116,20 +140,21 @@ pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyB
         })
     });
     let modal = Modal::new(Id::new("shortcuts")).show(context, |ui| {
-        let columns = columns(preset, bound);
-        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 100.0);
+        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 130.0);
         let gap = ui.spacing().item_spacing.x;
-        ui.set_width(room.x.min(columns.len() as f32 * (COLUMN_WIDTH + gap)));
-        egui::ScrollArea::both()
-            .max_width(room.x)
-            .max_height(room.y)
-            .show(ui, |ui| {
-                ui.horizontal_top(|ui| {
-                    for (place, groups) in columns.iter().enumerate() {
-                        ui.push_id(place, |ui| column(ui, groups));
-                    }
-                });
+        let most = ((room.x + gap) / (COLUMN_WIDTH + gap)).max(1.0) as usize;
+        let columns = columns(&groups(preset, bound), most);
+        ui.set_width(room.x.min(columns.len() as f32 * (COLUMN_WIDTH + gap) - gap));
+        ui.label(RichText::new("Keys and mouse").heading().strong());
+        ui.add_space(4.0);
+        egui::ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
+            ui.spacing_mut().interact_size.y = LINE;
+            ui.horizontal_top(|ui| {
+                for (place, groups) in columns.iter().enumerate() {
+                    ui.push_id(place, |ui| column(ui, groups));
+                }
             });
+        });
         ui.separator();
         let palette = actions::key_text("palette", bound);
         ui.weak(format!(
@@ -139,7 +164,7 @@ pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyB
     !(closes || modal.should_close())
 }
 
-fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
+fn column(ui: &mut Ui, groups: &Column) {
     ui.vertical(|ui| {
         ui.set_width(COLUMN_WIDTH);
         for (name, lines) in groups {
@@ -147,7 +172,7 @@ fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
             egui::Grid::new(name)
                 .num_columns(2)
                 .min_col_width(92.0)
-                .spacing(egui::vec2(8.0, 3.0))
+                .spacing(egui::vec2(8.0, 0.0))
                 .show(ui, |ui| {
                     for (keys, what) in lines {
                         ui.label(RichText::new(keys).monospace().size(KEY_SIZE));
@@ -155,7 +180,7 @@ fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
                         ui.end_row();
                     }
                 });
-            ui.add_space(10.0);
+            ui.add_space(0.5 * LINE);
         }
     });
 }
@@ -167,8 +192,7 @@ mod tests {
     use crate::app::editor::input::actions::bindings::bind;
 
     fn shown(preset: NavigationPreset, bound: &KeyBindings) -> Lines {
-        let groups = columns(preset, bound).into_iter().flatten();
-        groups.flat_map(|(_, lines)| lines).collect()
+        groups(preset, bound).into_iter().flat_map(|(_, lines)| lines).collect()
     }
 
     #[test]
@@ -192,6 +216,23 @@ mod tests {
             let line = (orbit.to_owned(), "Orbit the selection");
             assert!(shown(preset, &NO_BINDINGS).contains(&line), "{preset:?}");
         }
+    }
+
+    #[test]
+    fn groups_are_spread_over_the_columns_that_there_is_room_for() {
+        let all = groups(NavigationPreset::Sunroom, &NO_BINDINGS);
+        let heights = |most| {
+            let columns = columns(&all, most);
+            assert!(columns.len() <= most && columns.iter().flatten().count() == all.len());
+            columns.iter().map(|column| column.iter().map(height).sum()).max()
+        };
+        let [one, two, four]: [Option<usize>; 3] = [1, 2, 4].map(heights);
+        assert!(one > two && two > four);
+        // Four columns are in sight at once in a window of 1280 x 720 points.
+        assert!(
+            four.is_some_and(|lines| lines as f32 * LINE <= 720.0 - 130.0),
+            "{four:?}"
+        );
     }
 
     #[test]
