@@ -73,7 +73,7 @@ pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
             .max_decimals(2)
             .suffix("°")
             .update_while_editing(false);
-        fields::row(ui, (text, "to_world.rotation"), |ui| ui.add(drag)).changed()
+        fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, drag)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);
     changed |= row("Pitch", &mut angles.pitch, 90.0);

@@ -10,7 +10,9 @@ use crate::app::editor::input::actions::bindings::{Bindable, bind, bindables, ow
 use crate::app::editor::input::press::Press;
 
 /// The width of the columns of names and of keys, in points.
-const COLUMNS: [f32; 2] = [240.0, 150.0];
+const COLUMNS: [f32; 2] = [244.0, 160.0];
+/// The width of the last column: *Reset*, or the cross that takes a key away.
+const LAST: f32 = 48.0;
 /// The height of the list, in points.
 const HEIGHT: f32 = 320.0;
 
@@ -177,10 +179,13 @@ fn list(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
 fn row(ui: &mut Ui, own: &Bindable, keys: &str, state: &mut KeyList, edited: &mut KeyBindings) {
     ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y;
-        let name = ui.add_sized(
-            [COLUMNS[0], height],
-            egui::Label::new(own.label).halign(egui::Align::Min).truncate(),
-        );
+        let size = egui::vec2(COLUMNS[0], height);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let cell = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_size(size);
+            ui.add(egui::Label::new(own.label).truncate())
+        });
+        let name = cell.inner;
         let waits = state.waiting == Some(own.name);
         let text = match (waits, keys) {
             (true, _) => RichText::new("press a key\u{2026}").weak(),
@@ -202,12 +207,17 @@ fn row(ui: &mut Ui, own: &Bindable, keys: &str, state: &mut KeyList, edited: &mu
             ui.memory_mut(|memory| memory.stop_text_input());
         }
         if edited.of(own.name).is_some() {
-            let reset = ui.button("Reset").on_hover_text("The key as in the beginning");
+            let reset = ui
+                .add_sized([LAST, height], egui::Button::new("Reset"))
+                .on_hover_text("The key as in the beginning");
             if reset.clicked() {
                 edited.reset(own.name);
             }
-        } else if !own.keys(edited).is_empty() && ui.button("\u{00d7}").on_hover_text("No key").clicked() {
-            edited.set(own.name, Vec::new());
+        } else if !own.keys(edited).is_empty() {
+            let none = ui.add_sized([LAST, height], egui::Button::new("\u{00d7}"));
+            if none.on_hover_text("No key").clicked() {
+                edited.set(own.name, Vec::new());
+            }
         }
     });
 }

@@ -1,7 +1,8 @@
 //! The preferences of the user for the program itself.
 
-use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
+use bevy_egui::egui::{self, Button, ComboBox, DragValue, Id, Response, Slider, Ui, WidgetText};
 
+use super::section::section;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::{
@@ -11,167 +12,223 @@ use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::hint;
 use crate::render::tonemap::ToneMap;
 
+/// The width of the column of names, in points.
+const NAMES: f32 = 116.0;
+/// The width of a slider's number, in points.
+const NUMBER: f32 = 110.0;
+
 /// Shows the preferences. `problem` is what is wrong with their file.
 pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {
     let mut edited = shown.clone();
-    Grid::new("preferences")
-        .num_columns(2)
-        .spacing(egui::vec2(16.0, 8.0))
-        .show(ui, |ui| {
-            ui.label("Colours");
-            ui.horizontal(|ui| {
-                for (choice, name, hint) in [
-                    (ThemeChoice::Dark, "Dark", "Quiet, for judging pictures"),
-                    (ThemeChoice::Light, "Light", "For bright rooms"),
-                    (ThemeChoice::System, "As the system", "Dark or light as other windows are"),
-                ] {
-                    ui.radio_value(&mut edited.theme, choice, name).on_hover_text(hint);
-                }
-            });
-            ui.end_row();
-
-            let label = ui.label("Size of the panels");
-            let percent = |scale: f64, _| format!("{:.0} %", 100.0 * scale);
-            let parse = |text: &str| Some(text.trim_end_matches(['%', ' ']).parse::<f64>().ok()? / 100.0);
-            // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is released.
-            let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(ui.id().with("scale"), shown.ui_scale));
-            let slider = Slider::new(&mut scale, UI_SCALES)
-                .step_by(0.05)
-                .custom_formatter(percent)
-                .custom_parser(parse);
-            let response = ui.add(slider).labelled_by(label.id);
-            let response = response.on_hover_text("Multiplies the scale of the system. Keys: Ctrl and +, - or 0");
-            if response.dragged() {
-                ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), scale));
-            } else {
-                if response.changed() || response.drag_stopped() {
-                    edited.ui_scale = scale;
-                }
-                ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), edited.ui_scale));
-            }
-            ui.end_row();
-
-            let label = ui.label("Mouse");
-            egui::ComboBox::from_id_salt("navigation")
-                .selected_text(edited.navigation.name())
-                .show_ui(ui, |ui| {
-                    for (preset, name, hint) in NavigationPreset::ALL {
-                        ui.selectable_value(&mut edited.navigation, preset, name)
-                            .on_hover_text(hint);
-                    }
-                })
-                .response
-                .labelled_by(label.id)
-                .on_hover_text("What drags in the picture do, as in a program that you know; ? shows them all");
-            ui.end_row();
-
-            let label = ui.label("Tone map");
-            egui::ComboBox::from_id_salt("tone map")
-                .selected_text(edited.tone_map.name())
-                .show_ui(ui, |ui| {
-                    for map in ToneMap::ALL {
-                        ui.selectable_value(&mut edited.tone_map, map, map.name());
-                    }
-                })
-                .response
-                .labelled_by(label.id)
-                .on_hover_text(
-                    "Of a new window. agx and filmic let bright light fade to white; clip cuts it off, as `sunroom render` does unless told",
-                );
-            ui.end_row();
-
-            let label = ui.label("While moving");
-            let share = |scale: f64, _| match scale {
-                1.0 => "full resolution".to_owned(),
-                scale => format!("{:.0} % resolution", 100.0 * scale),
-            };
-            let slider = Slider::new(&mut edited.moving_scale, MOVING_SCALES)
-                .step_by(0.05)
-                .custom_formatter(share)
-                .custom_parser(parse);
-            ui.add(slider).labelled_by(label.id).on_hover_text(
-                "Of the picture, while the camera flies or something is dragged, in scenes that are too slow for more",
-            );
-            ui.end_row();
-
-            ui.label("Motion");
-            ui.checkbox(&mut edited.reduced_motion, "Jump to views")
-                .on_hover_text("F, Home, stored views and cameras move the view at once, without a short flight");
-            ui.end_row();
-
-            ui.label("Opened scenes");
-            ui.checkbox(&mut edited.returns_to_views, "Begin with the last view")
-                .on_hover_text("Otherwise a scene begins with the view of its first camera");
-            ui.end_row();
-
-            ui.label("Status line");
-            ui.checkbox(&mut edited.developer_figures, "Developer's figures")
-                .on_hover_text("Latency, time between frames, and nodes of the hierarchy");
-            ui.end_row();
-
-            ui.label("Views along axes");
-            ui.checkbox(&mut edited.axis_views_hide_walls, "Hide walls before rooms")
-                .on_hover_text(hint(
-                    "Surfaces whose front points away from the camera are left out, so that the view from above shows the room and not its roof. \
-                     See into rooms shows them again",
-                    "see-into-rooms",
-                    &shown.keys,
-                ));
-            ui.end_row();
-
-            let label = ui.label("Autosave");
-            let time = DragValue::new(&mut edited.autosave_seconds)
-                .range(0..=LONGEST_AUTOSAVE)
-                .custom_formatter(|seconds, _| match seconds as u32 {
-                    0 => "never".to_owned(),
-                    seconds => format!("every {seconds} s"),
-                });
-            ui.add(time).labelled_by(label.id).on_hover_text(
-                "Unsaved edits are written aside so often, to be recovered after a crash. The scene's file is left alone.",
-            );
-            ui.end_row();
-
-            let label = ui.label("Memory");
-            let budget = DragValue::new(&mut edited.memory_gib)
-                .range(0..=MOST_MEMORY_GIB)
-                .custom_formatter(|gib, _| match gib as u32 {
-                    0 => "three quarters of the machine's".to_owned(),
-                    gib => format!("{gib} GiB"),
-                })
-                .custom_parser(|text| text.trim_end_matches([' ', 'G', 'i', 'B']).parse().ok());
-            ui.add(budget).labelled_by(label.id).on_hover_text(
-                "For pictures, meshes and the film; 0 is three quarters of the machine's memory. What needs more is refused, and read again with \
-                 F5. --memory and SUNROOM_MEMORY count before it",
-            );
-            ui.end_row();
-
-            ui.label("Recent scenes");
-            let count = edited.recent_files.len();
-            let button = egui::Button::new("Forget them");
-            if ui
-                .add_enabled(count > 0, button)
-                .on_hover_text(format!("The menu File lists {count}"))
-                .clicked()
-            {
-                edited.recent_files.clear();
-            }
-            ui.end_row();
-
-            ui.label("Panels");
-            if ui
-                .button("Reset layout")
-                .on_hover_text("Put all panels where they were at first")
-                .clicked()
-            {
-                commands.push(Command::Shell(ShellCommand::ResetLayout));
-            }
-            ui.end_row();
-        });
+    section(ui, "Window", |ui| window_rows(ui, shown, &mut edited, commands));
+    section(ui, "View", |ui| view_rows(ui, &mut edited));
+    section(ui, "Files and memory", |ui| file_rows(ui, &mut edited));
     if let Some(problem) = problem {
         ui.separator();
         ui.colored_label(ui.visuals().error_fg_color, problem);
     }
     if edited != *shown {
         commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(edited))));
+    }
+}
+
+/// A row: a name that ends before the control, and a control that ends at the right edge.
+fn row(ui: &mut Ui, name: &str, help: impl Into<WidgetText>, control: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let (label, response) = named(ui, name, help, control);
+    response.labelled_by(label)
+}
+
+/// A row whose control has a name of its own; the id of the row's name, and the control.
+fn named(
+    ui: &mut Ui,
+    name: &str,
+    help: impl Into<WidgetText>,
+    control: impl FnOnce(&mut Ui) -> Response,
+) -> (Id, Response) {
+    ui.horizontal(|ui| {
+        let size = egui::vec2(NAMES, ui.spacing().interact_size.y);
+        let layout = egui::Layout::right_to_left(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_size(size);
+            ui.label(name)
+        });
+        let (id, help) = (label.inner.id, help.into());
+        label.inner.on_hover_text(help.clone());
+        (id, control(ui).on_hover_text(help))
+    })
+    .inner
+}
+
+fn choice<T: Copy + PartialEq>(ui: &mut Ui, id: &str, value: &mut T, options: &[(T, &str, &str)]) -> Response {
+    let shown = options.iter().find(|(option, ..)| option == value);
+    ComboBox::from_id_salt(id)
+        .selected_text(shown.map_or("", |(_, name, _)| name))
+        .width(ui.available_width())
+        .show_ui(ui, |ui| {
+            for (option, name, help) in options {
+                let entry = ui.selectable_value(value, *option, *name);
+                if !help.is_empty() {
+                    entry.on_hover_text(*help);
+                }
+            }
+        })
+        .response
+}
+
+/// A slider that fills the column of controls, its number included.
+fn slider(ui: &mut Ui, slider: Slider) -> Response {
+    ui.spacing_mut().slider_width = ui.available_width() - NUMBER - ui.spacing().item_spacing.x;
+    ui.spacing_mut().interact_size.x = NUMBER;
+    ui.add(slider)
+}
+
+fn number(ui: &mut Ui, drag: DragValue) -> Response {
+    ui.spacing_mut().interact_size.x = ui.available_width();
+    ui.add(drag)
+}
+
+fn switch(ui: &mut Ui, name: &str, text: &str, help: impl Into<WidgetText>, value: &mut bool) {
+    named(ui, name, help, |ui| ui.checkbox(value, text));
+}
+
+fn parse_percent(text: &str) -> Option<f64> {
+    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    Some(number.parse::<f64>().ok()? / 100.0)
+}
+
+fn window_rows(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences, commands: &mut Vec<Command>) {
+    named(ui, "Colours", "Of the panels", |ui| {
+        ui.horizontal(|ui| {
+            for (choice, name, hint) in [
+                (ThemeChoice::Dark, "Dark", "Quiet, for judging pictures"),
+                (ThemeChoice::Light, "Light", "For bright rooms"),
+                (
+                    ThemeChoice::System,
+                    "As the system",
+                    "Dark or light as other windows are",
+                ),
+            ] {
+                ui.radio_value(&mut edited.theme, choice, name).on_hover_text(hint);
+            }
+        })
+        .response
+    });
+    panel_size(ui, shown, edited);
+    switch(
+        ui,
+        "Motion",
+        "Jump to views",
+        "F, Home, stored views and cameras move the view at once, without a short flight",
+        &mut edited.reduced_motion,
+    );
+    switch(
+        ui,
+        "Status line",
+        "Developer's figures",
+        "Latency, time between frames, and nodes of the hierarchy",
+        &mut edited.developer_figures,
+    );
+    let help = "Put all panels where they were at first";
+    let (_, reset) = named(ui, "Panels", help, |ui| ui.button("Reset layout"));
+    if reset.clicked() {
+        commands.push(Command::Shell(ShellCommand::ResetLayout));
+    }
+}
+
+fn panel_size(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences) {
+    // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is released.
+    let id = ui.id().with("scale");
+    let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(id, shown.ui_scale));
+    let help = "Multiplies the scale of the system. Keys: Ctrl and +, - or 0";
+    let response = row(ui, "Size of the panels", help, |ui| {
+        let control = Slider::new(&mut scale, UI_SCALES)
+            .step_by(0.05)
+            .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
+            .custom_parser(parse_percent);
+        slider(ui, control)
+    });
+    if !response.dragged() {
+        if response.changed() || response.drag_stopped() {
+            edited.ui_scale = scale;
+        }
+        scale = edited.ui_scale;
+    }
+    ui.data_mut(|data| data.insert_temp(id, scale));
+}
+
+fn view_rows(ui: &mut Ui, edited: &mut Preferences) {
+    let help = "What drags in the picture do, as in a program that you know; ? shows them all";
+    row(ui, "Mouse", help, |ui| {
+        choice(ui, "navigation", &mut edited.navigation, &NavigationPreset::ALL)
+    });
+    let help = "Of a new window. agx and filmic let bright light fade to white; clip cuts it off, as `sunroom render` does unless told";
+    row(ui, "Tone map", help, |ui| {
+        let maps: Vec<_> = ToneMap::ALL.iter().map(|map| (*map, map.name(), "")).collect();
+        choice(ui, "tone map", &mut edited.tone_map, &maps)
+    });
+    let help = "Of the picture, while the camera flies or something is dragged, in scenes that are too slow for more";
+    row(ui, "While moving", help, |ui| {
+        let control = Slider::new(&mut edited.moving_scale, MOVING_SCALES)
+            .step_by(0.05)
+            .custom_formatter(|scale, _| match scale {
+                1.0 => "full resolution".to_owned(),
+                scale => format!("{:.0} % resolution", 100.0 * scale),
+            })
+            .custom_parser(parse_percent);
+        slider(ui, control)
+    });
+    switch(
+        ui,
+        "Opened scenes",
+        "Begin with the last view",
+        "Otherwise a scene begins with the view of its first camera",
+        &mut edited.returns_to_views,
+    );
+    let help = hint(
+        "Surfaces whose front points away from the camera are left out, so that the view from above shows the room and not its roof. See into \
+         rooms shows them again",
+        "see-into-rooms",
+        &edited.keys,
+    );
+    switch(
+        ui,
+        "Views along axes",
+        "Hide walls before rooms",
+        help,
+        &mut edited.axis_views_hide_walls,
+    );
+}
+
+fn file_rows(ui: &mut Ui, edited: &mut Preferences) {
+    let help =
+        "Unsaved edits are written aside so often, to be recovered after a crash. The scene's file is left alone.";
+    row(ui, "Autosave", help, |ui| {
+        let time = DragValue::new(&mut edited.autosave_seconds)
+            .range(0..=LONGEST_AUTOSAVE)
+            .custom_formatter(|seconds, _| match seconds as u32 {
+                0 => "never".to_owned(),
+                seconds => format!("every {seconds} s"),
+            });
+        number(ui, time)
+    });
+    let help = "For pictures, meshes and the film; 0 is three quarters of the machine's memory. What needs more is refused, and read again with \
+                F5. --memory and SUNROOM_MEMORY count before it";
+    row(ui, "Memory", help, |ui| {
+        let budget = DragValue::new(&mut edited.memory_gib)
+            .range(0..=MOST_MEMORY_GIB)
+            .custom_formatter(|gib, _| match gib as u32 {
+                0 => "three quarters of the machine's".to_owned(),
+                gib => format!("{gib} GiB"),
+            })
+            .custom_parser(|text| text.trim_end_matches([' ', 'G', 'i', 'B']).parse().ok());
+        number(ui, budget)
+    });
+    let count = edited.recent_files.len();
+    let help = format!("The menu File lists {count}");
+    let (_, forget) = named(ui, "Recent scenes", help, |ui| {
+        ui.add_enabled(count > 0, Button::new("Forget them"))
+    });
+    if forget.clicked() {
+        edited.recent_files.clear();
     }
 }

@@ -78,7 +78,7 @@ fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
             .max_decimals(1)
             .custom_parser(|text| LengthUnit::Millimetre.parse(text))
             .update_while_editing(false);
-        ui.add(drag)
+        fields::wide_number(ui, drag)
             .on_hover_text("Of a lens that sees as much on 35 mm film, by its diagonal; 50 mm is a normal lens")
     });
     let changed = response.changed() && millimetres > 0.0;
