@@ -108,6 +108,25 @@ impl DisplayMode {
         matches!(self, Self::BvhSteps | Self::Headlight | Self::Clay).then_some(self)
     }
 
+    /// What its colours mean, as a tool tip.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Shaded => "The light of the whole scene",
+            Self::Albedo => "The colours of the surfaces, without light",
+            Self::Normal => "The directions of the surfaces",
+            Self::Depth => "The distance from the camera: near is bright",
+            Self::Uv => "The texture coordinates: u in red, v in green",
+            Self::Material => "A colour of its own for each material",
+            Self::Object => "A colour of its own for each object",
+            Self::Samples => "The samples of each pixel",
+            Self::Noise => "The error that is expected of each pixel, as a share of its brightness",
+            Self::LightGroup(_) => "The light of one lamp alone",
+            Self::BvhSteps => "The nodes of the acceleration structure that each ray visits",
+            Self::Headlight => "Surfaces in their own colours, lit from the camera alone",
+            Self::Clay => "Surfaces in one grey, lit from the camera alone",
+        }
+    }
+
     /// Whether it shows light, with exposure and tone map.
     pub(crate) fn is_light(self) -> bool {
         matches!(self, Self::Shaded | Self::LightGroup(_))

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Button, Ui};
+use bevy_egui::egui::{self, Atom, Button, Id, RichText, Ui, vec2};
 
+use super::outliner::marks;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
@@ -30,28 +31,23 @@ pub struct MenuState<'a> {
 
 /// The menus of the window, in one row.
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
+    let widgets = ui.visuals().widgets.clone();
     egui::MenuBar::new().ui(ui, |ui| {
         let context = &state.context;
         ui.menu_button("File", |ui| file_menu(ui, model, &state, commands));
         ui.menu_button("Edit", |ui| edit_menu(ui, model, context, commands));
-        ui.menu_button("Add", |ui| group(ui, Group::Add, context, commands));
+        ui.menu_button("Add", |ui| add_menu(ui, context, commands));
         ui.menu_button("Arrange", |ui| arrange_menu(ui, context, commands));
         ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
-        ui.menu_button("Render", |ui| group(ui, Group::Render, context, commands));
+        ui.menu_button("Render", |ui| render_menu(ui, context, commands));
         ui.menu_button("Window", |ui| window_menu(ui, &state, commands));
         ui.separator();
-        let paused = model.status.paused;
-        let pause = ui.button(if paused { "Resume" } else { "Pause" });
-        let hint = actions::hint("Samples are kept", "pause", context.bound);
-        if pause.on_hover_text(hint).clicked() {
-            commands.push(Command::SetPaused(!paused));
-        }
-        let restart = ui.button("Restart");
-        let hint = actions::hint("Begin the picture anew", "restart", context.bound);
-        if restart.on_hover_text(hint).clicked() {
-            commands.push(Command::Restart);
-        }
-        denoise_button(ui, model.status.denoiser, context, commands);
+        // What acts at once looks like buttons, unlike the menus beside it.
+        ui.scope(|ui| {
+            ui.visuals_mut().widgets = widgets;
+            ui.spacing_mut().button_padding.x = 6.0;
+            buttons(ui, model, context, commands);
+        });
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let name = match &model.status.scene {
                 Some(scene) => scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -64,6 +60,21 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
             }
         });
     });
+}
+
+fn buttons(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
+    let paused = model.status.paused;
+    let pause = ui.button(if paused { "Resume" } else { "Pause" });
+    let hint = actions::hint("Samples are kept", "pause", context.bound);
+    if pause.on_hover_text(hint).clicked() {
+        commands.push(Command::SetPaused(!paused));
+    }
+    let restart = ui.button("Restart");
+    let hint = actions::hint("Begin the picture anew", "restart", context.bound);
+    if restart.on_hover_text(hint).clicked() {
+        commands.push(Command::Restart);
+    }
+    denoise_button(ui, model.status.denoiser, context, commands);
 }
 
 fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, commands: &mut Vec<Command>) {
@@ -101,40 +112,106 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
     }
 }
 
-/// An entry of a menu; true when clicked.
-fn item(ui: &mut Ui, name: &str, keys: &str) -> bool {
-    let clicked = ui.add(Button::new(name).shortcut_text(keys)).clicked();
-    if clicked {
-        ui.close();
-    }
-    clicked
-}
+/// The edge of an entry's drawing, in points.
+const DRAWING: f32 = 16.0;
 
-/// The action of this name, grey where there is nothing to do it to.
-fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
+/// The action of this name, grey where there is nothing to do it to, and marked where it is on. `drawing`: the kind of thing that is drawn
+/// before it.
+fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else {
         return;
     };
     let keys = action.key_text(context.bound);
     let command = (action.command)(context);
     ui.add_enabled_ui(command.is_some(), |ui| {
-        if item(ui, action.label, &keys) {
+        let is_on = action.is_on(context);
+        let place = Id::new("drawing");
+        let button = match drawing {
+            Some(_) => Button::selectable(is_on, (Atom::custom(place, vec2(DRAWING, DRAWING)), action.label)),
+            None => Button::selectable(is_on, action.label),
+        };
+        let shown = button.shortcut_text(keys).atom_ui(ui);
+        if let (Some(kind), Some(rect)) = (drawing, shown.rect(place)) {
+            let color = ui.visuals().text_color();
+            marks::kind(ui.painter(), rect.center(), kind, color);
+        }
+        if shown.response.clicked() {
             commands.extend(command);
+            ui.close();
         }
     });
 }
 
-fn group(ui: &mut Ui, group: Group, context: &ActionContext, commands: &mut Vec<Command>) {
+fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
+    drawn_entry(ui, name, None, context, commands);
+}
+
+/// The actions of a group; there is a line before those named.
+fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     for action in ACTIONS.iter().filter(|action| action.group == group) {
+        if lines_before.contains(&action.name) {
+            ui.separator();
+        }
         entry(ui, action.name, context, commands);
     }
+}
+
+/// The part of the menu *Add* that an action is in, and the kind of thing that is drawn before it.
+fn addition(name: &str) -> (&'static str, &'static str) {
+    match name.split_once('-') {
+        Some(("add", "camera")) => ("Cameras", "camera"),
+        Some(("add", kind)) => {
+            let shapes = [
+                "sphere",
+                "rectangle",
+                "cube",
+                "disk",
+                "cylinder",
+                "wall",
+                "stairs",
+                "prism",
+            ];
+            match shapes.into_iter().find(|shape| *shape == kind) {
+                Some(shape) => ("Shapes", shape),
+                None => ("Lights", "light"),
+            }
+        }
+        Some((_, "floor" | "faces")) => ("Build in the picture", "rectangle"),
+        Some((_, "wall" | "door" | "window")) => ("Build in the picture", "wall"),
+        _ => ("Build in the picture", "cube"),
+    }
+}
+
+fn add_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
+    ui.set_min_width(220.0);
+    ui.spacing_mut().item_spacing.y = 1.0;
+    let mut before = "";
+    for action in ACTIONS.iter().filter(|action| action.group == Group::Add) {
+        let (part, drawing) = addition(action.name);
+        if part != before {
+            ui.add_space(3.0);
+            ui.label(RichText::new(part).small().weak());
+            before = part;
+        }
+        drawn_entry(ui, action.name, Some(drawing), context, commands);
+    }
+}
+
+fn render_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
+    let lines_before = ["pause", "render-full", "denoise", "bake-lights", "take-snapshot"];
+    group(ui, Group::Render, &lines_before, context, commands);
+    ui.separator();
+    entry(ui, "save-image", context, commands);
 }
 
 fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     let in_group = |action: &&Action| action.group == Group::Edit && !action.name.starts_with("unit-");
     for action in ACTIONS.iter().filter(in_group) {
+        if ["duplicate", "group", "select-all", "hide", "gizmo-move"].contains(&action.name) {
+            ui.separator();
+        }
         entry(ui, action.name, context, commands);
     }
     ui.separator();
@@ -218,7 +295,8 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             false => String::new(),
         };
         let shown = display.mode == mode;
-        if ui.add(Button::selectable(shown, name).shortcut_text(keys)).clicked() {
+        let entry = ui.add(Button::selectable(shown, name).shortcut_text(keys));
+        if entry.on_hover_text(mode.about()).clicked() {
             commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
             ui.close();
         }
@@ -261,16 +339,11 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
         entry(ui, name, &state.context, commands);
     }
     ui.separator();
-    for name in [
-        "camera-to-view",
-        "frame-selection",
-        "frame-all",
-        "grid",
-        "dimensions",
-        "ruler",
-        "clear-rulers",
-        "boxes",
-    ] {
+    for name in ["camera-to-view", "frame-selection", "frame-all"] {
+        entry(ui, name, &state.context, commands);
+    }
+    ui.separator();
+    for name in ["grid", "safe-frame", "dimensions", "ruler", "clear-rulers", "boxes"] {
         entry(ui, name, &state.context, commands);
     }
 }
@@ -289,5 +362,11 @@ fn window_menu(ui: &mut Ui, state: &MenuState, commands: &mut Vec<Command>) {
         }
     }
     ui.separator();
-    group(ui, Group::Window, &state.context, commands);
+    group(
+        ui,
+        Group::Window,
+        &["preferences", "tutorial", "reset-layout"],
+        &state.context,
+        commands,
+    );
 }

@@ -232,7 +232,8 @@ fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
     let help = hint("What the picture shows", "next-mode", keys.bound);
     icon_menu(ui, ToolIcon::Shading, false, "Display mode", &help, |ui| {
         for (mode, name) in DisplayMode::ALL {
-            if ui.selectable_label(display.mode == mode, name).clicked() {
+            let entry = ui.selectable_label(display.mode == mode, name);
+            if entry.on_hover_text(mode.about()).clicked() {
                 commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
                 ui.close();
             }

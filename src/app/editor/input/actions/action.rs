@@ -8,7 +8,7 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::KeyBindings;
-use crate::app::editor::command::seeing::Seeing;
+use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
@@ -98,6 +98,35 @@ impl Group {
             .iter()
             .find(|(group, _)| *group == self)
             .map_or("", |(_, title)| title)
+    }
+}
+
+impl Action {
+    /// Whether it switches something that is on now, or chooses what is chosen already.
+    pub fn is_on(&self, context: &ActionContext) -> bool {
+        match self.name {
+            "grid" => context.grid.shown,
+            "boxes" => context.overlay.shown,
+            "safe-frame" => context.safe_frame,
+            "dimensions" => context.dimensions,
+            "wireframe" => context.seeing.wireframe,
+            "see-into-rooms" => context.seeing.walls != Walls::Shown,
+            "cut-open" => context.seeing.cut.is_some(),
+            "isolate" => context.isolated,
+            "panels" => context.panels_shown,
+            "pause" => context.paused,
+            "snap-always" => context.gizmo.snap.always,
+            "snap-align" => context.gizmo.snap.aligns,
+            // They have no state to be in.
+            "gizmo-axes" | "select-none" => false,
+            _ => match (self.command)(context) {
+                Some(Command::SetGizmo(settings)) => settings == context.gizmo,
+                // A tool that is in use is put away by its own action.
+                Some(Command::SetTool(Tool::Select)) => context.tool != Tool::Select,
+                Some(Command::SetTool(tool)) => tool == context.tool,
+                _ => false,
+            },
+        }
     }
 }
 
