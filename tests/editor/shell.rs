@@ -190,6 +190,7 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
         let mut commands = std::mem::take(&mut window.said);
         let unsaved = UnsavedState {
             name: "box.xml",
+            saved: Some("Last saved at 14:32, 5 minutes ago."),
             edits: window.edits,
             dialog_open: window.dialog_open,
         };
@@ -209,7 +210,9 @@ fn unsaved_edits_are_asked_about() {
     for command in losing {
         let mut harness = window(command.clone());
         assert_eq!(harness.state().commands, []);
-        assert!(harness.query_by_label_contains("box.xml").is_some());
+        for text in ["box.xml", "14:32", "is lost"] {
+            assert!(harness.query_by_label_contains(text).is_some(), "{text}");
+        }
         click(&mut harness, "Don't save");
         assert_eq!(harness.state().commands.as_slice(), std::slice::from_ref(&command));
 
@@ -300,7 +303,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
         is_needed: false,
         import: None,
     };
-    let needed = "The scene cannot be shown without them: if they are left out, the last one stays.";
+    let needed = "the scene cannot be shown without them, and the last one stays.";
     let ask = || {
         show(Some(asked.clone()), |egui, shown| {
             trust_question::question(egui, &mut shown.it, &mut shown.commands);

@@ -1,6 +1,5 @@
 //! The question what to do with edits that were written aside.
 
-use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use bevy_egui::egui;
@@ -10,7 +9,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::look;
-use crate::app::editor::words::times::clock_of;
+use crate::app::editor::words::times::{ago, changed_at, clock_of};
 
 /// Asks what to do with the edits; `offer` is None once that is answered.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
@@ -102,25 +101,6 @@ fn about_file(changed: Option<u64>, written: u64, since: impl Fn(u64) -> String)
     }
 }
 
-fn ago(seconds: u64) -> String {
-    let count = |number: u64, unit: &str| match number {
-        1 => format!("1 {unit} ago"),
-        _ => format!("{number} {unit}s ago"),
-    };
-    match seconds {
-        0..60 => "just now".to_owned(),
-        60..3600 => count(seconds / 60, "minute"),
-        3600..86_400 => count(seconds / 3600, "hour"),
-        _ => count(seconds / 86_400, "day"),
-    }
-}
-
-/// Seconds since 1970 when the file was written last.
-fn changed_at(file: &Path) -> Option<u64> {
-    let changed = std::fs::metadata(file).and_then(|data| data.modified()).ok()?;
-    Some(changed.duration_since(UNIX_EPOCH).ok()?.as_secs())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -157,14 +137,5 @@ mod tests {
         // Every time zone differs from universal time by less than a day.
         assert!(clock_of(86_400).is_some_and(|clock| clock.starts_with("1970-01-0")));
         assert_eq!(clock_of(u64::MAX), None);
-    }
-
-    #[test]
-    fn ages_are_legible() {
-        assert_eq!((ago(3).as_str(), ago(61).as_str()), ("just now", "1 minute ago"));
-        assert_eq!(
-            (ago(7300).as_str(), ago(400_000).as_str()),
-            ("2 hours ago", "4 days ago")
-        );
     }
 }

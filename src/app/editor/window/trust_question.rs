@@ -13,6 +13,9 @@ use crate::app::editor::panels::look;
 /// The most files, and the most folders, that are listed; of the others only the number is told.
 const MOST_LISTED: usize = 6;
 
+const READ: &str = "Read them";
+const LEAVE_OUT: &str = "Leave them out";
+
 /// Asks; `question` is None once it is answered.
 pub fn question(context: &egui::Context, question: &mut Option<Question>, commands: &mut Vec<Command>) {
     let Some(asked) = question else {
@@ -31,24 +34,27 @@ pub fn question(context: &egui::Context, question: &mut Option<Question>, comman
             list(ui, &asked.shown);
             ui.label("If it may, every scene may read all files in these folders, and below them, from now on:");
             list(ui, &asked.folders);
-            if asked.is_needed {
-                ui.label("The scene cannot be shown without them: if they are left out, the last one stays.");
-            }
-            ui.add_space(8.0);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let allow = ui.add(look::primary(ui, "Read them"));
-                let allow = allow.on_hover_text("Allow the folders, and read the files");
-                if allow.clicked() {
-                    answer = Some(ShellCommand::AllowFiles(asked.clone()));
-                }
-                let refuse = ui.button("Leave them out").on_hover_text(match asked.import {
-                    None => "Read nothing outside the scene's folder (Esc)",
-                    Some(_) => "Import nothing (Esc)",
-                });
-                if refuse.clicked() {
-                    ui.close();
-                }
-            });
+            ui.add_space(4.0);
+            dialog::consequence(ui, READ, "the folders are remembered, and the files are read now.");
+            let left_out = match (&asked.import, asked.is_needed) {
+                (Some(_), _) => "nothing is imported.",
+                (None, true) => "the scene cannot be shown without them, and the last one stays.",
+                (None, false) => "the scene is shown without these pictures and meshes.",
+            };
+            dialog::consequence(ui, LEAVE_OUT, left_out);
+            let read = look::primary(ui, READ);
+            dialog::answers(
+                ui,
+                |_| {},
+                |ui| {
+                    if ui.add(read).clicked() {
+                        answer = Some(ShellCommand::AllowFiles(asked.clone()));
+                    }
+                    if ui.button(LEAVE_OUT).on_hover_text("Esc").clicked() {
+                        ui.close();
+                    }
+                },
+            );
         },
     );
     if answer.is_some() || modal.should_close() {

@@ -41,6 +41,7 @@ use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
+use crate::app::editor::words::times::last_saved;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::scene::{ActiveSensor, SceneState, SceneStatus};
 
@@ -255,15 +256,20 @@ pub fn show_window(
         commands.push(Command::Quit);
     }
     let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
-    let unsaved = UnsavedState {
-        name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
-        edits: model.status.unsaved && !model.status.being_saved,
-        dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
-    };
     let image = model.status.awaited_image.as_ref();
     let ended = shell.ended_image.as_deref();
+    let edits = model.status.unsaved && !model.status.being_saved;
     shell.late_quit.hold(commands, image, ended, &mut said.toasts);
-    shell.unsaved_question.hold(commands, unsaved.edits);
+    shell.unsaved_question.hold(commands, edits);
+    let asks = shell.unsaved_question.is_asking();
+    let path = model.status.scene.as_deref().filter(|_| asks);
+    let saved = path.and_then(last_saved);
+    let unsaved = UnsavedState {
+        saved: saved.as_deref(),
+        name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
+        edits,
+        dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
+    };
     if shell.unsaved_question.show(&context, unsaved, commands) {
         // How to save them is no question any more.
         requests.save_question = None;

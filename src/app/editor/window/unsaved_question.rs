@@ -32,6 +32,8 @@ enum Step {
 pub struct UnsavedState<'a> {
     /// The scene's name.
     pub name: &'a str,
+    /// When the scene was saved last, as a sentence.
+    pub saved: Option<&'a str>,
     /// Whether there are edits that no file has.
     pub edits: bool,
     /// Whether the user is choosing a file.
@@ -86,7 +88,7 @@ impl UnsavedQuestion {
                     self.waiting = None;
                 }
             }
-            Step::Asking => match question(context, unsaved.name, &waiting.command) {
+            Step::Asking => match question(context, unsaved.name, unsaved.saved, &waiting.command) {
                 Some(Answer::Save) => {
                     waiting.step = Step::Saving(0);
                     commands.push(Command::Save);
@@ -109,25 +111,31 @@ enum Answer {
     Cancel,
 }
 
-fn question(context: &egui::Context, name: &str, command: &Command) -> Option<Answer> {
+fn question(context: &egui::Context, name: &str, saved: Option<&str>, command: &Command) -> Option<Answer> {
     let reverts = *command == Command::RevertScene;
     let heading = match reverts {
         true => format!("Lose the changes of {name}?"),
         false => format!("Save the changes of {name}?"),
     };
     let modal = dialog::question(context, "unsaved edits", 420.0, &heading, |ui| {
+        if let Some(saved) = saved {
+            ui.label(saved);
+            ui.add_space(6.0);
+        }
         if reverts {
-            ui.label("What was changed since the scene was saved cannot be brought back.");
+            let text = "the file is read anew. What was changed since it was saved is lost and cannot be brought back.";
+            dialog::consequence(ui, "Revert", text);
         } else {
             let what = match command {
-                Command::Quit => "closing the window",
-                Command::NewScene => "a new scene",
-                _ => "opening another scene",
+                Command::Quit => "the window closes",
+                Command::NewScene => "a new scene begins",
+                _ => "the other scene opens",
             };
-            ui.label(format!(
-                "Without saving, {what} loses what was changed since the scene was saved."
-            ));
+            dialog::consequence(ui, "Save", &format!("the scene is saved, and then {what}."));
+            let lost = "and what was changed since the scene was saved is lost.";
+            dialog::consequence(ui, "Don't save", &format!("{what}, {lost}"));
         }
+        dialog::consequence(ui, "Cancel", "everything stays as it is.");
         answers(ui, reverts)
     });
     let closed = modal.should_close();

@@ -1,5 +1,8 @@
 //! Times of the system as texts.
 
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
@@ -16,4 +19,62 @@ pub fn clock_of(seconds: u64) -> Option<String> {
         true => clock,
         false => format!("{} {clock}", then.date()),
     })
+}
+
+/// How long ago something was, such as `2 hours ago`.
+pub(crate) fn ago(seconds: u64) -> String {
+    let count = |number: u64, unit: &str| match number {
+        1 => format!("1 {unit} ago"),
+        _ => format!("{number} {unit}s ago"),
+    };
+    match seconds {
+        0..60 => "just now".to_owned(),
+        60..3600 => count(seconds / 60, "minute"),
+        3600..86_400 => count(seconds / 3600, "hour"),
+        _ => count(seconds / 86_400, "day"),
+    }
+}
+
+/// Seconds since 1970 when the file was written last.
+pub(crate) fn changed_at(file: &Path) -> Option<u64> {
+    let changed = std::fs::metadata(file).and_then(|data| data.modified()).ok()?;
+    Some(changed.duration_since(UNIX_EPOCH).ok()?.as_secs())
+}
+
+/// When a file was saved last, such as `Last saved at 14:32, 5 minutes ago.` None if it is not there.
+pub(crate) fn last_saved(file: &Path) -> Option<String> {
+    let changed = changed_at(file)?;
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?.as_secs();
+    let age = ago(now.saturating_sub(changed));
+    Some(match clock_of(changed) {
+        Some(clock) => format!("Last saved at {clock}, {age}."),
+        None => format!("Last saved {age}."),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_are_legible() {
+        assert_eq!((ago(3).as_str(), ago(61).as_str()), ("just now", "1 minute ago"));
+        assert_eq!(
+            (ago(7300).as_str(), ago(400_000).as_str()),
+            ("2 hours ago", "4 days ago")
+        );
+    }
+
+    #[test]
+    fn a_file_says_when_it_was_saved() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("box.xml");
+        assert_eq!(last_saved(&path), None);
+        std::fs::write(&path, "<scene/>").expect("a temporary folder");
+        let text = last_saved(&path).expect("it is there");
+        assert!(
+            text.starts_with("Last saved at ") && text.ends_with(", just now."),
+            "{text}"
+        );
+    }
 }

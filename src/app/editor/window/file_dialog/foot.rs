@@ -5,9 +5,10 @@ use std::path::Path;
 use bevy_egui::egui::text::{CCursor, CCursorRange};
 use bevy_egui::egui::{self, Align, ComboBox, Id, Key, Layout, TextEdit, Ui};
 
+use super::listing::{Entry, changed_text};
 use super::{FileDialog, NAME, Outcome, Purpose, in_format};
 use crate::app::editor::panels::look;
-use crate::app::editor::words::files::extension;
+use crate::app::editor::words::files::{extension, size_text};
 
 impl FileDialog {
     /// The name and the format, or what is listed; the buttons.
@@ -123,7 +124,8 @@ impl FileDialog {
         let mut outcome = None;
         ui.horizontal(|ui| {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            ui.label(format!("{name} is there already. Replace it?"));
+            let known = self.entries.iter().find(|entry| entry.name == name);
+            ui.add(egui::Label::new(replaced_text(&name, known)).truncate());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.button("Keep it").clicked() {
                     self.replaces = None;
@@ -135,4 +137,16 @@ impl FileDialog {
         });
         outcome
     }
+}
+
+/// The question before a file is replaced, with what would be lost.
+fn replaced_text(name: &str, known: Option<&Entry>) -> String {
+    let about = known.map_or(String::new(), |entry| {
+        let size = size_text(entry.bytes);
+        match changed_text(entry) {
+            changed if changed.is_empty() => format!(" ({size})"),
+            changed => format!(" ({size}, of {changed})"),
+        }
+    });
+    format!("{name} is there already{about}. Replace it?")
 }
