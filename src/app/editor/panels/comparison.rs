@@ -12,20 +12,31 @@ use crate::app::editor::words::figures::counted;
 /// Shows buttons to take and show a snapshot, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        if ui.button("Take snapshot").clicked() {
-            commands.push(Command::TakeSnapshot);
-        }
-        if ui
-            .add_enabled(model.snapshot.is_some(), egui::Button::new("Measure"))
+        let take = ui.button("Take snapshot");
+        if take
+            .on_hover_text("Keep the picture as it is now, to compare later ones with it")
             .clicked()
         {
+            commands.push(Command::TakeSnapshot);
+        }
+        let measure = ui.add_enabled(model.snapshot.is_some(), egui::Button::new("Measure"));
+        let measure = measure.on_hover_text("The error of the picture, with the snapshot as the truth");
+        if measure.on_disabled_hover_text("Take a snapshot first").clicked() {
             commands.push(Command::Measure);
         }
     });
-    let Some(samples) = model.snapshot else {
-        return;
-    };
-    fields::note(ui, "Snapshot", format!("{samples} samples"));
+    let kept = model.snapshot.map(|samples| counted(samples.into(), "sample"));
+    fields::note(ui, "Snapshot", kept.as_deref().unwrap_or("none"));
+    // The row is there before the snapshot is, so that nothing below it moves away from the pointer.
+    ui.add_enabled_ui(model.snapshot.is_some(), |ui| view_rows(ui, model, commands));
+    if let (Some(_), Some(measured)) = (model.snapshot, &model.figures) {
+        fields::note(ui, "Measured at", counted(measured.samples.into(), "sample"));
+        figure_rows(ui, &measured.figures);
+    }
+}
+
+/// How the snapshot is shown, one click for each way.
+fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     let mut view = model.view;
     // The place of the border does not matter to the choice.
     let wipe = match model.view {
@@ -37,16 +48,12 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
         (wipe, "wipe"),
         (CompareView::Difference, "difference"),
     ];
-    let mut changed = fields::choice(ui, "Compare", &mut view, &views);
+    let mut changed = fields::switch(ui, "Compare", &mut view, &views);
     if let CompareView::Wipe(share) = &mut view {
         changed |= fields::slider(ui, "Border", share, 0.0..=1.0);
     }
     if changed {
         commands.push(Command::SetCompareView(view));
-    }
-    if let Some(measured) = &model.figures {
-        fields::note(ui, "Measured at", counted(measured.samples.into(), "sample"));
-        figure_rows(ui, &measured.figures);
     }
 }
 

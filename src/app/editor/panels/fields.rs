@@ -361,6 +361,32 @@ pub(crate) fn choice<'a, T: Copy + PartialEq>(
     write_back(copy != *value, value, copy)
 }
 
+/// A choice among a few words that all are in sight; `options` are value and name. True if the user has changed it.
+pub(crate) fn switch<'a, T: Copy + PartialEq>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut T,
+    options: &[(T, &str)],
+) -> bool {
+    let mut copy = *value;
+    ui.horizontal(|ui| {
+        name_cell(ui, caption);
+        const GAP: f32 = 3.0;
+        ui.spacing_mut().item_spacing.x = GAP;
+        let count = options.len().max(1) as f32;
+        let width = (ui.available_width() - GAP * (count - 1.0)) / count;
+        for (option, name) in options {
+            let button = egui::Button::selectable(copy == *option, *name)
+                .frame_when_inactive(true)
+                .truncate();
+            if ui.add_sized([width, ui.spacing().interact_size.y], button).clicked() {
+                copy = *option;
+            }
+        }
+    });
+    write_back(copy != *value, value, copy)
+}
+
 pub(crate) fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
     if changed {
         *value = copy;

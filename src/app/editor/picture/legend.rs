@@ -17,7 +17,7 @@ pub enum Legend {
         high: String,
     },
     /// Colours with the words for them; sRGB.
-    Words([([u8; 3], &'static str); 3]),
+    Words(Vec<([u8; 3], &'static str)>),
 }
 
 /// The colours of a ramp.
@@ -59,10 +59,15 @@ pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
             }
         }
         // Half of the colour is zero: a normal along an axis has 255 in its channel and 128 in the others.
-        DisplayMode::Normal => Legend::Words([
+        DisplayMode::Normal => Legend::Words(vec![
             ([255, 128, 128], "towards +X"),
             ([128, 255, 128], "towards +Y"),
             ([128, 128, 255], "towards +Z"),
+        ]),
+        DisplayMode::Uv => Legend::Words(vec![
+            ([255, 0, 0], "u = 1, v = 0"),
+            ([0, 255, 0], "u = 0, v = 1"),
+            ([255, 255, 0], "u = 1, v = 1"),
         ]),
         _ => return None,
     })
@@ -87,7 +92,9 @@ mod tests {
         assert_eq!(ends(DisplayMode::Noise).map(|(_, high)| high).as_deref(), Some("25 %+"));
         assert_eq!(ends(DisplayMode::Depth), Some(("0.5".to_owned(), "12.2".to_owned())));
         assert_eq!(legend(DisplayMode::Shaded, &scales), None);
-        assert!(matches!(legend(DisplayMode::Normal, &scales), Some(Legend::Words(_))));
+        for mode in [DisplayMode::Normal, DisplayMode::Uv] {
+            assert!(matches!(legend(mode, &scales), Some(Legend::Words(_))), "{mode:?}");
+        }
     }
 
     #[test]
