@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::{color_field, fields};
+use super::{color_field, fields, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::light_mix::{Channel, LightMix};
@@ -34,7 +34,8 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
         if ui.add_enabled(has_mix, egui::Button::new("Reset")).clicked() {
             commands.push(Command::SetLightMix(LightMix::default()));
         }
-        let bake = ui.add_enabled(has_mix, egui::Button::new("Bake"));
+        let bake = look::primary(ui, "Bake");
+        let bake = ui.add_enabled(has_mix, bake);
         let bake = bake.on_hover_text("Write strengths and colours to the lights of the scene");
         if bake.clicked() {
             commands.push(Command::BakeLights);

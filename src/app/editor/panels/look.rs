@@ -1,6 +1,6 @@
 //! Colours that the panels add to those of the theme, and the primary button.
 
-use bevy_egui::egui::{Button, Color32, RichText, Ui, Visuals};
+use bevy_egui::egui::{Align, Button, Color32, Layout, RichText, Ui, Visuals};
 
 /// The background of the headers of sections: a slightly lighter grey than the panel in the dark theme, a darker one in the light theme.
 pub fn strip(visuals: &Visuals) -> Color32 {
@@ -24,6 +24,19 @@ pub const ON_ACCENT: Color32 = Color32::WHITE;
 /// The button of a dialog or a panel that does what most users came for.
 pub fn primary(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(RichText::new(text.to_owned()).color(ON_ACCENT)).fill(accent(ui.visuals()))
+}
+
+/// The row of buttons below a form, at its right: what it does, and *Cancel*. Whether each was clicked.
+pub fn form_buttons(ui: &mut Ui, does: &str, help: &str) -> (bool, bool) {
+    let mut clicked = (false, false);
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let button = primary(ui, does);
+            clicked.0 = ui.add(button).on_hover_text(help).clicked();
+            clicked.1 = ui.button("Cancel").on_hover_text("Esc").clicked();
+        });
+    });
+    clicked
 }
 
 /// The button of a dialog that loses something.

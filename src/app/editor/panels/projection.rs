@@ -3,7 +3,7 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
-use super::{fields, lengths};
+use super::{fields, lengths, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
 
@@ -39,18 +39,16 @@ pub fn projection(ui: &mut Ui, form: &mut ProjectionForm, shapes: &[Entity], com
     ) {
         form.tile = Some(tile);
     }
-    let text = "Walls, stairs, prisms and boxes keep their numbers where sides of a box suffice, and so do rectangles. Other shapes become meshes";
+    let text = "Walls, stairs, prisms and boxes keep their numbers where sides of a box suffice, and so do rectangles. Other shapes become meshes.";
     ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap());
     ui.add_space(6.0);
-    let project = ui
-        .button("Project")
-        .on_hover_text("Gives what is selected new texture coordinates");
-    if project.clicked() {
+    let (projects, cancels) = look::form_buttons(ui, "Project", "Gives what is selected new texture coordinates");
+    if projects {
         let from = form.from;
         commands.push(Command::ProjectTextures {
             shapes: shapes.to_vec(),
             projection: Projection { from, tile },
         });
     }
-    project.clicked()
+    projects || cancels
 }

@@ -6,7 +6,7 @@ use bevy::math::Rect;
 use bevy_egui::egui::{self, Ui};
 
 use super::section::section;
-use super::{comparison, fields, light_mixing};
+use super::{comparison, fields, light_mixing, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
@@ -76,7 +76,8 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::ALL) {
         commands.push(Command::SetEnlarging(enlarging));
     }
-    let button = ui.button("Render full film").on_hover_text(
+    let button = look::primary(ui, "Render full film");
+    let button = ui.add(button).on_hover_text(
         "Trace all pixels of the film until the scene or the view changes. A saved picture always has all of them: if fewer are shown, they are \
          traced first, with as many samples as are shown",
     );

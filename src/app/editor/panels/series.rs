@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Ui};
 
-use super::{fields, lengths};
+use super::{fields, lengths, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
 
@@ -55,15 +55,17 @@ pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mu
     }
     fields::checkbox(ui, "Instances", &mut form.instances);
     ui.add(
-        egui::Label::new(egui::RichText::new("Instances share one group of shapes: a change of it changes all").weak())
-            .wrap(),
+        egui::Label::new(
+            egui::RichText::new("Instances share one group of shapes: a change of it changes all.").weak(),
+        )
+        .wrap(),
     );
     ui.add_space(6.0);
-    let make = ui.button("Make").on_hover_text("Adds the copies of what is selected");
-    if make.clicked() {
+    let (makes, cancels) = look::form_buttons(ui, "Make", "Adds the copies of what is selected");
+    if makes {
         commands.push(Command::MakeSeries(form.series(suggested)));
     }
-    make.clicked()
+    makes || cancels
 }
 
 impl SeriesForm {

@@ -2,7 +2,7 @@
 //! the start page.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{self, Id, Modal, Ui};
+use bevy_egui::egui::{self, Id, Modal, RichText, Ui};
 
 use super::palette::Palette;
 use super::shortcuts::shortcuts;
@@ -82,7 +82,7 @@ pub fn show(
 fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl FnOnce(&mut Ui) -> bool) -> bool {
     let modal = Modal::new(Id::new(title)).show(context, |ui| {
         ui.set_width(320.0);
-        ui.heading(title);
+        ui.label(RichText::new(title).heading().strong());
         ui.add_space(6.0);
         if lengths::in_unit(ui, model.unit, content) {
             ui.close();
@@ -105,7 +105,7 @@ fn pages(
     }
     let modal = Modal::new(Id::new("preferences")).show(context, |ui| {
         ui.set_width(WIDTH);
-        ui.heading("Preferences");
+        ui.label(RichText::new("Preferences").heading().strong());
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             for (page, name) in [(Sheet::Preferences, "General"), (Sheet::Keys, "Keys")] {

@@ -11,6 +11,7 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::{self, ActionContext};
+use crate::app::editor::panels::look;
 
 /// The size of a sample's picture in points.
 const PICTURE: egui::Vec2 = egui::vec2(240.0, 150.0);
@@ -37,7 +38,7 @@ pub fn show(
         };
         ui.set_width(columns as f32 * (PICTURE.x + GAP) + RECENT_WIDTH);
         ui.set_max_height(room.y);
-        ui.heading("Sunroom");
+        ui.label(RichText::new("Sunroom").heading().strong());
         ui.add_space(6.0);
         let mut closes = false;
         ui.horizontal_top(|ui| {
@@ -54,7 +55,7 @@ pub fn show(
             });
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
-                closes |= begin(ui, actions, commands);
+                closes |= begin(ui, actions, preferences.recent_files.is_empty(), commands);
                 mouse(ui, preferences.navigation, commands);
                 recent(ui, &preferences.recent_files, commands);
             });
@@ -93,7 +94,11 @@ fn tile(ui: &mut Ui, sample: &Sample, commands: &mut Vec<Command>) {
             }
             None => ui.add_enabled(path.is_some(), Button::new(sample.title).min_size(PICTURE)),
         };
-        ui.label(sample.title);
+        ui.horizontal(|ui| {
+            // The title begins where the picture does.
+            ui.add_space(ui.spacing().button_padding.x);
+            ui.label(sample.title);
+        });
         let absent = format!("scenes/{} is not there", sample.file);
         let response = response
             .on_hover_text(format!("Open scenes/{}", sample.file))
@@ -124,6 +129,7 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let label = ui.label("Navigate as in");
         egui::ComboBox::from_id_salt("navigation")
+            .width(ui.available_width())
             .selected_text(chosen.name())
             .show_ui(ui, |ui| {
                 for (preset, name, help) in NavigationPreset::ALL {
@@ -139,8 +145,8 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.add_space(GAP);
 }
 
-/// The ways to begin; true if one was chosen.
-fn begin(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) -> bool {
+/// The ways to begin; true if one was chosen. `is_new`: nothing was opened before.
+fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, commands: &mut Vec<Command>) -> bool {
     ui.label(RichText::new("Begin").strong());
     let mut is_chosen = false;
     for (name, help) in [
@@ -152,7 +158,12 @@ fn begin(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) -> b
         ("open", "A scene from a file"),
     ] {
         let Some(action) = actions::find(name) else { continue };
-        let button = Button::new(action.label).min_size(egui::vec2(ui.available_width(), 26.0));
+        let first = if is_new { "tutorial" } else { "new" };
+        let button = match name == first {
+            true => look::primary(ui, action.label),
+            false => Button::new(action.label),
+        };
+        let button = button.min_size(egui::vec2(ui.available_width(), 26.0));
         if ui.add(button).on_hover_text(help).clicked() {
             commands.extend((action.command)(context));
             is_chosen = true;

@@ -6,6 +6,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::excerpt::excerpt;
+use crate::app::editor::panels::look;
 use crate::app::editor::session::toasts::{Toast, Toasts, Tone};
 use crate::app::editor::viewport::axes_widget;
 
@@ -62,11 +63,12 @@ fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool 
             ui.vertical(|ui| {
                 ui.set_width(ui.available_width() - close);
                 content(ui, toast, edge, commands);
-                if let Some((label, command)) = &toast.offer
-                    && ui.button(*label).clicked()
-                {
-                    commands.push(command.clone());
-                    dismissed = true;
+                if let Some((label, command)) = &toast.offer {
+                    let button = look::primary(ui, label);
+                    if ui.add(button).clicked() {
+                        commands.push(command.clone());
+                        dismissed = true;
+                    }
                 }
             });
             dismissed |= ui.small_button("×").on_hover_text("Dismiss").clicked();

@@ -4,6 +4,7 @@ use bevy_egui::egui::{self, Align2, Button, Id, Rect, RichText};
 
 use crate::app::editor::command::Command;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::panels::look;
 use crate::app::editor::session::tutorial::{LESSONS, Tutorial};
 
 const WIDTH: f32 = 300.0;
@@ -46,7 +47,11 @@ pub fn show(context: &egui::Context, tutorial: &Tutorial, place: Rect, commands:
                         (false, true) => "Next",
                         (false, false) => "Skip",
                     };
-                    if ui.add(Button::new(next).selected(is_done)).clicked() {
+                    let next = match is_done {
+                        true => look::primary(ui, next),
+                        false => Button::new(next),
+                    };
+                    if ui.add(next).clicked() {
                         go_to((!is_last).then_some(step + 1));
                     }
                     if is_done {
