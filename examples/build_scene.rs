@@ -69,6 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         shown: Shown::Radiance,
         sight: Default::default(),
         light_groups: Default::default(),
+        layers: Default::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,
     };

@@ -11,6 +11,7 @@ pub mod document;
 pub mod files;
 pub mod geometry;
 pub mod gltf;
+pub mod layer;
 pub mod light;
 pub mod material;
 pub mod math;

@@ -126,7 +126,7 @@ mod tests {
                 tile,
                 samples: 0..1,
                 pixels: vec![PixelSum::default(); (tile.width * tile.height) as usize],
-                layers: Vec::new(),
+                layers: Default::default(),
                 first_hits: Vec::new(),
                 splats: Vec::new(),
                 rays: 0,

@@ -55,7 +55,7 @@ impl RenderFilm {
 
     /// Reserves the memory for the film of this view, in place of the former reservation.
     pub(super) fn reserve(&mut self, view: &View) -> Result<(), FilmShortage> {
-        let bytes = Film::memory_bytes(view.width, view.height, view.light_groups.count());
+        let bytes = Film::memory_bytes(view.width, view.height, view.film_layers());
         let result = match &mut self.memory {
             Some(memory) => memory.resize(bytes),
             None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
@@ -79,7 +79,7 @@ impl RenderFilm {
         if self.begun == Some(begun) {
             return Vec::new();
         }
-        let old = self.film.begin(view.width, view.height, view.light_groups.count());
+        let old = self.film.begin(view.width, view.height, view.film_layers());
         self.light_groups = light_groups.clone();
         self.is_coarse = is_coarse;
         self.begun = Some(begun);

@@ -172,7 +172,7 @@ mod tests {
                 tile,
                 samples,
                 pixels: Vec::new(),
-                layers: Vec::new(),
+                layers: Default::default(),
                 first_hits: Vec::new(),
                 splats: Vec::new(),
                 rays: 0,

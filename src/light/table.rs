@@ -136,16 +136,16 @@ impl LightTable {
     }
 
     /// The scene's only light, if there is one alone and it can be sampled in lanes.
-    pub(crate) fn sole(&self) -> Option<SoleLight> {
+    pub(crate) fn sole(&self) -> Option<(LightId, SoleLight)> {
         if !self.choice.is_certain() {
             return None;
         }
         match (&self.finite[..], &self.infinite[..]) {
             ([finite], []) => match &finite.light {
-                FiniteLight::Surface(light) => light.sole_rectangle().map(SoleLight::Rectangle),
+                FiniteLight::Surface(light) => Some((finite.id, SoleLight::Rectangle(light.sole_rectangle()?))),
                 _ => None,
             },
-            ([], [(_, InfiniteLight::Constant(light))]) => Some(SoleLight::Constant(light.radiance)),
+            ([], [(id, InfiniteLight::Constant(light))]) => Some((*id, SoleLight::Constant(light.radiance))),
             _ => None,
         }
     }

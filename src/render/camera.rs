@@ -197,6 +197,11 @@ impl Camera {
         self.world_from_camera.transform_point3(p)
     }
 
+    /// A direction of the world in camera space: x to the left of the picture, y up, z along the view axis.
+    pub fn direction_in_camera(&self, world: Vec3) -> Vec3 {
+        self.world_from_camera.matrix3.transpose() * world
+    }
+
     /// The distances of the near and the far clip plane along the view axis.
     pub fn clip_distances(&self) -> (f32, f32) {
         (self.near, self.far)

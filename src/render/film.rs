@@ -1,9 +1,8 @@
 //! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
 
-use std::ops::Range;
-
 use glam::Vec3;
 
+use super::layers::{FilmLayers, LayerSums, Matte};
 use super::scene::FirstHit;
 use super::splats::{Splat, Splats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
@@ -26,10 +25,9 @@ pub struct Film {
     counts: Vec<u32>,
     /// The preview of each tile of the picture that has no samples yet.
     previews: Vec<Option<TilePreview>>,
-    /// Light groups that have a layer each.
-    layer_count: usize,
-    /// The sums of the layers, side by side for each pixel.
-    layers: Vec<Rgb>,
+    /// What is kept beside the picture.
+    kept: FilmLayers,
+    layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
 }
@@ -37,31 +35,32 @@ pub struct Film {
 impl Film {
     /// An empty film of this size in pixels, without layers.
     pub fn new(width: u32, height: u32) -> Self {
-        Self::with_layers(width, height, 0)
+        Self::with_layers(width, height, FilmLayers::default())
     }
 
-    /// A film that keeps, beside the whole, the light of `layer_count` groups of lights each for itself.
-    pub fn with_layers(width: u32, height: u32, layer_count: usize) -> Self {
+    /// A film that keeps layers beside the picture.
+    pub fn with_layers(width: u32, height: u32, kept: FilmLayers) -> Self {
         let mut film = Self::default();
-        film.begin(width, height, layer_count);
+        film.begin(width, height, kept);
         film
     }
 
     /// Makes it as new, of whatever size, in the memory that it has if that is enough and not far too much: to have pages given and
     /// taken by the system costs more than to fill them. Returns the previews that it had.
-    pub fn begin(&mut self, width: u32, height: u32, layer_count: usize) -> Vec<Option<TilePreview>> {
+    pub fn begin(&mut self, width: u32, height: u32, kept: FilmLayers) -> Vec<Option<TilePreview>> {
         let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
         let pixels = tiles * (TILE * TILE) as usize;
         let is_far_too_much = |has: usize, needs: usize| has / TOO_MUCH > needs;
         if is_far_too_much(self.sums.capacity(), pixels)
-            || is_far_too_much(self.layers.capacity(), pixels * layer_count)
+            || is_far_too_much(self.layers.values.capacity(), pixels * kept.values())
+            || is_far_too_much(self.layers.mattes.capacity(), pixels * kept.matte_count())
         {
             *self = Self::default();
         }
-        (self.width, self.height, self.layer_count) = (width, height, layer_count);
+        (self.width, self.height, self.kept) = (width, height, kept);
         // Old values are not read where there is no sample.
         self.sums.resize(pixels, PixelSum::default());
-        self.layers.resize(pixels * layer_count, Rgb::ZERO);
+        self.layers.resize(kept, pixels);
         self.first_hits.resize(pixels, None);
         self.splats = Splats::default();
         self.counts.clear();
@@ -70,11 +69,11 @@ impl Film {
     }
 
     /// Memory that a film of this size needs in bytes, with the copies that are made to show and to save it.
-    pub fn memory_bytes(width: u32, height: u32, layer_count: usize) -> u64 {
+    pub fn memory_bytes(width: u32, height: u32, kept: FilmLayers) -> u64 {
         let pixel = size_of::<PixelSum>()
             + size_of::<u32>()
             + size_of::<Option<FirstHit>>()
-            + layer_count * size_of::<Rgb>()
+            + kept.pixel_bytes()
             + COPIES * size_of::<Rgb>();
         let rounded = |side: u32| u64::from(side.next_multiple_of(TILE));
         rounded(width) * rounded(height) * pixel as u64
@@ -100,9 +99,8 @@ impl Film {
             if let Some(hits) = result.first_hits.get(place..place + width) {
                 self.first_hits[row.clone()].copy_from_slice(hits);
             }
-            if self.layer_count > 0 {
-                self.add_layers(row.clone(), &result.layers[place * self.layer_count..]);
-            }
+            let counts = &self.counts[row.clone()];
+            self.layers.add(self.kept, row.start, &result.layers, place, counts);
             let pixels = self.sums[row.clone()].iter_mut().zip(&mut self.counts[row]);
             for ((sum, samples), new) in pixels.zip(&result.pixels[place..]) {
                 if *samples == 0 {
@@ -131,17 +129,6 @@ impl Film {
         }
         self.splats.samples = samples.max(self.splats.samples);
         settled
-    }
-
-    /// Adds the layers, before the samples of these pixels are counted.
-    fn add_layers(&mut self, pixels: Range<usize>, new: &[Rgb]) {
-        let layers = self.layers[pixels.start * self.layer_count..].chunks_exact_mut(self.layer_count);
-        for ((layers, new), &samples) in layers.zip(new.chunks_exact(self.layer_count)).zip(&self.counts[pixels]) {
-            if samples == 0 {
-                layers.fill(Rgb::ZERO);
-            }
-            layers.iter_mut().zip(new).for_each(|(layer, light)| *layer += *light);
-        }
     }
 
     /// The sums and numbers of samples of a tile, row by row.
@@ -225,9 +212,24 @@ impl Film {
         }
     }
 
-    /// The number of light groups that have a layer of their own; 0 if only the whole is kept.
-    pub fn layer_count(&self) -> usize {
-        self.layer_count
+    /// What is kept beside the picture.
+    pub fn layers(&self) -> FilmLayers {
+        self.kept
+    }
+
+    /// The values of a pixel's layers, summed up over its samples; None if it has none yet.
+    pub(super) fn layer_sums(&self, x: u32, y: u32) -> Option<&[f32]> {
+        let index = self.index(x, y);
+        (self.counts[index] > 0).then(|| self.layers.values_of(self.kept, index))
+    }
+
+    /// The cryptomatte number `place` of a pixel, empty if it has no samples yet.
+    pub(super) fn matte(&self, x: u32, y: u32, place: usize) -> Matte {
+        let index = self.index(x, y);
+        match self.counts[index] {
+            0 => Matte::default(),
+            _ => self.layers.mattes[index * self.kept.matte_count() + place],
+        }
     }
 
     /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is 1 for groups without one.
@@ -239,23 +241,23 @@ impl Film {
                 let (preview, block) = self.preview(x, y)?;
                 (
                     preview.blocks[block].radiance,
-                    &preview.layers[block * self.layer_count..],
+                    preview.layers.values_of(self.kept, block),
                     1,
                 )
             }
             count => (
                 self.sums[index].radiance,
-                &self.layers[index * self.layer_count..],
+                self.layers.values_of(self.kept, index),
                 count,
             ),
         };
         let splats = self.splats.mean(index);
-        if self.layer_count == 0 || factors.is_empty() {
+        if self.kept.groups == 0 || factors.is_empty() {
             return Some(radiance * (1.0 / count as f32) + splats);
         }
-        let layers = &layers[..self.layer_count];
+        let groups = LayerSums::groups(layers, self.kept);
         let factors = factors.iter().copied().chain(std::iter::repeat(Rgb::ONE));
-        let sum: Rgb = layers.iter().zip(factors).map(|(&light, factor)| light * factor).sum();
+        let sum: Rgb = groups.zip(factors).map(|(light, factor)| light * factor).sum();
         Some(sum / count as f32 + splats)
     }
 
@@ -348,7 +350,7 @@ mod tests {
             tile,
             samples: range.clone(),
             pixels: vec![sum; (tile.width * tile.height) as usize],
-            layers: Vec::new(),
+            layers: LayerSums::default(),
             first_hits: match range.start {
                 0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],
                 _ => Vec::new(),
@@ -387,7 +389,7 @@ mod tests {
             tile: left,
             step: 4,
             blocks: vec![block; 16],
-            layers: Vec::new(),
+            layers: LayerSums::default(),
             first_hits: (0..16).map(|i| (i != 15).then(|| hit(7))).collect(),
             rays: 0,
         });
@@ -403,7 +405,7 @@ mod tests {
         assert_eq!((film.samples(0, 0), film.sample_count()), (4, 0));
         film.add(&samples(right, 0..4, 1.0));
         assert_eq!(film.sample_count(), 4);
-        film.begin(40, 8, 0);
+        film.begin(40, 8, FilmLayers::default());
         assert_eq!((film.pixel(0, 0), film.sample_count()), (None, 0));
         assert_eq!(film.first_hit(0, 0), None);
         assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::ZERO));
@@ -412,32 +414,42 @@ mod tests {
     #[test]
     fn a_film_of_another_size_has_nothing_of_the_old_picture() {
         let mut film = Film::new(40, 8);
-        for (width, height, layers) in [(16, 8, 2), (40, 33, 0), (2, 2, 1)] {
+        let groups_of = |groups: usize| FilmLayers {
+            groups,
+            ..FilmLayers::default()
+        };
+        for (width, height, groups) in [(16, 8, 2), (40, 33, 0), (2, 2, 1)] {
             for tile in tiles(film.width(), film.height()) {
                 let pixels = (tile.width * tile.height) as usize;
                 film.add(&TileSamples {
-                    layers: vec![Rgb::ONE; pixels * film.layer_count()],
+                    layers: LayerSums {
+                        values: vec![1.0; pixels * film.layers().values()],
+                        ..LayerSums::default()
+                    },
                     ..samples(tile, 0..2, 1.0)
                 });
             }
-            film.begin(width, height, layers);
+            film.begin(width, height, groups_of(groups));
             assert_eq!(
-                (film.width(), film.height(), film.layer_count()),
-                (width, height, layers)
+                (film.width(), film.height(), film.layers()),
+                (width, height, groups_of(groups))
             );
             assert_eq!(film.radiance(), vec![Rgb::ZERO; (width * height) as usize]);
             assert!((0..width).all(|x| film.pixel(x, height - 1).is_none() && film.first_hit(x, 0).is_none()));
             for tile in tiles(width, height) {
                 let pixels = (tile.width * tile.height) as usize;
                 film.add(&TileSamples {
-                    layers: vec![Rgb::splat(0.5); pixels * layers],
+                    layers: LayerSums {
+                        values: vec![0.5; pixels * 3 * groups],
+                        ..LayerSums::default()
+                    },
                     ..samples(tile, 0..1, 0.5)
                 });
             }
             // The film is as a new one.
             assert_eq!(film.radiance(), vec![Rgb::splat(0.5); (width * height) as usize]);
-            let doubled = vec![Rgb::splat(2.0); layers];
-            let expected = if layers > 0 { layers as f32 } else { 0.5 };
+            let doubled = vec![Rgb::splat(2.0); groups];
+            let expected = if groups > 0 { groups as f32 } else { 0.5 };
             assert_eq!(
                 film.mixed(&doubled),
                 vec![Rgb::splat(expected); (width * height) as usize]

@@ -4,8 +4,6 @@
 
 use std::sync::Arc;
 
-use super::observer::{MetEmitter, PathObserver, SampledLight};
-use crate::color::Rgb;
 use crate::light::LightId;
 
 /// The assignment of lights to layers of the film.
@@ -35,65 +33,9 @@ impl LightGroups {
         self.count
     }
 
-    fn layer(&self, light: LightId) -> Option<usize> {
+    /// The group of a light.
+    pub(super) fn group(&self, light: LightId) -> Option<usize> {
         self.layer_of_light.get(light.0 as usize).map(|&layer| layer.into())
-    }
-}
-
-/// The layers of one pixel in the making.
-pub(super) struct LayerSums<'g> {
-    groups: &'g LightGroups,
-    sample: [Rgb; LightGroups::MOST],
-    pixel: [Rgb; LightGroups::MOST],
-}
-
-impl<'g> LayerSums<'g> {
-    pub fn new(groups: &'g LightGroups) -> Self {
-        Self {
-            groups,
-            sample: [Rgb::ZERO; LightGroups::MOST],
-            pixel: [Rgb::ZERO; LightGroups::MOST],
-        }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.groups.count == 0
-    }
-
-    pub fn begin_pixel(&mut self) {
-        self.pixel[..self.groups.count].fill(Rgb::ZERO);
-    }
-
-    pub fn begin_sample(&mut self) {
-        self.sample[..self.groups.count].fill(Rgb::ZERO);
-    }
-
-    /// Adds the sample that was observed, its light counting `weight`.
-    pub fn add_sample(&mut self, weight: f32) {
-        let count = self.groups.count;
-        for (sum, light) in self.pixel[..count].iter_mut().zip(&self.sample[..count]) {
-            *sum += *light * weight;
-        }
-    }
-
-    pub fn of_pixel(&self) -> &[Rgb] {
-        &self.pixel[..self.groups.count]
-    }
-
-    fn add(&mut self, light: LightId, contribution: Rgb) {
-        if let Some(layer) = self.groups.layer(light) {
-            self.sample[layer] += contribution;
-        }
-    }
-}
-
-impl PathObserver for LayerSums<'_> {
-    fn emitter_met(&mut self, met: &MetEmitter) {
-        self.add(met.light, met.contribution);
-    }
-
-    fn light_sampled(&mut self, sampled: &SampledLight) {
-        self.add(sampled.light, sampled.contribution);
     }
 }
 
@@ -104,7 +46,7 @@ mod tests {
     #[test]
     fn groups_beyond_the_most_share_the_last_layer() {
         let groups = LightGroups::new(&[0, 15, 16, 40]);
-        let layers: Vec<_> = (0..5).map(|light| groups.layer(LightId(light))).collect();
+        let layers: Vec<_> = (0..5).map(|light| groups.group(LightId(light))).collect();
         assert_eq!(layers, [Some(0), Some(15), Some(15), Some(15), None]);
         assert_eq!(groups.count(), LightGroups::MOST);
         assert_eq!(LightGroups::new(&[]), LightGroups::default());

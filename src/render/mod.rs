@@ -11,6 +11,7 @@ pub mod image_io;
 pub mod inspect;
 mod lanes;
 pub mod layered_image;
+pub mod layers;
 pub mod light_layers;
 mod mis;
 pub mod noise;

@@ -94,7 +94,7 @@ mod tests {
             tile,
             samples: sample..sample + 1,
             pixels: (0..tile.width * tile.height).map(pixel).collect(),
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),
             rays: 0,
@@ -156,7 +156,7 @@ mod tests {
                 };
                 (all[0].width * all[0].height) as usize
             ],
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),
             rays: 0,

@@ -3,13 +3,17 @@
 
 use glam::Vec3;
 
+use crate::accel::Hit;
 use crate::color::Rgb;
 use crate::light::{LightId, LightSample};
 use crate::material::{Lobe, MaterialId};
+use crate::math::Ray;
 
-/// Receives the events along a path in this order: at each vertex, an emitter met there, a light sampled from there, and the bounce to the next;
+/// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter met there, a light sampled from there, and the bounce to the next;
 /// emitters at infinity after the last; then how it ended.
 pub trait PathObserver {
+    /// A ray of the path has met a surface, the next vertex, at `hit`.
+    fn met(&mut self, _ray: &Ray, _hit: &Hit) {}
     /// A ray of the path has met a surface.
     fn vertex(&mut self, _vertex: &PathVertex) {}
     /// The path has met an emitter at its last vertex or at infinity.
@@ -24,6 +28,33 @@ pub trait PathObserver {
 
 /// No observer.
 impl PathObserver for () {}
+
+/// An observer that may be missing.
+impl<O: PathObserver> PathObserver for Option<O> {
+    fn met(&mut self, ray: &Ray, hit: &Hit) {
+        self.iter_mut().for_each(|observer| observer.met(ray, hit));
+    }
+
+    fn vertex(&mut self, vertex: &PathVertex) {
+        self.iter_mut().for_each(|observer| observer.vertex(vertex));
+    }
+
+    fn emitter_met(&mut self, met: &MetEmitter) {
+        self.iter_mut().for_each(|observer| observer.emitter_met(met));
+    }
+
+    fn light_sampled(&mut self, sampled: &SampledLight) {
+        self.iter_mut().for_each(|observer| observer.light_sampled(sampled));
+    }
+
+    fn bounced(&mut self, bounce: &Bounce) {
+        self.iter_mut().for_each(|observer| observer.bounced(bounce));
+    }
+
+    fn ended(&mut self, end: PathEnd) {
+        self.iter_mut().for_each(|observer| observer.ended(end));
+    }
+}
 
 /// A vertex of the path, at which light is scattered. A place in a medium will be a variant of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]

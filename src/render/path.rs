@@ -188,6 +188,7 @@ impl PathState {
         if self.depth == 0 {
             self.record.meet(hit);
         }
+        observer.met(&self.ray, hit);
         observer.vertex(&PathVertex::Surface(SurfaceVertex {
             position: point.position,
             normal: point.shading_normal,

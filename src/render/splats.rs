@@ -76,7 +76,7 @@ mod tests {
             tile,
             samples,
             pixels: vec![sum; (tile.width * tile.height) as usize],
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits: Vec::new(),
             splats,
             rays: 0,
@@ -117,7 +117,7 @@ mod tests {
             assert_eq!(pixel.radiance, Rgb::splat(expected), "{x} {y}");
             assert_eq!(film.mixed_pixel(x, y, &[]), Some(pixel.radiance));
         }
-        film.begin(SIZE, SIZE, 0);
+        film.begin(SIZE, SIZE, Default::default());
         tiles(SIZE, SIZE).into_iter().for_each(|tile| {
             film.add(&samples(tile, 0..1, Vec::new()));
         });

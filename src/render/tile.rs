@@ -7,7 +7,7 @@ use glam::{UVec2, Vec3};
 
 use super::headlight;
 use super::lanes::{self, Job};
-use super::light_layers::LayerSums;
+use super::layers::{LayerNotes, LayerSums, PixelLayers};
 use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
@@ -94,8 +94,8 @@ pub struct TileSamples {
     pub samples: Range<u32>,
     /// The pixels row by row.
     pub pixels: Vec<PixelSum>,
-    /// The sums by pixel and light group of the view, with the groups of a pixel side by side.
-    pub layers: Vec<Rgb>,
+    /// The layers of the view in sums over the same samples.
+    pub layers: LayerSums,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
     /// Light for pixels that need not be of this tile. Paths from the camera bring none.
@@ -116,7 +116,7 @@ pub struct TilePreview {
     /// The blocks row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
     /// The layers as in [`TileSamples`].
-    pub layers: Vec<Rgb>,
+    pub layers: LayerSums,
     /// The first hit of each block's sample.
     pub first_hits: Vec<Option<FirstHit>>,
     /// Rays traced, shadow rays included.
@@ -137,13 +137,13 @@ pub fn render_tile(
         tile,
         samples: samples.clone(),
         pixels: Vec::with_capacity(pixels),
-        layers: Vec::with_capacity(pixels * view.light_groups.count()),
+        layers: LayerSums::default(),
         first_hits: Vec::with_capacity(if samples.contains(&0) { pixels } else { 0 }),
         splats: Vec::new(),
         rays: 0,
         invalid: 0,
     };
-    let mut layers = LayerSums::new(&view.light_groups);
+    let mut layers = PixelLayers::new(scene, view.film_layers(), pixels);
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
@@ -161,24 +161,24 @@ pub fn render_tile(
             let mut sum = PixelSum::default();
             layers.begin_pixel();
             for index in samples.clone() {
-                let (mut sample, weight) = traced.next(Job { pixel, index }, &mut layers);
+                let (mut sample, weight) = traced.next(Job { pixel, index });
                 result.rays += u64::from(sample.rays);
                 if index == 0 {
                     result.first_hits.push(first_hit(scene, view, pixel, &sample));
                 }
                 if is_finite(&sample) {
+                    traced.add_layers(&sample, weight, &mut layers);
                     // Albedo and normal are not weighted: freedom from noise and the right range matter more for them than sharpness.
                     sample.radiance *= weight;
                     sum.add(&sample.into());
-                    layers.add_sample(weight);
                 } else {
                     result.invalid += 1;
                 }
             }
             result.pixels.push(sum);
-            result.layers.extend_from_slice(layers.of_pixel());
         }
     }
+    result.layers = layers.sums;
     Some(result)
 }
 
@@ -199,11 +199,11 @@ pub fn render_preview(
         tile,
         step,
         blocks: Vec::with_capacity(blocks),
-        layers: Vec::with_capacity(blocks * view.light_groups.count()),
+        layers: LayerSums::default(),
         first_hits: Vec::with_capacity(blocks),
         rays: 0,
     };
-    let mut layers = LayerSums::new(&view.light_groups);
+    let mut layers = PixelLayers::new(scene, view.film_layers(), blocks);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
     // With a single sample the filter's weight would only change the brightness.
@@ -216,17 +216,17 @@ pub fn render_preview(
     let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
     for job in jobs {
         layers.begin_pixel();
-        let (sample, _) = traced.next(job, &mut layers);
+        let (sample, _) = traced.next(job);
         result.rays += u64::from(sample.rays);
         result.first_hits.push(first_hit(scene, view, job.pixel, &sample));
         result.blocks.push(if is_finite(&sample) {
-            layers.add_sample(1.0);
+            traced.add_layers(&sample, 1.0, &mut layers);
             sample.into()
         } else {
             PixelSum::default()
         });
-        result.layers.extend_from_slice(layers.of_pixel());
     }
+    result.layers = layers.sums;
     Some(result)
 }
 
@@ -234,14 +234,14 @@ pub fn render_preview(
 enum Tracer {
     /// Lanes side by side, if all paths have the same settings.
     Lanes(PathSettings),
-    /// One path at a time, where paths differ or are observed.
+    /// One path at a time, where paths differ or are none.
     OneByOne,
 }
 
 impl Tracer {
     fn of(view: &View) -> Self {
         match (view.shown, view.integrator) {
-            (Shown::Radiance, Integrator::Path(settings)) if view.light_groups.count() == 0 => Self::Lanes(settings),
+            (Shown::Radiance, Integrator::Path(settings)) => Self::Lanes(settings),
             _ => Self::OneByOne,
         }
     }
@@ -254,18 +254,21 @@ impl Tracer {
         jobs: impl Iterator<Item = Job>,
         cancel: &AtomicBool,
     ) -> Option<Traced<'a>> {
-        let from_lanes = match self {
+        let (from_lanes, notes) = match self {
             Self::Lanes(settings) => {
                 let jobs: Vec<Job> = jobs.collect();
-                Some(lanes::trace(scene, view, settings, &jobs, cancel)?.into_iter())
+                let traced = lanes::trace(scene, view, settings, &jobs, cancel)?;
+                (Some(traced.list.into_iter()), traced.notes)
             }
             Self::OneByOne if cancel.load(Ordering::Relaxed) => return None,
-            Self::OneByOne => None,
+            Self::OneByOne => (None, LayerNotes::new(view, 1)),
         };
         Some(Traced {
             scene,
             view,
             from_lanes,
+            notes,
+            given: 0,
         })
     }
 }
@@ -275,31 +278,29 @@ struct Traced<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     from_lanes: Option<std::vec::IntoIter<(PathSample, f32)>>,
+    /// The notes for layers: of all samples from lanes, or else of the last one.
+    notes: Option<LayerNotes<'a>>,
+    /// The number of samples from lanes that were given.
+    given: usize,
 }
 
 impl Traced<'_> {
     /// The next sample and what its light counts; `job` is the next of the list.
-    fn next(&mut self, job: Job, layers: &mut LayerSums) -> (PathSample, f32) {
-        match self.from_lanes.as_mut().and_then(Iterator::next) {
-            Some(sample) => sample,
-            None => render_layered(self.scene, self.view, job.pixel, job.index, layers),
+    fn next(&mut self, job: Job) -> (PathSample, f32) {
+        if let Some(sample) = self.from_lanes.as_mut().and_then(Iterator::next) {
+            self.given += 1;
+            return sample;
         }
+        self.notes.iter_mut().for_each(LayerNotes::clear);
+        let mut observer = self.notes.as_mut().map(|notes| notes.of(0));
+        render_sample(self.scene, self.view, job.pixel, job.index, &mut observer)
     }
-}
 
-/// A sample with its light sorted into layers, if there are any, and what that light counts.
-fn render_layered(
-    scene: &RenderScene,
-    view: &View,
-    pixel: UVec2,
-    index: u32,
-    layers: &mut LayerSums,
-) -> (PathSample, f32) {
-    if layers.is_empty() {
-        render_sample(scene, view, pixel, index, &mut ())
-    } else {
-        layers.begin_sample();
-        render_sample(scene, view, pixel, index, layers)
+    /// Adds what was noted of the last sample to the layers of its pixel.
+    fn add_layers(&self, sample: &PathSample, weight: f32, layers: &mut PixelLayers) {
+        if let Some(notes) = &self.notes {
+            layers.add(sample, weight, notes, self.given.saturating_sub(1));
+        }
     }
 }
 
@@ -327,6 +328,9 @@ pub(super) fn render_sample(
             }
         }
     };
+    if let (None, Some(hit)) = (view.path_settings(pixel), &sample.first_hit) {
+        observer.met(&ray, hit);
+    }
     (sample, camera.weight)
 }
 

@@ -5,6 +5,7 @@ use glam::{UVec2, Vec2};
 use super::camera::Camera;
 use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
+use super::layers::{FilmLayers, Layers};
 use super::light_layers::LightGroups;
 use super::sight::Sight;
 use crate::math::Ray;
@@ -27,8 +28,10 @@ pub struct View {
     pub shown: Shown,
     /// What camera rays pass through; by default nothing.
     pub sight: Sight,
-    /// The layers that the film keeps beside the picture; none by default.
+    /// The groups of lights whose light the film keeps each for itself beside the picture; none by default.
     pub light_groups: LightGroups,
+    /// The layers that the film keeps beside the picture; none by default.
+    pub layers: Layers,
     /// The kind of random numbers.
     pub sequence: SequenceKind,
     /// The seed. Another seed gives other noise.
@@ -122,6 +125,14 @@ pub struct CameraSample {
 }
 
 impl View {
+    /// What the film of the picture keeps beside it.
+    pub fn film_layers(&self) -> FilmLayers {
+        FilmLayers {
+            groups: self.light_groups.count(),
+            layers: self.layers,
+        }
+    }
+
     /// The settings for the paths of a pixel; None if no paths are traced.
     pub(crate) fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
         let Integrator::Path(settings) = self.integrator;

@@ -48,6 +48,7 @@ mod gltf;
 mod gltf_meshes;
 mod inspect;
 mod lanes;
+mod layers;
 mod light_transport;
 mod lights;
 mod many_lights;

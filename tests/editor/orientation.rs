@@ -37,7 +37,7 @@ fn film(depth: f32) -> Film {
             tile,
             samples: 0..1,
             pixels: vec![pixel; (tile.width * tile.height) as usize],
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),
             rays: 0,

@@ -19,6 +19,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("files", &[], false),
     ("memory", &["files"], false),
     ("color", &["math"], false),
+    ("layer", &[], false),
     ("sampling", &["math"], false),
     ("geometry", &["math", "color", "memory", "sampling"], false),
     ("accel", &["math", "color", "sampling", "geometry"], false),
@@ -38,11 +39,11 @@ const RULES: &[(&str, &[&str], bool)] = &[
         &["math", "color", "memory", "geometry", "texture", "document"],
         false,
     ),
-    ("scene", &["math", "color", "files", "document"], true),
+    ("scene", &["math", "color", "layer", "files", "document"], true),
     (
         "scene/assets",
         &[
-            "math", "color", "files", "memory", "document", "geometry", "gltf", "texture",
+            "math", "color", "layer", "files", "memory", "document", "geometry", "gltf", "texture",
         ],
         true,
     ),
@@ -62,6 +63,7 @@ const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
     "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
+    "layer",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

@@ -174,13 +174,14 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
         shown: Shown::Radiance,
         sight: Default::default(),
         light_groups: LightGroups::default(),
+        layers: Default::default(),
         sequence: SequenceKind::Independent,
         seed: 1,
     }
 }
 
 pub fn render(scene: &RenderScene, view: &View, samples: u32) -> Film {
-    let mut film = Film::with_layers(view.width, view.height, view.light_groups.count());
+    let mut film = Film::with_layers(view.width, view.height, view.film_layers());
     for tile in tiles(view.width, view.height) {
         let result = render_tile(scene, view, tile, 0..samples, &AtomicBool::new(false)).expect("not cancelled");
         assert_eq!(result.invalid, 0, "no sample is infinite or not a number");

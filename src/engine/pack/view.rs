@@ -5,6 +5,7 @@ use bevy::math::{Affine3A, UVec2, Vec2, Vec3};
 use super::super::control::{RenderControl, ViewMode};
 use super::super::resolution;
 use super::Checker;
+use crate::layer::Layers;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
@@ -99,6 +100,7 @@ pub(in crate::engine) fn pack_view(
         // The sight depends on the geometry as well.
         sight: Sight::default(),
         light_groups: LightGroups::default(),
+        layers: Layers::default(),
         sequence: match sampler.sequence {
             Sequence::Sobol => SequenceKind::Sobol,
             Sequence::Independent => SequenceKind::Independent,

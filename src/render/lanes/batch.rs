@@ -6,8 +6,10 @@ use super::camera_rays::CameraRays;
 use super::context::{Coherence, Context, Job, Samples};
 use super::vertices::{Met, Vertices};
 use crate::accel::Hit;
-use crate::math::lanes::{LANES, each_lane, ones_in};
+use crate::light::LightId;
+use crate::math::lanes::{LANES, Vec3Lanes, each_lane, ones_in};
 use crate::math::{PerLane, Ray};
+use crate::render::observer::PathObserver;
 use crate::render::path::PathSample;
 use crate::render::path_state::{PathLanes, PathState};
 use crate::render::scene::SurfaceSlot;
@@ -99,8 +101,36 @@ impl<'a> PathBatch<'a> {
     /// The path of a lane has ended and brought `sample`.
     fn finish(&mut self, lane: usize, sample: PathSample, samples: &mut Samples) {
         let Output { job, weight } = self.outputs[lane];
-        samples[job] = (sample, weight);
+        samples.list[job] = (sample, weight);
         self.active &= !(1 << lane);
+    }
+
+    /// Notes the light that was sampled from the vertices of `lanes`, where there are layers.
+    pub(super) fn note_light(
+        &self,
+        lanes: u32,
+        light: &[LightId; LANES],
+        contribution: Vec3Lanes,
+        samples: &mut Samples,
+    ) {
+        if samples.notes.is_some() {
+            for lane in each_lane(lanes) {
+                let taker = samples.observer(self.outputs[lane].job);
+                taker
+                    .into_iter()
+                    .for_each(|mut taker| taker.add_sampled(light[lane], contribution.get(lane)));
+            }
+        }
+    }
+
+    /// Notes that the surfaces at the vertices have scattered the paths, where there are layers.
+    pub(super) fn note_scattering(&self, samples: &mut Samples) {
+        if samples.notes.is_some() {
+            for lane in each_lane(self.vertices.lanes) {
+                let taker = samples.observer(self.outputs[lane].job);
+                taker.into_iter().for_each(|mut taker| taker.add_scattering());
+            }
+        }
     }
 
     /// The path of a lane has ended at its vertex.
@@ -141,7 +171,8 @@ impl<'a> PathBatch<'a> {
     /// The path of a lane leaves the scene.
     fn escape(&mut self, lane: usize, context: &Context, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
-        path.escape(context.scene, context.settings, &mut ());
+        let mut observer = samples.observer(self.outputs[lane].job);
+        path.escape(context.scene, context.settings, &mut observer);
         self.finish(lane, path.sample(), samples);
     }
 
@@ -189,7 +220,8 @@ impl<'a> PathBatch<'a> {
             return;
         }
         let mut path = PathState::gather_lane(&self.paths, lane);
-        if path.advance(context.scene, context.settings, Some(hit), &mut ()) {
+        let mut observer = samples.observer(self.outputs[lane].job);
+        if path.advance(context.scene, context.settings, Some(hit), &mut observer) {
             path.scatter_lane(&mut self.paths, lane);
         } else {
             self.finish(lane, path.sample(), samples);
@@ -210,9 +242,11 @@ impl<'a> PathBatch<'a> {
         let (scene, settings) = (context.scene, context.settings);
         let depth = self.paths.depth.as_array()[lane];
         let is_last = settings.is_last(depth + 1);
+        let mut observer = samples.observer(self.outputs[lane].job);
+        observer.met(&self.paths.ray.get(lane), hit);
         if let Some(light) = slot.light {
             let mut path = PathState::gather_lane(&self.paths, lane);
-            path.see_light(scene, settings, hit, light, &met.point, &mut ());
+            path.see_light(scene, settings, hit, light, &met.point, &mut observer);
             path.scatter_lane(&mut self.paths, lane);
         }
         let record = &mut self.paths.record[lane];

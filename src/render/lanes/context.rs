@@ -3,8 +3,10 @@
 use glam::UVec2;
 
 use crate::accel::{Hit, RayLanes, Tlas};
+use crate::light::LightId;
 use crate::light::lanes::SoleLight;
 use crate::math::lanes::LANES;
+use crate::render::layers::{LayerNotes, NoteTaker};
 use crate::render::path::PathSample;
 use crate::render::scene::RenderScene;
 use crate::render::view::{PathSettings, View};
@@ -16,14 +18,34 @@ pub(in crate::render) struct Job {
     pub index: u32,
 }
 
-/// The samples and their weights, by job.
-pub(super) type Samples = Vec<(PathSample, f32)>;
+/// The results of paths, by job.
+pub(in crate::render) struct Samples<'v> {
+    /// The samples and their weights.
+    pub list: Vec<(PathSample, f32)>,
+    /// What is noted for layers; None if there are none.
+    pub notes: Option<LayerNotes<'v>>,
+}
+
+impl<'v> Samples<'v> {
+    /// Room for those of so many jobs.
+    pub fn new(view: &'v View, jobs: usize) -> Self {
+        Self {
+            list: vec![(PathSample::default(), 0.0); jobs],
+            notes: LayerNotes::new(view, jobs),
+        }
+    }
+
+    /// The observer of the path of a job.
+    pub fn observer(&mut self, job: usize) -> Option<NoteTaker<'_>> {
+        self.notes.as_mut().map(|notes| notes.of(job))
+    }
+}
 
 pub(super) struct Context<'a> {
     pub scene: &'a RenderScene,
     pub view: &'a View,
     pub settings: &'a PathSettings,
-    pub sole_light: Option<SoleLight>,
+    pub sole_light: Option<(LightId, SoleLight)>,
 }
 
 /// Whether rays have much in common, as those through one pixel have.

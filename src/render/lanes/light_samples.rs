@@ -4,15 +4,16 @@ use glam::Vec2;
 
 use super::context::Context;
 use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
-use crate::light::{LightReference, Target};
+use crate::light::{LightId, LightReference, Target};
 use crate::math::PerLane;
-use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
 use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;
 
 /// Directions to a light, with the light that arrives from there unless something is in between.
 #[derive(Clone, Copy)]
 pub(super) struct LightLanes {
+    pub light: [LightId; LANES],
     pub wi: Vec3Lanes,
     pub target: Vec3Lanes,
     /// The lanes whose light is at infinity, in the direction `wi`, a bit each.
@@ -25,6 +26,7 @@ pub(super) struct LightLanes {
 
 impl LightLanes {
     const NONE: Self = Self {
+        light: [LightId(0); LANES],
         wi: Vec3Lanes::ZERO,
         target: Vec3Lanes::ZERO,
         infinite: 0,
@@ -53,9 +55,10 @@ impl LightLanes {
     ) -> Self {
         let u = sampler.at_2d(BounceDraw::LightPoint.at(depth));
         let (light, alone) = match &context.sole_light {
-            Some(SoleLight::Rectangle(rectangle)) => {
+            Some((id, SoleLight::Rectangle(rectangle))) => {
                 let sample = rectangle.sample(seen_from.position, u);
                 return Self {
+                    light: [*id; LANES],
                     wi: sample.wi,
                     target: sample.target,
                     infinite: 0,
@@ -65,9 +68,10 @@ impl LightLanes {
                     is_valid: sample.is_valid,
                 };
             }
-            Some(SoleLight::Constant(radiance)) => {
+            Some((id, SoleLight::Constant(radiance))) => {
                 let (wi, pdf) = sample_constant(seen_from.normal, u);
                 let light = Self {
+                    light: [*id; LANES],
                     wi,
                     target: Vec3Lanes::ZERO,
                     infinite: asked,
@@ -97,11 +101,12 @@ impl LightLanes {
             let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
             let place = Vec2::new(x, y);
             let reference = LightReference::gather_lane(&seen_from, lane);
-            let Some((_, sample)) = context.scene.lights.sample(&reference, u_choice, place) else {
+            let Some((id, sample)) = context.scene.lights.sample(&reference, u_choice, place) else {
                 continue;
             };
             let bit = 1 << lane;
             valid |= bit;
+            self.light[lane] = id;
             self.wi.set(lane, sample.wi);
             self.radiance.set(lane, sample.radiance);
             self.pdf.as_mut_array()[lane] = sample.pdf;

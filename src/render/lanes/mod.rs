@@ -17,11 +17,10 @@ mod vertices;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub(super) use self::context::Job;
+pub(super) use self::context::{Job, Samples};
 
 use self::batch::PathBatch;
-use self::context::{Coherence, Context, Samples};
-use super::path::PathSample;
+use self::context::{Coherence, Context};
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
 use crate::math::lanes::{LANES, each_lane};
@@ -30,20 +29,20 @@ use crate::math::lanes::{LANES, each_lane};
 const STEPS_TO_CANCEL: usize = 64;
 
 /// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set in the meantime.
-pub(super) fn trace(
+pub(super) fn trace<'v>(
     scene: &RenderScene,
-    view: &View,
+    view: &'v View,
     settings: &PathSettings,
     jobs: &[Job],
     cancel: &AtomicBool,
-) -> Option<Vec<(PathSample, f32)>> {
+) -> Option<Samples<'v>> {
     let context = Context {
         scene,
         view,
         settings,
         sole_light: scene.lights.sole(),
     };
-    let mut samples = vec![(PathSample::default(), 0.0); jobs.len()];
+    let mut samples = Samples::new(view, jobs.len());
     let mut paths = Paths::new(view, jobs);
     loop {
         if cancel.load(Ordering::Relaxed) {

@@ -73,8 +73,9 @@ impl PathBatch<'_> {
         let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
         self.paths.depth += ones_in(surfaces.lanes);
         if surfaces.smooth != 0 && context.samples_lights() {
-            self.sample_lights(&surfaces, coherence, context);
+            self.sample_lights(&surfaces, coherence, context, samples);
         }
+        self.note_scattering(samples);
         let (sample, scattered) = self.sample_bsdfs(&surfaces);
         let is_scattered = lanes_of(scattered);
         let mut goes_on = self.bounce(&surfaces, &sample, scattered);
@@ -86,7 +87,7 @@ impl PathBatch<'_> {
 
     /// Samples lights from the vertices and adds the light that is scattered along the paths (next event estimation).
     #[inline(always)]
-    fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context) {
+    fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let Surfaces { smooth, frame, wo, .. } = *surfaces;
         let light = LightLanes::sample(
             context,
@@ -104,7 +105,15 @@ impl PathBatch<'_> {
         let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, bsdf_pdf);
         let reflected = self.paths.throughput * value * light.radiance * (weight / light.pdf);
         let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
-        self.trace_shadow_rays(surfaces, coherence, context, light, reflected, counts.to_bitmask());
+        self.trace_shadow_rays(
+            surfaces,
+            coherence,
+            context,
+            light,
+            reflected,
+            counts.to_bitmask(),
+            samples,
+        );
     }
 
     /// Adds what arrives of the `reflected` light of the lanes `asked`.
@@ -117,6 +126,7 @@ impl PathBatch<'_> {
         light: LightLanes,
         reflected: Vec3Lanes,
         asked: u32,
+        samples: &mut Samples,
     ) {
         let origin = surfaces.leave(light.wi);
         let is_infinite = lanes_of(light.infinite);
@@ -129,10 +139,12 @@ impl PathBatch<'_> {
         let occluded = coherence.occluded(&context.scene.geometry, &shadows, asked);
         let lit = asked & !occluded;
         self.paths.radiance += reflected.only(lanes_of(lit));
+        self.note_light(lit, &light.light, reflected, samples);
         if context.scene.materials.has_null_lobe() {
             self.paths.rays += ones_in(lit);
             let through = self.transmitted(context, occluded, [origin, reflected], light);
             self.paths.radiance += through.only(lanes_of(occluded));
+            self.note_light(occluded, &light.light, through, samples);
         } else {
             self.paths.rays += ones_in(asked);
         }

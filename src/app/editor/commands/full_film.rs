@@ -69,7 +69,7 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         return Err("Rendering is paused: the full film needs it to go on.".into());
     }
     if is_smaller(world) {
-        let bytes = full_film_bytes(full, world.resource::<RenderFilm>().film.layer_count());
+        let bytes = full_film_bytes(full, world.resource::<RenderFilm>().film.layers());
         // The reservation is tried, and given back at once.
         memory::reserve(bytes)
             .map_err(|shortage| format!("A film of {} × {} pixels needs {shortage}.", full.x, full.y))?;

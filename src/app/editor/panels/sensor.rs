@@ -7,6 +7,7 @@ use super::caption::Caption;
 use super::{fields, lengths};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::memory::Bytes;
+use crate::render::layers::FilmLayers;
 use crate::scene::parameters::{FOV, FOV_AXIS};
 use crate::scene::{Film, FovAxis, LengthUnit, Lens, ReconstructionFilter, Sensor, aperture};
 
@@ -180,7 +181,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
 /// Warns of a film that takes much memory.
 fn memory(ui: &mut Ui, film: &Film) {
     let window = film.window();
-    let bytes = full_film_bytes(UVec2::new(window.width, window.height), 0);
+    let bytes = full_film_bytes(UVec2::new(window.width, window.height), FilmLayers::default());
     if is_large(bytes) {
         let text = format!("{} of memory when rendered in full", Bytes(bytes));
         ui.colored_label(ui.visuals().warn_fg_color, text).on_hover_text(

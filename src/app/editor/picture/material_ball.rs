@@ -215,6 +215,7 @@ pub fn view(edge: u32) -> View {
         shown: Shown::Radiance,
         sight: Default::default(),
         light_groups: LightGroups::default(),
+        layers: Default::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,
     }

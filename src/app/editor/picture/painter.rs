@@ -41,7 +41,7 @@ impl Scales {
             },
             DisplayMode::Shaded => Self { mix, ..Self::default() },
             DisplayMode::LightGroup(group) => Self {
-                mix: (0..film.layer_count())
+                mix: (0..film.layers().groups)
                     .map(|layer| {
                         if layer == usize::from(group) {
                             Rgb::ONE
@@ -248,7 +248,7 @@ mod tests {
                 radiance: Rgb::splat(100.0),
                 ..PixelSum::default()
             }],
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits: vec![None],
             rays: 0,
         });
@@ -278,7 +278,7 @@ mod tests {
             tile: tiles(32, 32)[0],
             step: 8,
             blocks,
-            layers: Vec::new(),
+            layers: Default::default(),
             first_hits,
             rays: 0,
         });

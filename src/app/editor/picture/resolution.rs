@@ -13,6 +13,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{RenderControl, RenderFilm, RenderStatus, full_size};
 use crate::memory;
 use crate::render::film::Film;
+use crate::render::layers::FilmLayers;
 use crate::scene::{self, ActiveSensor};
 
 /// The time for which the size of the picture's place has to stay before it counts.
@@ -57,8 +58,8 @@ impl PicturePlace {
     }
 }
 
-/// Memory that the full film of a picture takes, in bytes. `layers` is the number of light groups with a layer each.
-pub fn full_film_bytes(size: UVec2, layers: usize) -> u64 {
+/// Memory that the full film of a picture takes with its layers, in bytes.
+pub fn full_film_bytes(size: UVec2, layers: FilmLayers) -> u64 {
     Film::memory_bytes(size.x, size.y, layers)
 }
 
@@ -87,7 +88,7 @@ pub fn follow_place(
         return;
     };
     let full = full_size(of_camera, &control);
-    let is_large = is_large(full_film_bytes(full, film.film.layer_count()));
+    let is_large = is_large(full_film_bytes(full, film.film.layers()));
     let view_size = room.filter(|_| is_large || settings.resolution != Resolution::Full);
     if control.view_size != view_size {
         control.view_size = view_size;
@@ -157,7 +158,7 @@ mod tests {
         assert_eq!(bound(3840, 2160, Resolution::View), (room, false));
         assert_eq!(bound(64, 64, Resolution::Full), (None, false));
         let mut side = 1024;
-        while !is_large(full_film_bytes(UVec2::splat(side), 0)) {
+        while !is_large(full_film_bytes(UVec2::splat(side), FilmLayers::default())) {
             side *= 2;
         }
         for resolution in [Resolution::Full, Resolution::AfterRest] {

@@ -178,7 +178,8 @@ fn world_with_film(side: u32) -> World {
 #[test]
 fn a_large_film_is_asked_about_and_one_that_is_too_large_refused() {
     let limit = memory::budget().limit();
-    let side_of = |bytes: u64| ((bytes / film::Film::memory_bytes(32, 32, 0) * 1024) as f64).sqrt() as u32;
+    let side_of =
+        |bytes: u64| ((bytes / film::Film::memory_bytes(32, 32, Default::default()) * 1024) as f64).sqrt() as u32;
     let is_full = |world: &World| world.resource::<RenderControl>().full_until_change;
 
     let mut world = world_with_film(side_of(limit / 100));

@@ -1,0 +1,176 @@
+//! Layers: what a picture consists of beside its colours, for compositing, denoising and checking (AOVs, arbitrary output variables). Here are
+//! their meanings and names; `render::layers` makes them.
+//!
+//! Layers of surfaces tell of the first surface that does not let the camera ray pass straight on: what lies behind the holes of a mask counts,
+//! and each sample of a pixel decides anew. All layers but cryptomattes and numbers of things are plain means over the samples of a pixel, which
+//! lie where the reconstruction filter has put them; the weights that filters with negative lobes give to samples count for light alone.
+
+mod names;
+
+pub use self::names::{UnknownLayer, layer_names};
+
+/// A layer of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// The share of the samples that meet a surface, in [0, 1]: the opacity of what stands before the background, which is 0 where the camera sees
+    /// the sky or nothing. It is the channel `A` of the picture; colours are premultiplied by it but for the light of the sky.
+    Alpha,
+    /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a surface count as black.
+    Albedo,
+    /// The shading normal in world space, as interpolated from vertices and without bumps: the mean of the unit vectors of the samples
+    /// that meet a surface, shorter than 1 where they differ. Zero without a surface.
+    Normal,
+    /// The geometric normal in world space, as [`Self::Normal`].
+    GeometricNormal,
+    /// [`Self::Normal`] in camera space: x to the left of the picture, y up, z into the scene.
+    CameraNormal,
+    /// [`Self::GeometricNormal`] in camera space, as [`Self::CameraNormal`].
+    CameraGeometricNormal,
+    /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that meet one, or 0 without any. It
+    /// is measured along the ray, not along the axis of the camera.
+    Depth,
+    /// The place on the surface in world space: the mean over the samples that meet one, or 0 without any.
+    Position,
+    /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
+    Uv,
+    /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is hit. It is that of the pixel's first
+    /// sample, without any filter, and of the first surface even where it has a hole.
+    ObjectId,
+    /// A whole number for each material, counted from 1, as [`Self::ObjectId`].
+    MaterialId,
+    /// The number of samples of the pixel.
+    Samples,
+    /// The estimated variance of the pixel's luminance, which is the square of its standard error; 0 below two samples.
+    Variance,
+    /// The light that one surface has scattered on its way from a light to the camera, linear Rec. 709. Surfaces that let light pass straight on do
+    /// not count. Direct, indirect and emitted light sum up to the picture.
+    Direct,
+    /// The light that two surfaces or more have scattered.
+    Indirect,
+    /// The light that comes to the camera without having been scattered: lamps and the sky that are seen.
+    Emitted,
+    /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the last
+    /// share one. They sum up to the picture.
+    LightGroups,
+    /// The picture without noise, where a denoiser is there.
+    Denoised,
+    /// The albedo that the denoiser is given, in [0, 1]: that of the first surface that is not perfectly specular, tinted by what it is seen through.
+    DenoiserAlbedo,
+    /// The world normal that the denoiser is given, of the same surface.
+    DenoiserNormal,
+    /// The cryptomatte of objects: which shapes are in a pixel, and how much of it each covers.
+    CryptoObject,
+    /// The cryptomatte of materials.
+    CryptoMaterial,
+}
+
+/// A set of layers.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct Layers(u32);
+
+impl Layer {
+    /// All layers, in the order in which they are listed and written.
+    pub const ALL: [Self; 22] = [
+        Self::Alpha,
+        Self::Albedo,
+        Self::Normal,
+        Self::GeometricNormal,
+        Self::CameraNormal,
+        Self::CameraGeometricNormal,
+        Self::Depth,
+        Self::Position,
+        Self::Uv,
+        Self::ObjectId,
+        Self::MaterialId,
+        Self::Samples,
+        Self::Variance,
+        Self::Direct,
+        Self::Indirect,
+        Self::Emitted,
+        Self::LightGroups,
+        Self::Denoised,
+        Self::DenoiserAlbedo,
+        Self::DenoiserNormal,
+        Self::CryptoObject,
+        Self::CryptoMaterial,
+    ];
+
+    const fn bit(self) -> u32 {
+        1 << self as u32
+    }
+}
+
+impl Layers {
+    /// The set of these layers.
+    pub const fn of(layers: &[Layer]) -> Self {
+        let (mut bits, mut place) = (0, 0);
+        while place < layers.len() {
+            bits |= layers[place].bit();
+            place += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether the layer is in the set.
+    pub const fn contains(self, layer: Layer) -> bool {
+        self.0 & layer.bit() != 0
+    }
+
+    /// Whether a layer is in both sets.
+    pub const fn has_any_of(self, others: Self) -> bool {
+        self.0 & others.0 != 0
+    }
+
+    /// Whether the set is empty.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The layers of either set.
+    #[must_use]
+    pub const fn and(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
+
+    /// The layers that are in this set and not in the other.
+    #[must_use]
+    pub const fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+
+    /// The layers in the order of [`Layer::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Layer> {
+        Layer::ALL.into_iter().filter(move |&layer| self.contains(layer))
+    }
+}
+
+impl FromIterator<Layer> for Layers {
+    fn from_iter<T: IntoIterator<Item = Layer>>(layers: T) -> Self {
+        Self(layers.into_iter().fold(0, |bits, layer| bits | layer.bit()))
+    }
+}
+
+impl std::fmt::Debug for Layers {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_set().entries(self.iter()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_hold_what_was_put_in() {
+        let all: Layers = Layer::ALL.into_iter().collect();
+        assert_eq!(all.iter().collect::<Vec<_>>(), Layer::ALL);
+        let some = Layers::of(&[Layer::Uv, Layer::Albedo]);
+        assert_eq!(some.iter().collect::<Vec<_>>(), [Layer::Albedo, Layer::Uv]);
+        assert!(some.contains(Layer::Uv) && !some.contains(Layer::Depth) && !some.is_empty());
+        assert_eq!(
+            some.and(Layers::of(&[Layer::Depth])).without(some),
+            Layers::of(&[Layer::Depth])
+        );
+        assert!(!some.has_any_of(all.without(some)) && Layers::default().is_empty());
+    }
+}

@@ -1,0 +1,188 @@
+//! The names of layers: our own, those of Mitsuba 3's integrator `aov`, and those of the channels in a file.
+
+use super::{Layer, Layers};
+
+/// A name that is that of no layer.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no layer `{name}`; the layers are {}", layer_names().join(", "))]
+pub struct UnknownLayer {
+    /// The name.
+    pub name: String,
+}
+
+/// Names of several layers at once.
+const SEVERAL: [(&str, &[Layer]); 2] = [
+    ("all", &Layer::ALL),
+    ("cryptomatte", &[Layer::CryptoObject, Layer::CryptoMaterial]),
+];
+
+/// All names that [`Layers::from_name`] knows.
+pub fn layer_names() -> Vec<&'static str> {
+    let several = SEVERAL.iter().map(|(name, _)| *name);
+    Layer::ALL.into_iter().map(Layer::name).chain(several).collect()
+}
+
+impl Layers {
+    /// The layer of this name, or those of the names `all` and `cryptomatte`.
+    pub fn from_name(name: &str) -> Result<Self, UnknownLayer> {
+        let one = Layer::from_name(name).map(|layer| Self::of(&[layer]));
+        let several = || SEVERAL.iter().find(|(known, _)| *known == name);
+        let found = one.or_else(|| several().map(|(_, layers)| Self::of(layers)));
+        found.ok_or_else(|| UnknownLayer { name: name.to_owned() })
+    }
+
+    /// The layers of names that are separated by commas; spaces around them do not matter.
+    pub fn parse(names: &str) -> Result<Self, UnknownLayer> {
+        let names = names.split(',').map(str::trim).filter(|name| !name.is_empty());
+        names
+            .map(Self::from_name)
+            .try_fold(Self::default(), |all, one| Ok(all.and(one?)))
+    }
+}
+
+impl Layer {
+    /// The layer of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
+
+    /// The name in scripts and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Alpha => "alpha",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::GeometricNormal => "geometric-normal",
+            Self::CameraNormal => "camera-normal",
+            Self::CameraGeometricNormal => "camera-geometric-normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::Uv => "uv",
+            Self::ObjectId => "object-id",
+            Self::MaterialId => "material-id",
+            Self::Samples => "samples",
+            Self::Variance => "variance",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::Emitted => "emitted",
+            Self::LightGroups => "light-groups",
+            Self::Denoised => "denoised",
+            Self::DenoiserAlbedo => "denoiser-albedo",
+            Self::DenoiserNormal => "denoiser-normal",
+            Self::CryptoObject => "crypto-object",
+            Self::CryptoMaterial => "crypto-material",
+        }
+    }
+
+    /// The name that the integrator `aov` of Mitsuba 3 has for it; None if it has none.
+    pub const fn name_in_mitsuba(self) -> Option<&'static str> {
+        match self {
+            Self::Albedo => Some("albedo"),
+            Self::Normal => Some("sh_normal"),
+            Self::GeometricNormal => Some("geo_normal"),
+            Self::Depth => Some("depth"),
+            Self::Position => Some("position"),
+            Self::Uv => Some("uv"),
+            Self::ObjectId => Some("shape_index"),
+            _ => None,
+        }
+    }
+
+    /// The layer by the name in a scene file: Mitsuba's where it has one, and else our own, with `_` for `-`.
+    pub fn from_name_in_file(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name_in_file() == name)
+    }
+
+    /// The name in a scene file, see [`Self::from_name_in_file`].
+    pub fn name_in_file(self) -> String {
+        match self.name_in_mitsuba() {
+            Some(name) => name.to_owned(),
+            None => self.name().replace('-', "_"),
+        }
+    }
+
+    /// The name in picture files, before the dot.
+    pub const fn name_in_pictures(self) -> &'static str {
+        match self {
+            Self::Alpha => "A",
+            Self::Albedo => "Albedo",
+            Self::Normal => "Normal",
+            Self::GeometricNormal => "GeometricNormal",
+            Self::CameraNormal => "CameraNormal",
+            Self::CameraGeometricNormal => "CameraGeometricNormal",
+            Self::Depth => "Depth",
+            Self::Position => "Position",
+            Self::Uv => "UV",
+            Self::ObjectId => "ObjectId",
+            Self::MaterialId => "MaterialId",
+            Self::Samples => "Samples",
+            Self::Variance => "Variance",
+            Self::Direct => "Direct",
+            Self::Indirect => "Indirect",
+            Self::Emitted => "Emitted",
+            Self::LightGroups => "LightGroup",
+            Self::Denoised => "Denoised",
+            Self::DenoiserAlbedo => "DenoiserAlbedo",
+            Self::DenoiserNormal => "DenoiserNormal",
+            Self::CryptoObject => "CryptoObject",
+            Self::CryptoMaterial => "CryptoMaterial",
+        }
+    }
+
+    /// The name in panels.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Alpha => "Alpha",
+            Self::Albedo => "Albedo",
+            Self::Normal => "Normal",
+            Self::GeometricNormal => "Geometric normal",
+            Self::CameraNormal => "Normal seen from the camera",
+            Self::CameraGeometricNormal => "Geometric normal seen from the camera",
+            Self::Depth => "Depth",
+            Self::Position => "Position",
+            Self::Uv => "Texture coordinates",
+            Self::ObjectId => "Object number",
+            Self::MaterialId => "Material number",
+            Self::Samples => "Samples",
+            Self::Variance => "Variance",
+            Self::Direct => "Direct light",
+            Self::Indirect => "Indirect light",
+            Self::Emitted => "Emitted light",
+            Self::LightGroups => "Each light",
+            Self::Denoised => "Denoised",
+            Self::DenoiserAlbedo => "Albedo for the denoiser",
+            Self::DenoiserNormal => "Normal for the denoiser",
+            Self::CryptoObject => "Cryptomatte of objects",
+            Self::CryptoMaterial => "Cryptomatte of materials",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn every_name_is_that_of_one_layer() {
+        for layer in Layer::ALL {
+            assert_eq!(Layer::from_name(layer.name()), Some(layer));
+            assert_eq!(Layer::from_name_in_file(&layer.name_in_file()), Some(layer));
+        }
+        let in_pictures: HashSet<_> = Layer::ALL.into_iter().map(Layer::name_in_pictures).collect();
+        assert_eq!(in_pictures.len(), Layer::ALL.len());
+        assert_eq!(Layer::from_name_in_file("sh_normal"), Some(Layer::Normal));
+        assert_eq!(Layer::from_name_in_file("normal"), None);
+    }
+
+    #[test]
+    fn lists_of_names() {
+        let some = Layers::of(&[Layer::Depth, Layer::CryptoObject, Layer::CryptoMaterial]);
+        assert_eq!(Layers::parse("depth, cryptomatte,"), Ok(some));
+        assert_eq!(Layers::parse("all").map(|all| all.iter().count()), Ok(Layer::ALL.len()));
+        assert_eq!(Layers::parse(""), Ok(Layers::default()));
+        let error = Layers::parse("depth,z").expect_err("no such layer").to_string();
+        assert!(error.contains("`z`") && error.contains("crypto-object"), "{error}");
+    }
+}

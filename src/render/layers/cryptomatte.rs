@@ -1,0 +1,146 @@
+//! Cryptomatte: which objects or materials are in each pixel, and how much of it each covers, so that a compositor can cut any of them out by
+//! its name (Friedman and Jones, Fully automatic ID mattes with support for motion blur and transparency, 2015; specification 1.2).
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::matte::{Matte, MatteEntry};
+use crate::render::layered_image::{Attribute, LayeredImage};
+
+/// The number of ids of a pixel that are written, those that cover most of it; two fit into a layer of four channels.
+const RANKS: usize = 6;
+
+/// The hash MurmurHash3_x86_32 of a text, with the seed 0 (Appleby, SMHasher).
+fn murmur_hash(text: &str) -> u32 {
+    let scramble = |k: u32| k.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
+    let mut hash = 0_u32;
+    let mut blocks = text.as_bytes().chunks_exact(4);
+    for block in &mut blocks {
+        let k = block.iter().rev().fold(0, |k, &byte| k << 8 | u32::from(byte));
+        hash = (hash ^ scramble(k))
+            .rotate_left(13)
+            .wrapping_mul(5)
+            .wrapping_add(0xe654_6b64);
+    }
+    let tail = blocks.remainder();
+    if !tail.is_empty() {
+        hash ^= scramble(tail.iter().rev().fold(0, |k, &byte| k << 8 | u32::from(byte)));
+    }
+    hash ^= text.len() as u32;
+    hash = (hash ^ hash >> 16).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ hash >> 13).wrapping_mul(0xc2b2_ae35);
+    hash ^ hash >> 16
+}
+
+/// The hash of a name, changed so that its bits are those of a float that is neither denormal, infinite nor not a number: files and programs may
+/// change such floats.
+fn id_of(name: &str) -> u32 {
+    let hash = murmur_hash(name);
+    match hash >> 23 & 255 {
+        0 | 255 => hash ^ 1 << 23,
+        _ => hash,
+    }
+}
+
+/// Adds the channels and attributes of a cryptomatte with the name `layer`. `name_of` gives the names of the ids in `mattes`, each of which is a
+/// pixel's with its number of samples; ids of one name are one.
+pub(super) fn add_cryptomatte(
+    image: &mut LayeredImage,
+    layer: &str,
+    mattes: &[(Matte, u32)],
+    name_of: &dyn Fn(u32) -> String,
+) {
+    let mut manifest = BTreeMap::new();
+    let mut hashes: HashMap<u32, u32> = HashMap::new();
+    let mut channels = vec![vec![0.0; mattes.len()]; 2 * RANKS];
+    for (pixel, (matte, samples)) in mattes.iter().enumerate() {
+        let mut ranks: Vec<MatteEntry> = Vec::new();
+        for entry in matte.entries() {
+            let id = *hashes.entry(entry.id).or_insert_with(|| {
+                let name = name_of(entry.id);
+                let id = id_of(&name);
+                manifest.insert(name, id);
+                id
+            });
+            match ranks.iter_mut().find(|known| known.id == id) {
+                Some(known) => known.samples += entry.samples,
+                None => ranks.push(MatteEntry { id, ..entry }),
+            }
+        }
+        ranks.sort_unstable_by_key(|entry| (u32::MAX - entry.samples, entry.id));
+        for (rank, entry) in ranks.iter().take(RANKS).enumerate() {
+            channels[2 * rank][pixel] = f32::from_bits(entry.id);
+            channels[2 * rank + 1][pixel] = entry.samples as f32 / *samples as f32;
+        }
+    }
+    for (place, channel) in channels.into_iter().enumerate() {
+        let name = format!("{layer}{:02}.{}", place / 4, ["R", "G", "B", "A"][place % 4]);
+        image.add_float(&name, channel);
+    }
+    let manifest: serde_json::Map<_, _> = manifest
+        .into_iter()
+        .map(|(name, id)| (name, format!("{id:08x}").into()))
+        .collect();
+    let key = &format!("{:08x}", murmur_hash(layer))[..7];
+    let mut set =
+        |name: &str, text: String| image.set_attribute(&format!("cryptomatte/{key}/{name}"), Attribute::Text(text));
+    set("name", layer.to_owned());
+    set("hash", "MurmurHash3_32".to_owned());
+    set("conversion", "uint32_to_float32".to_owned());
+    set("manifest", serde_json::Value::Object(manifest).to_string());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The values that SMHasher's own test has for the seed 0.
+    #[test]
+    fn the_hash_is_murmur_hash_3() {
+        for (text, hash) in [
+            ("", 0),
+            ("test", 0xba6b_d213),
+            ("Hello, world!", 0xc036_3e43),
+            ("The quick brown fox jumps over the lazy dog", 0x2e4f_f723),
+        ] {
+            assert_eq!(murmur_hash(text), hash, "{text}");
+        }
+    }
+
+    #[test]
+    fn ids_are_ordinary_floats() {
+        for number in 0..20_000 {
+            assert!(f32::from_bits(id_of(&format!("shape {number}"))).is_normal());
+        }
+        // Of these names the hashes themselves would not be.
+        let odd = (0..20_000).map(|number| murmur_hash(&format!("shape {number}")));
+        assert!(odd.filter(|&hash| !f32::from_bits(hash).is_normal()).count() > 20);
+    }
+
+    #[test]
+    fn channels_have_ranks_and_a_manifest() {
+        let mut matte = Matte::default();
+        for (id, samples) in [(7, 1), (3, 5), (4, 2)] {
+            (0..samples).for_each(|_| matte.add(id));
+        }
+        let name = |id: u32| ["ball", "floor"][usize::from(id != 3)].to_owned();
+        let mut image = LayeredImage::new(2, 1);
+        add_cryptomatte(
+            &mut image,
+            "CryptoObject",
+            &[(matte, 10), (Matte::default(), 10)],
+            &name,
+        );
+        let value = |name: &str, pixel: usize| image.channel(name).expect("a channel").samples.value(pixel);
+        assert_eq!(value("CryptoObject00.R", 0).to_bits(), id_of("ball"));
+        assert_eq!(value("CryptoObject00.G", 0), 0.5);
+        // Two ids of the same name are one.
+        assert_eq!(value("CryptoObject00.B", 0).to_bits(), id_of("floor"));
+        assert_eq!((value("CryptoObject00.A", 0), value("CryptoObject01.G", 0)), (0.3, 0.0));
+        assert_eq!((value("CryptoObject00.R", 1), value("CryptoObject02.A", 1)), (0.0, 0.0));
+        let Some(Attribute::Text(manifest)) = image.attribute("cryptomatte/3ae39a5/manifest") else {
+            panic!("{:?}", image.attributes);
+        };
+        let expected = format!(r#"{{"ball":"{:08x}","floor":"{:08x}"}}"#, id_of("ball"), id_of("floor"));
+        assert_eq!(*manifest, expected);
+    }
+}

@@ -1,0 +1,98 @@
+//! The picture and its layers as named channels.
+
+use std::collections::HashSet;
+
+use super::Layer;
+use super::cryptomatte::add_cryptomatte;
+use super::read::LayerPixels;
+use crate::color::Rgb;
+use crate::render::camera::Camera;
+use crate::render::film::Film;
+use crate::render::image_io::ImageRgb;
+use crate::render::layered_image::{Channel, LayeredImage, Samples};
+
+/// The names of what is in layers.
+pub struct LayerNames<'a> {
+    /// That of an instance, as [`crate::accel::Hit::instance`] counts them.
+    pub object: &'a dyn Fn(u32) -> String,
+    /// That of a material, by [`crate::material::MaterialId`].
+    pub material: &'a dyn Fn(u32) -> String,
+    /// Those of the light groups.
+    pub light_groups: &'a [String],
+}
+
+/// The longest part of a name that names a light group, in bytes.
+const LONGEST_NAME: usize = 200;
+
+/// The picture with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the picture itself, and those of layers, such as `Albedo.R`,
+/// `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the view; `denoised` is the layer of that name.
+pub fn layered_image(
+    picture: &ImageRgb,
+    film: &Film,
+    camera: &Camera,
+    names: &LayerNames,
+    denoised: Option<&[Rgb]>,
+) -> LayeredImage {
+    let mut image = LayeredImage::from(picture);
+    for layer in film.layers().layers.iter() {
+        let name = layer.name_in_pictures();
+        match layer {
+            Layer::LightGroups => add_light_groups(&mut image, film, names.light_groups),
+            Layer::Denoised => denoised.into_iter().for_each(|pixels| image.add_rgb(name, pixels)),
+            Layer::CryptoObject | Layer::CryptoMaterial => {
+                let name_of = if layer == Layer::CryptoObject {
+                    names.object
+                } else {
+                    names.material
+                };
+                let mattes = film.mattes(layer).unwrap_or_default();
+                add_cryptomatte(&mut image, name, &mattes, name_of);
+            }
+            _ => match film.layer(layer, camera) {
+                Some(LayerPixels::Colors(pixels)) => image.add_rgb(name, &pixels),
+                Some(LayerPixels::Vectors(vectors)) => image.add_xyz(name, &vectors),
+                Some(LayerPixels::Uvs(uvs)) => {
+                    image.add_float(&format!("{name}.U"), uvs.iter().map(|uv| uv.x).collect());
+                    image.add_float(&format!("{name}.V"), uvs.iter().map(|uv| uv.y).collect());
+                }
+                Some(LayerPixels::Numbers(numbers)) => image.add_float(number_name(layer), numbers),
+                Some(LayerPixels::Ids(ids)) => image.channels.push(Channel {
+                    name: number_name(layer).to_owned(),
+                    samples: Samples::Uint(ids),
+                }),
+                None => {}
+            },
+        }
+    }
+    image
+}
+
+/// The name of the only channel of a layer.
+fn number_name(layer: Layer) -> &'static str {
+    match layer {
+        Layer::Alpha => "A",
+        Layer::Depth => "Depth.Z",
+        Layer::ObjectId => "ObjectId.Y",
+        Layer::MaterialId => "MaterialId.Y",
+        Layer::Samples => "Samples.Y",
+        _ => "Variance.Y",
+    }
+}
+
+/// Adds a layer for each light. A dot in a name would begin another layer.
+fn add_light_groups(image: &mut LayeredImage, film: &Film, names: &[String]) {
+    let mut taken = HashSet::new();
+    for group in 0..film.layers().groups {
+        let Some(light) = film.light_group(group) else {
+            return;
+        };
+        let name = names.get(group).map_or("", String::as_str);
+        let end = name.floor_char_boundary(LONGEST_NAME);
+        let mut name = name[..end].replace('.', "_");
+        if name.is_empty() || !taken.insert(name.clone()) {
+            name = format!("{name}{}", group + 1);
+            taken.insert(name.clone());
+        }
+        image.add_rgb(&format!("{}.{name}", Layer::LightGroups.name_in_pictures()), &light);
+    }
+}

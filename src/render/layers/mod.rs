@@ -1,0 +1,21 @@
+//! The layers of a picture ([`Layer`]) in the making.
+//!
+//! Those that are chosen in [`View::layers`](super::view::View::layers) are noted beside the paths ([`notes`]), summed up by pixel (`sums`), kept
+//! by the film, and made of its sums at the end (`read`). What is not chosen costs nothing, and the picture has the same bits either way.
+
+mod cryptomatte;
+mod image;
+mod matte;
+mod notes;
+mod read;
+mod sums;
+
+pub use self::image::{LayerNames, layered_image};
+pub use self::matte::{Matte, MatteEntry};
+pub use self::read::LayerPixels;
+pub use self::sums::{FilmLayers, LayerSums};
+
+pub use crate::layer::{Layer, Layers};
+
+pub(super) use self::notes::{LayerNotes, NoteTaker};
+pub(super) use self::sums::PixelLayers;

@@ -1,0 +1,122 @@
+//! Notes along the paths of samples, from which the film's layers follow. They are taken of paths that are traced one by one, as their observer,
+//! and of those in lanes.
+
+use crate::accel::Hit;
+use crate::color::Rgb;
+use crate::light::LightId;
+use crate::material::Lobe;
+use crate::math::Ray;
+use crate::render::light_layers::LightGroups;
+use crate::render::observer::{Bounce, MetEmitter, PathObserver, SampledLight};
+use crate::render::view::View;
+
+/// The notes of some samples.
+pub(in crate::render) struct LayerNotes<'v> {
+    light_groups: &'v LightGroups,
+    samples: Vec<SampleNotes>,
+    /// The light of each group, side by side for each sample.
+    groups: Vec<Rgb>,
+}
+
+/// The notes of one sample.
+#[derive(Clone, Copy, Default)]
+pub(super) struct SampleNotes {
+    /// The first surface that does not let the camera ray pass straight on, as the hit of a ray; None while there is none.
+    pub surface: Option<(Ray, Hit)>,
+    /// The way from the first surface to that one.
+    pub beyond: f32,
+    /// The surfaces that have scattered the path so far, without those that have let it pass straight on.
+    scatterings: u32,
+    has_passed: bool,
+    /// The light that comes to the camera unscattered, scattered once, and more often.
+    pub light: [Rgb; 3],
+}
+
+/// Takes the notes of one sample.
+pub(in crate::render) struct NoteTaker<'a> {
+    light_groups: &'a LightGroups,
+    sample: &'a mut SampleNotes,
+    groups: &'a mut [Rgb],
+}
+
+impl<'v> LayerNotes<'v> {
+    /// Empty notes of so many samples; None if the view has no layers that need any.
+    pub fn new(view: &'v View, samples: usize) -> Option<Self> {
+        let light_groups = &view.light_groups;
+        view.film_layers().are_noted().then(|| Self {
+            light_groups,
+            samples: vec![SampleNotes::default(); samples],
+            groups: vec![Rgb::ZERO; samples * light_groups.count()],
+        })
+    }
+
+    /// Forgets all that is noted.
+    pub fn clear(&mut self) {
+        self.samples.fill(SampleNotes::default());
+        self.groups.fill(Rgb::ZERO);
+    }
+
+    /// Takes the notes of the sample with this number.
+    pub fn of(&mut self, sample: usize) -> NoteTaker<'_> {
+        let groups = self.light_groups.count();
+        NoteTaker {
+            light_groups: self.light_groups,
+            sample: &mut self.samples[sample],
+            groups: &mut self.groups[sample * groups..][..groups],
+        }
+    }
+
+    /// What is noted of the sample with this number, with the light of each group.
+    pub(super) fn get(&self, sample: usize) -> (&SampleNotes, &[Rgb]) {
+        let groups = self.light_groups.count();
+        (&self.samples[sample], &self.groups[sample * groups..][..groups])
+    }
+}
+
+impl NoteTaker<'_> {
+    /// Light that the path has found, which so many surfaces have scattered.
+    fn add(&mut self, light: LightId, contribution: Rgb, scatterings: u32) {
+        self.sample.light[scatterings.min(2) as usize] += contribution;
+        if let Some(group) = self.light_groups.group(light) {
+            self.groups[group] += contribution;
+        }
+    }
+
+    /// Light of a lamp that was sampled from the last vertex.
+    pub fn add_sampled(&mut self, light: LightId, contribution: Rgb) {
+        self.add(light, contribution, self.sample.scatterings + 1);
+    }
+
+    /// The surface has scattered the path.
+    pub fn add_scattering(&mut self) {
+        self.sample.scatterings += 1;
+    }
+}
+
+impl PathObserver for NoteTaker<'_> {
+    fn met(&mut self, ray: &Ray, hit: &Hit) {
+        if self.sample.scatterings == 0 {
+            if self.sample.has_passed {
+                self.sample.beyond += hit.t;
+            }
+            self.sample.surface = Some((*ray, *hit));
+        }
+    }
+
+    fn emitter_met(&mut self, met: &MetEmitter) {
+        self.add(met.light, met.contribution, self.sample.scatterings);
+    }
+
+    fn light_sampled(&mut self, sampled: &SampledLight) {
+        self.add_sampled(sampled.light, sampled.contribution);
+    }
+
+    fn bounced(&mut self, bounce: &Bounce) {
+        if bounce.lobe != Lobe::Null {
+            self.add_scattering();
+        } else if self.sample.scatterings == 0 {
+            self.sample.has_passed = true;
+            self.sample.surface = None;
+        }
+    }
+}
