@@ -54,7 +54,7 @@ pub enum Solid {
 pub struct Opening {
     /// The distance of its nearer edge from the wall's start.
     pub from: f32,
-    /// The height of the lower edge above the wall's foot; 0 for a door.
+    /// The height of the lower edge above the wall's foot; 0 for a door or a French window.
     pub sill: f32,
     /// The extent along the wall, above 0.
     pub width: f32,
@@ -76,6 +76,14 @@ impl Opening {
         sill: 0.9,
         width: 1.2,
         height: 1.2,
+    };
+
+    /// A window that reaches the floor, in metres. It ends at the height of the others.
+    pub const FRENCH_WINDOW: Self = Self {
+        from: 0.5,
+        sill: 0.0,
+        width: 1.6,
+        height: 2.1,
     };
 
     /// The opening for a wall of this height: as it is in a wall of a room in metres, and in proportion in one that is of another scale.

@@ -85,20 +85,20 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
         packed: packed(has_box),
         ..ViewportContent::default()
     };
-    let target = BlockTarget {
+    let near = [BlockTarget {
         entity: cube(),
         shape: Shape {
             kind: ShapeKind::Cube,
             ..Shape::default()
         },
         pose: box_pose(),
-    };
+    }];
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
             let presses = presses(ui);
             let empty = content.model([800, 600], pose(), window.camera, &presses);
             let model = ViewportModel {
-                block: (has_box && window.is_known).then_some(&target),
+                blocks: if has_box && window.is_known { &near } else { &[] },
                 keys: ActionContext {
                     tool: window.tool,
                     ..empty.keys
@@ -220,7 +220,7 @@ fn a_box_is_dragged_on_the_ground_and_raised_to_a_click() {
 fn a_box_stands_on_the_surface_under_the_pointer() {
     let mut harness = window(Tool::Draw(BlockKind::Box), true);
     // The upper side of the box is at y = 2 and 0.4 deep.
-    drag(&mut harness, Vec3::new(-1.0, 2.0, -0.1), Vec3::new(1.0, 2.0, 1.0));
+    drag(&mut harness, Vec3::new(-1.0, 2.0, 0.0), Vec3::new(1.0, 2.0, 1.0));
     keys(&mut harness, &[Key::Num1, Key::Enter]);
     let [block] = &built(&harness)[..] else {
         panic!("{:?}", harness.state().commands)
@@ -264,6 +264,104 @@ fn a_floor_is_there_when_the_button_is_let_go() {
 }
 
 #[test]
+fn a_quick_drag_within_one_frame_begins_where_it_was_pressed() {
+    let mut harness = window(Tool::Draw(BlockKind::Floor), false);
+    let (from, to) = (Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 2.0));
+    go(&mut harness, from);
+    let [begin, end] = [from, to].map(|place| at(&harness, place));
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let events = &mut harness.input_mut().events;
+    events.extend([button(begin, true), egui::Event::PointerMoved(end), button(end, false)]);
+    harness.run_steps(1);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(
+        block.from.abs_diff_eq(from, 1e-5) && block.to.abs_diff_eq(to, 1e-5),
+        "{block:?}"
+    );
+}
+
+#[test]
+fn what_is_drawn_near_a_corner_begins_and_ends_at_it() {
+    let (low, high) = (Vec3::new(-2.0, 0.0, -0.2), Vec3::new(2.0, 0.0, -0.2));
+    let off = Vec3::new(0.07, 0.0, -0.09);
+    // Neither corner is on the grid of 0.5.
+    for kind in [BlockKind::Wall, BlockKind::Floor] {
+        let mut harness = window(Tool::Draw(kind), true);
+        let end = if kind == BlockKind::Wall {
+            high
+        } else {
+            Vec3::new(3.0, 0.0, -2.0)
+        };
+        drag(&mut harness, low + off, end + off);
+        keys(&mut harness, &[Key::Enter]);
+        let [block] = &built(&harness)[..] else {
+            panic!("{:?}", harness.state().commands)
+        };
+        assert!(
+            block.from.abs_diff_eq(low, 1e-5) && block.to.abs_diff_eq(end, 1e-5),
+            "{block:?}"
+        );
+    }
+    // Control frees from corners.
+    let mut harness = window(Tool::Draw(BlockKind::Wall), true);
+    let control = egui::Event::ModifiersChanged(Modifiers::COMMAND);
+    harness.input_mut().events.push(control);
+    harness.run_steps(1);
+    drag(&mut harness, low + off, high + off);
+    keys(&mut harness, &[Key::Enter]);
+    let first = built(&harness).first().map(|block| block.from);
+    assert!(first.is_none_or(|from| from.distance(low) > 0.05), "{first:?}");
+}
+
+/// Frames take long while a picture is large: the button may go up before the shapes there have been looked up.
+#[test]
+fn the_end_of_a_drag_waits_for_the_corner_that_is_there() {
+    let mut harness = window(Tool::Draw(BlockKind::Wall), true);
+    let (low, high) = (Vec3::new(-2.0, 0.0, -0.2), Vec3::new(2.0, 0.0, -0.2));
+    let off = Vec3::new(0.07, 0.0, -0.09);
+    go(&mut harness, low + off);
+    press(&mut harness, low + off, true);
+    harness.state_mut().is_known = false;
+    go(&mut harness, high + off);
+    let pos = at(&harness, high + off);
+    harness.event(egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed: false,
+        modifiers: Modifiers::NONE,
+    });
+    harness.step();
+    harness.state_mut().is_known = true;
+    keys(&mut harness, &[Key::Enter]);
+    harness.run_steps(2);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(
+        block.from.abs_diff_eq(low, 1e-5) && block.to.abs_diff_eq(high, 1e-5),
+        "{block:?}"
+    );
+}
+
+#[test]
+fn walls_stand_at_the_foot_of_the_box_at_whose_side_they_begin() {
+    let mut harness = window(Tool::Draw(BlockKind::Wall), true);
+    drag(&mut harness, Vec3::new(0.5, 1.0, -0.2), Vec3::new(0.5, 0.0, -3.0));
+    keys(&mut harness, &[Key::Enter]);
+    let [block] = &built(&harness)[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!((block.plane.normal, block.from.y, block.to.y), (Vec3::Y, 0.0, 0.0));
+}
+
+#[test]
 fn escape_gives_up_what_is_drawn_and_then_the_tool() {
     let mut harness = window(Tool::Draw(BlockKind::Box), false);
     drag(&mut harness, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 2.0));
@@ -296,6 +394,21 @@ fn a_face_follows_the_pointer_along_its_normal() {
 }
 
 #[test]
+fn a_face_that_was_clicked_goes_as_far_as_is_typed() {
+    let mut harness = window(Tool::Push, true);
+    click(&mut harness, Vec3::new(0.5, 2.0, 0.0));
+    go(&mut harness, Vec3::new(0.5, 3.1, 0.0));
+    assert_eq!(reshaped(&harness, Reshaping::Push), [], "only a number moves it");
+    keys(&mut harness, &[Key::Minus, Key::Period, Key::Num3, Key::Enter]);
+    let pushes = reshaped(&harness, Reshaping::Push);
+    let [_, high] = extent(pushes.last().expect("it was pushed"));
+    assert!((high.y - 1.7).abs() < 1e-5, "{high}");
+    // It is let go: numbers do nothing any more.
+    keys(&mut harness, &[Key::Num5]);
+    assert_eq!(reshaped(&harness, Reshaping::Push).len(), pushes.len());
+}
+
+#[test]
 fn a_click_on_a_box_cuts_a_door_and_it_becomes_a_wall() {
     let mut harness = window(Tool::Cut(OpeningKind::Window), true);
     click(&mut harness, Vec3::new(0.6, 1.0, -0.2));
@@ -321,6 +434,48 @@ fn a_click_on_a_box_cuts_a_door_and_it_becomes_a_wall() {
         (middle - Vec3::new(0.6, 1.0, 0.0)).abs().max_element() <= 0.5 * STEP + 1e-4,
         "{middle}"
     );
+}
+
+#[test]
+fn a_drag_over_a_box_draws_an_opening() {
+    let mut harness = window(Tool::Cut(OpeningKind::Window), true);
+    drag(&mut harness, Vec3::new(1.1, 0.1, -0.2), Vec3::new(-0.6, 1.4, -0.2));
+    let drawn = |cuts: &[(ShapeKind, Affine3A)]| match cuts {
+        [(ShapeKind::Solid(Solid::Wall { openings, .. }), pose)] => {
+            let Opening {
+                from,
+                sill,
+                width,
+                height,
+            } = openings[0];
+            let corner = |x: f32, z: f32| pose.transform_point3(Vec3::new(x, 0.0, z));
+            [corner(from, sill), corner(from + width, sill + height)]
+        }
+        other => panic!("{other:?}"),
+    };
+    let [low, high] = drawn(&reshaped(&harness, Reshaping::Cut));
+    assert!(low.abs_diff_eq(Vec3::new(-0.5, 0.0, 0.0), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(1.0, 1.5, 0.0), 1e-5), "{high}");
+
+    // Its size is typed while the button is held.
+    let mut harness = window(Tool::Cut(OpeningKind::Window), true);
+    let from = Vec3::new(-1.0, 0.5, -0.2);
+    go(&mut harness, from);
+    press(&mut harness, from, true);
+    go(&mut harness, Vec3::new(0.0, 0.9, -0.2));
+    keys(&mut harness, &[Key::Num2, Key::Comma, Key::Num1, Key::Enter]);
+    press(&mut harness, Vec3::new(0.0, 0.9, -0.2), false);
+    let [low, high] = drawn(&reshaped(&harness, Reshaping::Cut));
+    assert!(low.abs_diff_eq(Vec3::new(-1.0, 0.5, 0.0), 1e-5), "{low}");
+    assert!(high.abs_diff_eq(Vec3::new(1.0, 1.5, 0.0), 1e-5), "{high}");
+
+    let mut harness = window(Tool::Cut(OpeningKind::Window), true);
+    go(&mut harness, from);
+    press(&mut harness, from, true);
+    go(&mut harness, Vec3::new(0.0, 0.9, -0.2));
+    keys(&mut harness, &[Key::Escape]);
+    press(&mut harness, Vec3::new(0.0, 0.9, -0.2), false);
+    assert_eq!(harness.state().commands, []);
 }
 
 #[test]

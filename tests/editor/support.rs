@@ -106,7 +106,7 @@ impl ViewportContent {
             },
             denoiser: DenoiserState::Idle,
             preset: Default::default(),
-            block: None,
+            blocks: &[],
             textures: None,
             locked: &self.locked,
             things: &self.things,

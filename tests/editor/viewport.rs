@@ -4,6 +4,7 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::camera::screen::Screen;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
@@ -37,6 +38,8 @@ pub struct Window {
     target: Target,
     pub camera: Camera,
     preset: NavigationPreset,
+    /// Whether the scene has no shapes.
+    is_empty: bool,
 }
 
 pub const SIZE: egui::Vec2 = vec2(800.0, 600.0);
@@ -72,6 +75,7 @@ pub fn window() -> Harness<'static, Window> {
         },
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
         preset: NavigationPreset::default(),
+        is_empty: false,
     };
     let lamp = Icon {
         entity: entity(7),
@@ -94,6 +98,7 @@ pub fn window() -> Harness<'static, Window> {
                     ..empty.gizmo
                 },
                 preset: window.preset,
+                is_empty: window.is_empty,
                 keys: ActionContext {
                     gizmo: window.gizmo,
                     tool: window.tool,
@@ -476,6 +481,62 @@ fn the_wheel_goes_towards_the_pointer() {
     };
     assert!(view.translation.x > 0.0 && view.translation.z > -10.0, "{view}");
     assert_eq!(view.matrix3, pose().matrix3);
+}
+
+#[test]
+fn the_wheel_turns_over_the_hint_of_an_empty_scene() {
+    let mut harness = window();
+    harness.state_mut().is_empty = true;
+    harness.run_steps(3);
+    for name in ["This scene has no shapes yet", "Import…"] {
+        let place = harness.get_by_label(name).rect().center();
+        harness.state_mut().commands.clear();
+        harness.hover_at(place);
+        harness.run_steps(2);
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run_steps(2);
+        let [view] = views(&harness)[..] else {
+            panic!("{name}: {:?}", harness.state().commands)
+        };
+        assert!(view.translation.z > -10.0, "{name}: {view}");
+    }
+}
+
+#[test]
+fn the_wheel_over_the_ground_goes_a_share_of_the_way_to_it() {
+    let mut harness = window();
+    // The eye is five units above the ground, and looks down at it.
+    let eye = Vec3::new(0.0, 5.0, -5.0);
+    let forward = -eye.normalize();
+    let left = Vec3::Y.cross(forward).normalize();
+    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
+    let pose = Affine3A::from_mat3_translation(axes, eye);
+    harness.state_mut().camera = Camera::new(pose, 60.0, 4.0 / 3.0, 0.01, 100.0, None);
+    harness.hover_at(Pos2::new(400.0, 450.0));
+    harness.run_steps(2);
+    let screen = screen(harness.state());
+    let ray = screen.ray(Pos2::new(400.0, 450.0));
+    let ground = ray.at(-ray.origin.y / ray.dir.y);
+    let turn = |notches: f32| egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, notches),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(turn(-1.0));
+    harness.run_steps(2);
+    let [view] = views(&harness)[..] else {
+        panic!("one step")
+    };
+    // The model's pose stays where the window began, so that only the way counts.
+    let way = Vec3::from(view.translation) - Vec3::new(0.0, 0.0, -10.0);
+    let share = way.length() / ground.distance(Vec3::new(0.0, 0.0, -10.0));
+    assert!(way.dot(ray.dir) < 0.0 && (0.1..0.3).contains(&share), "{share}");
 }
 
 #[test]

@@ -137,7 +137,7 @@ fn is_within_plane(mesh: &MeshData, triangle: usize, k: usize) -> bool {
 }
 
 /// The point of a segment that is nearest to a ray.
-fn nearest_on([a, b]: [Vec3; 2], ray: &Ray) -> Vec3 {
+pub(crate) fn nearest_on([a, b]: [Vec3; 2], ray: &Ray) -> Vec3 {
     let (along, dir, from) = (b - a, ray.dir, a - ray.origin);
     let (aa, ad, dd) = (along.dot(along), along.dot(dir), dir.dot(dir));
     let denominator = aa * dd - ad * ad;

@@ -44,16 +44,22 @@ impl Tool {
                 Some("Drag the tile: its inside, its squares, its arm. Click another surface to go there (Esc: done)")
             }
             Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
-            Self::Draw(BlockKind::Box) => {
-                Some("Drag the foot of a box on the ground or on a surface, then click its height (Esc: done)")
+            Self::Draw(BlockKind::Box) => Some(
+                "Drag the foot of a box, or click a corner: on the ground or on a surface (Ctrl: off the grid, Esc: done)",
+            ),
+            Self::Draw(BlockKind::Floor) => {
+                Some("Drag a floor, or click a corner: on the ground or on a surface (Ctrl: off the grid, Esc: done)")
             }
-            Self::Draw(BlockKind::Floor) => Some("Drag a floor on the ground or on a surface (Esc: done)"),
-            Self::Draw(BlockKind::Wall) => {
-                Some("Drag a wall on the ground or on a surface, then click its height (Esc: done)")
+            Self::Draw(BlockKind::Wall) => Some(
+                "Drag a wall, or click where it begins: on the ground or on a surface (Ctrl: off the grid, Esc: done)",
+            ),
+            Self::Push => Some("Drag a face of a box, a wall, stairs or a prism (Ctrl: off the grid, Esc: done)"),
+            Self::Cut(OpeningKind::Door) => {
+                Some("Click a wall or a box to cut a door, or drag one as large as you like (Esc: done)")
             }
-            Self::Push => Some("Drag a face of a box, a wall or stairs (Esc: done)"),
-            Self::Cut(OpeningKind::Door) => Some("Click a wall or a box to cut a door (Esc: done)"),
-            Self::Cut(OpeningKind::Window) => Some("Click a wall or a box to cut a window (Esc: done)"),
+            Self::Cut(OpeningKind::Window) => Some(
+                "Click a wall or a box to cut a window, at its foot a French window, or drag one as large as you like (Esc: done)",
+            ),
         }
     }
 

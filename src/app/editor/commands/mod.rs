@@ -283,7 +283,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::ClearRulers => world.resource_mut::<ViewSettings>().rulers.clear(),
         Command::SetGrid(grid) => world.resource_mut::<ViewSettings>().grid = grid.within_range(),
         Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
-        Command::SetGizmo(settings) => world.resource_mut::<ViewSettings>().gizmo = settings,
+        Command::SetGizmo(gizmo) => view::set_gizmo(world, gizmo),
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();
             let threads = world.resource::<RenderControl>().threads;

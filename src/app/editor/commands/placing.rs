@@ -25,8 +25,8 @@ pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> 
 
 /// A step of the gizmo, in world space.
 pub fn step(world: &World, direction: Direction) -> Vec3 {
-    let ViewSettings { gizmo, navigation, .. } = world.resource::<ViewSettings>();
-    let length = gizmo.steps.length_in(navigation.scene_size);
+    let settings = world.resource::<ViewSettings>();
+    let (length, navigation) = (settings.length_step(), &settings.navigation);
     let pose = pose::view_pose(world).unwrap_or(Affine3A::IDENTITY);
     along(direction, navigation.upright(&pose), navigation.up, &pose) * length
 }
@@ -77,16 +77,9 @@ pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
 
 /// Puts the origins of things onto multiples of the step.
 pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
-    let ViewSettings {
-        gizmo,
-        navigation,
-        grid,
-        ..
-    } = edit.world.resource::<ViewSettings>();
+    let settings = edit.world.resource::<ViewSettings>();
     // A grid without a step of its own depends on the view.
-    let step = grid
-        .step
-        .unwrap_or_else(|| gizmo.steps.length_in(navigation.scene_size));
+    let step = settings.grid.step.unwrap_or_else(|| settings.length_step());
     let step = f64::from(step);
     let units = grouping::units(edit)?;
     let moves = units.iter().filter_map(|unit| {

@@ -79,6 +79,7 @@ pub fn follow_scene(
             requests.imported.clear();
             settings.bookmarks = Default::default();
             settings.rulers.clear();
+            settings.building_step = None;
             settings.seeing = Seeing {
                 wireframe: settings.seeing.wireframe,
                 ..Seeing::default()

@@ -19,6 +19,8 @@ const SIZE_IN_VIEW: f32 = 0.125;
 const APART: f32 = 2.5;
 /// Things no wider than this number of half sizes are not stood upon: new things go beside them.
 const WIDEST_BESIDE: f32 = 3.0;
+/// Things that are longer than this multiple of their width are walls, beyond which nothing is put.
+const LONGEST_BESIDE: f32 = 6.0;
 /// The most places that are tried.
 const MOST_TRIED: usize = 64;
 /// The ground counts where it is no farther than this multiple of the scene's size.
@@ -297,8 +299,14 @@ fn fall(packed: &PackedScene, from: Vec3, ground: &Ground) -> Place {
 
 /// Whether these are the bounds of a similar thing, and not of what things stand on.
 fn is_like(bounds: &Aabb, size: f32, up: Vec3) -> bool {
-    let across = bounds.extent() * (Vec3::ONE - up.abs());
-    across.max_element() <= WIDEST_BESIDE * size
+    let across = Vec3::AXES.into_iter().filter(|axis| axis.dot(up).abs() < 0.5);
+    let (narrow, wide) = across.fold((f32::MAX, 0.0f32), |(narrow, wide), axis| {
+        let extent = bounds.extent().dot(axis);
+        (narrow.min(extent), wide.max(extent))
+    });
+    // What is short beside the new thing may be of any proportions.
+    let is_wall = wide > size && wide > LONGEST_BESIDE * narrow;
+    wide <= WIDEST_BESIDE * size && !is_wall
 }
 
 /// The size rounded to one digit.
@@ -315,12 +323,15 @@ pub fn rounded_place(place: Vec3, size: f32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::accel::Primitive;
+    use crate::accel::{Blas, Primitive, SplitMethod};
     use crate::app::editor::camera::picking::tests::scene_of;
     use crate::app::editor::picture::material_ball;
     use crate::app::editor::session::requests::Requests;
     use crate::app::editor::session::toasts::Toasts;
+    use crate::geometry::primitives::unit_cube;
     use crate::render::camera::Camera;
     use crate::render::view::View;
     use crate::scene::{ActiveSensor, FreeView, ShapeKind};
@@ -445,6 +456,30 @@ mod tests {
         show(&mut world, &[floor(), ball(Vec3::Y * FIRST), wall(0.8), wall(-0.8)]);
         let spot = find(&mut world, None, 1.0, false);
         assert!(spot.foot.x.abs() < 0.8, "{spot:?}");
+    }
+
+    #[test]
+    fn in_a_room_nothing_is_put_behind_walls_of_boxes() {
+        let wall = |at: Vec3, half: Vec3| {
+            let blas = Blas::build(Arc::new(unit_cube()), SplitMethod::Sah);
+            let pose = Affine3A::from_translation(at) * Affine3A::from_scale(half);
+            (Primitive::Mesh(Arc::new(blas)), pose)
+        };
+        let (x, z) = (Vec3::new(0.1, 1.25, 2.0), Vec3::new(3.0, 1.25, 0.1));
+        // From outside so much is seen that new things are as large as the inner wall is long.
+        for (at, middle) in [(0.0, -0.3), (0.0, 0.0), (-1.0, -0.9)] {
+            let mut world = world_from(Vec3::new(at, 9.0, 9.0), Vec3::new(at, 0.0, 0.0), 0.01);
+            let room = [
+                floor(),
+                wall(Vec3::new(-3.0, 1.25, 0.0), x),
+                wall(Vec3::new(3.0, 1.25, 0.0), x),
+                wall(Vec3::new(middle, 1.25, 0.0), x),
+                wall(Vec3::new(0.0, 1.25, -2.0), z),
+            ];
+            show(&mut world, &room);
+            let spot = find(&mut world, Some(1.6), 0.0, false);
+            assert!(spot.foot.x.abs() < 3.0 && spot.foot.z.abs() < 4.0, "{middle}: {spot:?}");
+        }
     }
 
     #[test]

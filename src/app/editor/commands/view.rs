@@ -10,6 +10,7 @@ use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::stored_view::StoredView;
 use crate::app::editor::session::history::Edit;
@@ -19,12 +20,19 @@ use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
-/// Chooses the step that suits the scene, unless one was chosen: it stays as it is while the scene grows.
+/// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
 pub fn keep_step(world: &mut World) {
     let mut settings = world.resource_mut::<ViewSettings>();
-    let scene_size = settings.navigation.scene_size;
-    let steps = &mut settings.gizmo.steps;
-    steps.length = Some(steps.length_in(scene_size));
+    settings.building_step = Some(settings.length_step());
+}
+
+/// A length of the steps that is no longer chosen is the one that suits the scene now.
+pub fn set_gizmo(world: &mut World, gizmo: GizmoSettings) {
+    let mut settings = world.resource_mut::<ViewSettings>();
+    if settings.gizmo.steps.length.is_some() && gizmo.steps.length.is_none() {
+        settings.building_step = None;
+    }
+    settings.gizmo = gizmo;
 }
 
 pub fn move_view(world: &mut World, pose: Affine3A) {

@@ -33,10 +33,12 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
     let mut changed = false;
     let mut removed = None;
     for (number, opening) in openings.iter_mut().enumerate() {
-        let name = match opening.sill == 0.0 {
-            true => format!("Door {}", number + 1),
-            false => format!("Window {}", number + 1),
+        // Only its user knows whether an opening that reaches the floor is a door or a French window.
+        let (what, close) = match opening.sill == 0.0 {
+            true => ("door or French window", "Close this door or French window"),
+            false => ("window", "Close this window"),
         };
+        let name = format!("Opening {}", number + 1);
         ui.push_id(number, |ui| {
             let place = ["From", "Sill"].map(|letter| style(letter, speed, f32::MIN..=f32::MAX));
             let mut numbers = [opening.from, opening.sill];
@@ -51,7 +53,11 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
                 [opening.width, opening.height] = numbers;
                 changed = true;
             }
-            if ui.button("Close this opening").clicked() {
+            let button = ui.button(close);
+            if button
+                .on_hover_text(format!("Fill the {what} with wall again"))
+                .clicked()
+            {
                 removed = Some(number);
             }
         });
@@ -61,8 +67,12 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
         changed = true;
     }
     let has_room = openings.len() < Solid::MOST_OPENINGS;
-    ui.horizontal(|ui| {
-        for (name, new) in [("Add door", Opening::DOOR), ("Add window", Opening::WINDOW)] {
+    ui.horizontal_wrapped(|ui| {
+        for (name, new) in [
+            ("Add door", Opening::DOOR),
+            ("Add window", Opening::WINDOW),
+            ("Add French window", Opening::FRENCH_WINDOW),
+        ] {
             let button = ui.add_enabled(has_room, Button::new(name));
             let button =
                 button.on_disabled_hover_text(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS));

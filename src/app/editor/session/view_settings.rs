@@ -24,6 +24,8 @@ pub struct ViewSettings {
     pub navigation: Navigation,
     /// The settings of what a drag of the gizmo does.
     pub gizmo: GizmoSettings,
+    /// The step of lengths since a tool that builds was taken in this scene, so that the grid stays as it is while the scene grows. None before that.
+    pub building_step: Option<f32>,
     /// The pixels of the film that are traced.
     pub resolution: Resolution,
     /// The look of a picture of few pixels.
@@ -48,6 +50,15 @@ pub struct ViewSettings {
     pub panels_shown: bool,
 }
 
+impl ViewSettings {
+    /// The step of lengths in world units: what was chosen, what suited the scene when building began, or what suits it now.
+    pub fn length_step(&self) -> f32 {
+        let steps = &self.gizmo.steps;
+        let kept = self.building_step.filter(|_| steps.length.is_none());
+        kept.unwrap_or_else(|| steps.length_in(self.navigation.scene_size))
+    }
+}
+
 impl Default for ViewSettings {
     fn default() -> Self {
         Self {
@@ -55,6 +66,7 @@ impl Default for ViewSettings {
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
             gizmo: GizmoSettings::default(),
+            building_step: None,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),
             bookmarks: StoredViews::default(),

@@ -59,8 +59,8 @@ pub(crate) struct ViewportScene {
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
     pub icons: Vec<Icon>,
-    /// The shape under the pointer, while a tool blocks out.
-    pub block: Option<BlockTarget>,
+    /// The shapes under the pointer and around it, while a tool blocks out.
+    pub blocks: Vec<BlockTarget>,
     /// The textures of the selected shape, while a tool places them.
     pub textures: Option<TextureTarget>,
     /// The legend of false colours, if there are any.
@@ -279,7 +279,8 @@ pub(crate) fn gather_viewport(
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
-    seen.block = state.blocking.hovered.and_then(|entity| sources.block(entity));
+    let near = state.blocking.near.iter();
+    seen.blocks = near.filter_map(|entity| sources.block(*entity)).collect();
     let inspected = model.0.inspected.as_ref();
     seen.textures = inspected
         .filter(|_| settings.tool == Tool::PlaceTexture)

@@ -337,7 +337,8 @@ fn paint_over(
     if model.keys.safe_frame {
         safe_frame(&painter, picture);
     }
-    if let Some(hint) = model.keys.tool.hint() {
+    let next = state.blocking.hint(&model.blocking());
+    if let Some(hint) = next.as_deref().or(model.keys.tool.hint()) {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
         tag(&painter, at, Align2::CENTER_TOP, hint);
     }

@@ -51,8 +51,8 @@ pub struct ViewportModel<'a> {
     pub icons: &'a [Icon],
     /// The data that the handles act on.
     pub gizmo: GizmoModel<'a>,
-    /// The shape under the pointer, while a tool blocks out.
-    pub block: Option<&'a BlockTarget>,
+    /// The shapes under the pointer and around it, while a tool blocks out.
+    pub blocks: &'a [BlockTarget],
     /// The textures of the selected shape, while a tool places them.
     pub textures: Option<&'a TextureTarget>,
     /// The entities that cannot be selected.
@@ -96,12 +96,13 @@ impl<'a> ViewportModel<'a> {
     pub(super) fn blocking(&self) -> BlockingModel<'a> {
         BlockingModel {
             tool: self.keys.tool,
-            target: self.block,
+            near: self.blocks,
             step: self.gizmo.length_step,
             up: self.gizmo.up,
             unit: self.gizmo.unit,
             packed: self.packed,
             locked: self.locked,
+            is_empty: self.is_empty,
         }
     }
 

@@ -11,6 +11,7 @@ use super::marks::thin_frame;
 use super::model::ViewportModel;
 use super::over_picture::is_over;
 use super::{gizmo, icons, rulers};
+use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::{orbit, picking};
 use crate::app::editor::command::Command;
@@ -233,7 +234,7 @@ impl PointerState {
         if ui.input(|input| input.pointer.secondary_down()) {
             commands.push(Command::SetSpeed(model.navigation.speed_after(notches)));
         } else {
-            let target = seen_at(pointer, screen, model);
+            let target = seen_at(pointer, screen, model).or_else(|| ground_at(pointer, screen, model));
             *pose = approach(*pose, screen, model, pointer, target, notches);
         }
     }
@@ -274,6 +275,14 @@ fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel,
 /// The place on the nearest surface under a point of the window.
 fn seen_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
     picking::seen_surface(model.packed, &screen.ray(pointer), |_| false).map(|seen| seen.position)
+}
+
+/// The place of the ground under a point of the window, as far as there may be things.
+fn ground_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
+    /// In sizes of the scene. The ground may go on to the horizon, and a notch must not go a share of that way.
+    const FARTHEST: f32 = 4.0;
+    let place = GridPlane::of(screen, model.navigation.up).hit(&screen.ray(pointer))?;
+    (screen.depth(place) <= FARTHEST * model.navigation.scene_size).then_some(place)
 }
 
 /// The view after going by notches of the wheel towards `target`, which is seen at `at`.

@@ -139,7 +139,11 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             ["+x", "-y", "+z"][random.below(3)],
             1 + random.below(9)
         )),
-        27 => one(format!("cut {} {} 0.5", ["door", "window"][random.below(2)], shape?)),
+        27 => one(format!(
+            "cut {} {} 0.5",
+            ["door", "window", "french-window"][random.below(3)],
+            shape?
+        )),
         30 => one(format!(
             "wrap {} {}",
             material?,

@@ -75,7 +75,8 @@ pub(super) fn cut(
     let mut opening = match kind {
         "door" => Opening::DOOR,
         "window" => Opening::WINDOW,
-        other => return Err(format!("expected door or window, found `{other}`").into()),
+        "french-window" => Opening::FRENCH_WINDOW,
+        other => return Err(format!("expected door, window or french-window, found `{other}`").into()),
     }
     .in_wall(height);
     opening.from = parse_float(from)?;

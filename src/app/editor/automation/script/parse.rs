@@ -77,7 +77,10 @@ pub const VERBS: [(&str, &str); 61] = [
     ),
     ("draw", "box|floor|wall FROM TO [name=NAME] [height=H] [thickness=T]"),
     ("push", "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"),
-    ("cut", "door|window WALL FROM [sill=H] [width=W] [height=H]"),
+    (
+        "cut",
+        "door|window|french-window WALL FROM [sill=H] [width=W] [height=H]",
+    ),
     ("move", "NAME X,Y,Z (by)"),
     ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
     ("scale", "NAME FACTOR (about its origin)"),

@@ -19,36 +19,44 @@ pub struct Cut {
 /// How far two axes may be from right angles, as the cosine between them.
 const RIGHT_ANGLE: f32 = 1e-4;
 
-/// The opening of this kind at a place of a wall's or a box's side, whose normal is given as well; all in world space. It is moved to multiples of
-/// `step` (world units; 0 for none), and to where the wall has room. None where none can be cut.
-pub fn at(
-    kind: &ShapeKind,
-    pose: &Affine3A,
-    place: Vec3,
-    normal: Vec3,
-    up: Vec3,
-    what: OpeningKind,
-    step: f32,
-) -> Option<Cut> {
-    let (wall, pose) = as_wall(kind, pose, normal, up)?;
-    let Solid::Wall { length, height, .. } = wall else {
-        return None;
-    };
-    let units = [0, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)).length());
-    let local = pose.inverse().transform_point3(place);
-    let new = match what {
-        OpeningKind::Door => Opening::DOOR,
-        OpeningKind::Window => Opening::WINDOW,
-    };
+/// A window whose sill would be lower than this share of a usual one is a French window.
+const LOW: f32 = 0.3;
+
+/// A place of the side of a wall or a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// The place in world space.
+    pub place: Vec3,
+    /// The normal there, of unit length.
+    pub normal: Vec3,
+    /// The world's upward direction.
+    pub up: Vec3,
+}
+
+/// The opening of this kind and of the usual size at a place of a wall's or a box's side. It is moved to multiples of `step` (world units; 0 for none), and
+/// to where the wall has room. A window near the foot of the wall is a French window, which begins at the foot and ends at the height of the others. None
+/// where none can be cut.
+pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, step: f32) -> Option<Cut> {
+    let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
+    let (length, height) = extents(&wall)?;
+    let units = units(&pose);
+    let local = pose.inverse().transform_point3(side.place);
     // The sizes are those of the world, also in a wall that has been scaled.
-    let new = new.in_wall(height * units[1]);
+    let of = |opening: Opening| opening.in_wall(height * units[1]);
+    let window = of(Opening::WINDOW);
+    let low_window = local.z * units[1] < 0.5 * window.height + LOW * window.sill;
+    let new = match what {
+        OpeningKind::Door => of(Opening::DOOR),
+        OpeningKind::Window if low_window => of(Opening::FRENCH_WINDOW),
+        OpeningKind::Window => window,
+    };
     let width = (new.width / units[0]).min(length);
     let tall = (new.height / units[1]).min(height);
     let snap = |length: f32, unit: f32| snapped(length * unit, step) / unit;
     let from = snap(local.x - 0.5 * width, units[0]).clamp(0.0, length - width);
-    let sill = match what {
-        OpeningKind::Door => 0.0,
-        OpeningKind::Window => snap(local.z - 0.5 * tall, units[1]).clamp(0.0, height - tall),
+    let sill = match new.sill > 0.0 {
+        false => 0.0,
+        true => snap(local.z - 0.5 * tall, units[1]).clamp(0.0, height - tall),
     };
     let opening = Opening {
         from,
@@ -59,6 +67,58 @@ pub fn at(
     Some(Cut { wall, pose, opening })
 }
 
+/// The opening between two opposite corners on a side, the second one in world space. Its edges are moved to multiples of `step`, and a door begins at
+/// the foot. `size`: its width and height in world units, as far as they are given; then it goes towards the second corner. None where it has no extent.
+pub fn between(
+    kind: &ShapeKind,
+    pose: &Affine3A,
+    side: &Side,
+    to: Vec3,
+    size: &[f32],
+    what: OpeningKind,
+    step: f32,
+) -> Option<Cut> {
+    let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
+    let (length, height) = extents(&wall)?;
+    let units = units(&pose);
+    let inverse = pose.inverse();
+    let [begin, end] = [side.place, to].map(|place| inverse.transform_point3(place));
+    let span = |begin: f32, end: f32, unit: f32, given: Option<&f32>, most: f32| {
+        let [begin, end] = [begin, end].map(|place| snapped(place * unit, step) / unit);
+        let end = given.map_or(end, |given| begin + given / unit * if end < begin { -1.0 } else { 1.0 });
+        [begin.min(end), begin.max(end)].map(|place| place.clamp(0.0, most))
+    };
+    let [left, right] = span(begin.x, end.x, units[0], size.first(), length);
+    let foot = if what == OpeningKind::Door { 0.0 } else { begin.z };
+    let top = if what == OpeningKind::Door {
+        begin.z.max(end.z)
+    } else {
+        end.z
+    };
+    let [low, high] = span(foot, top, units[1], size.get(1), height);
+    let opening = Opening {
+        from: left,
+        sill: low,
+        width: right - left,
+        height: high - low,
+    };
+    let least = 1e-4 * length.min(height);
+    (opening.width > least && opening.height > least).then_some(Cut { wall, pose, opening })
+}
+
+/// The length and the height of a wall, in its own units.
+fn extents(wall: &Solid) -> Option<(f32, f32)> {
+    match *wall {
+        Solid::Wall { length, height, .. } => Some((length, height)),
+        _ => None,
+    }
+}
+
+/// The lengths in the world of a wall's own units along it and upwards.
+fn units(pose: &Affine3A) -> [f32; 2] {
+    [0, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)).length())
+}
+
 impl Cut {
     /// The wall with the opening.
     pub fn done(self) -> (ShapeKind, Affine3A) {
@@ -67,6 +127,27 @@ impl Cut {
             openings.push(self.opening);
         }
         (ShapeKind::Solid(wall), self.pose)
+    }
+
+    /// The word for what is cut: only its user knows whether an opening that reaches the foot is a door or a French window.
+    pub fn name(&self, what: OpeningKind) -> &'static str {
+        match what {
+            OpeningKind::Door => "Door",
+            OpeningKind::Window if self.opening.sill == 0.0 => "French window",
+            OpeningKind::Window => "Window",
+        }
+    }
+
+    /// The width, the height, the distance from the wall's start and the height of the sill, in world units.
+    pub fn sizes(&self) -> [f32; 4] {
+        let [along, upward] = units(&self.pose);
+        let Opening {
+            from,
+            sill,
+            width,
+            height,
+        } = self.opening;
+        [width * along, height * upward, from * along, sill * upward]
     }
 
     /// The corners of the opening on both sides of the wall, in world space: four in turn around, then the same four on the other side.
@@ -164,7 +245,12 @@ mod tests {
         );
         let normal = Quat::from_rotation_y(0.4) * Vec3::X;
         let place = Vec3::from(pose.translation) + 0.1 * normal;
-        let cut = at(&ShapeKind::Cube, &pose, place, normal, Vec3::Y, OpeningKind::Door, 0.0).expect("a wall");
+        let side = Side {
+            place,
+            normal,
+            up: Vec3::Y,
+        };
+        let cut = at(&ShapeKind::Cube, &pose, &side, OpeningKind::Door, 0.0).expect("a wall");
         let expected = Opening {
             from: 1.55,
             ..Opening::DOOR
@@ -184,23 +270,87 @@ mod tests {
 
     #[test]
     fn windows_are_snapped_and_stay_inside() {
-        let kind = ShapeKind::Solid(Solid::default());
-        let window = |x: f32, z: f32| {
-            at(
-                &kind,
-                &Affine3A::IDENTITY,
-                Vec3::new(x, -0.1, z),
-                Vec3::NEG_Y,
-                Vec3::Z,
-                OpeningKind::Window,
-                0.1,
-            )
-            .map(|cut| [cut.opening.from, cut.opening.sill])
-        };
+        let window = |x: f32, z: f32| front(x, z, OpeningKind::Window).map(|cut| [cut.opening.from, cut.opening.sill]);
         assert_eq!(window(2.03, 1.52), Some([1.4, 0.9]));
-        assert_eq!(window(0.1, 0.1), Some([0.0, 0.0]));
         let [from, sill] = window(3.9, 2.4).expect("a window");
         assert!((from - 2.8).abs() < 1e-6 && (sill - 1.3).abs() < 1e-6);
+    }
+
+    /// A wall of 4 x 2.5, seen from its front, with an opening at a place of it.
+    fn front(x: f32, z: f32, what: OpeningKind) -> Option<Cut> {
+        at(
+            &ShapeKind::Solid(Solid::default()),
+            &Affine3A::IDENTITY,
+            &place(x, z),
+            what,
+            0.1,
+        )
+    }
+
+    fn place(x: f32, z: f32) -> Side {
+        Side {
+            place: Vec3::new(x, -0.1, z),
+            normal: Vec3::NEG_Y,
+            up: Vec3::Z,
+        }
+    }
+
+    #[test]
+    fn a_window_near_the_foot_goes_down_to_it_and_ends_where_others_do() {
+        for z in [0.1, 0.6, 0.8] {
+            let cut = front(2.0, z, OpeningKind::Window).expect("a window");
+            assert_eq!(
+                (cut.name(OpeningKind::Window), cut.opening.sill),
+                ("French window", 0.0)
+            );
+            let lintel = Opening::WINDOW.sill + Opening::WINDOW.height;
+            assert!((cut.opening.height - lintel).abs() < 1e-6);
+        }
+        let cut = front(2.0, 1.0, OpeningKind::Window).expect("a window");
+        assert_eq!(cut.name(OpeningKind::Window), "Window");
+        assert!(cut.opening.sill > 0.0);
+        assert_eq!(
+            front(2.0, 1.0, OpeningKind::Door).map(|cut| cut.opening.sill),
+            Some(0.0)
+        );
+    }
+
+    #[test]
+    fn a_drag_gives_an_opening_its_corners_whichever_came_first() {
+        let wall = ShapeKind::Solid(Solid::default());
+        let drawn = |from: (f32, f32), to: (f32, f32), size: &[f32], what: OpeningKind| {
+            let to = place(to.0, to.1).place;
+            let side = place(from.0, from.1);
+            let cut = between(&wall, &Affine3A::IDENTITY, &side, to, size, what, 0.1)?;
+            let Opening {
+                from,
+                sill,
+                width,
+                height,
+            } = cut.opening;
+            Some([from, sill, width, height])
+        };
+        let is = |found: Option<[f32; 4]>, expected: [f32; 4]| {
+            let off = found.map(|found| (0..4).map(|k| (found[k] - expected[k]).abs()).fold(0.0, f32::max));
+            assert!(off.is_some_and(|off| off < 1e-5), "{found:?} {expected:?}");
+        };
+        let (low, high) = ((0.98, 0.03), (2.81, 2.12));
+        is(drawn(low, high, &[], OpeningKind::Window), [1.0, 0.0, 1.8, 2.1]);
+        is(drawn(high, low, &[], OpeningKind::Window), [1.0, 0.0, 1.8, 2.1]);
+        is(
+            drawn((1.0, 1.2), (2.0, 2.0), &[], OpeningKind::Door),
+            [1.0, 0.0, 1.0, 2.0],
+        );
+        is(
+            drawn((1.0, 1.2), (1.1, 1.1), &[1.5, 0.4], OpeningKind::Window),
+            [1.0, 0.8, 1.5, 0.4],
+        );
+        // What goes beyond the wall ends at its edge.
+        is(
+            drawn((3.0, 1.0), (9.0, 9.0), &[], OpeningKind::Window),
+            [3.0, 1.0, 1.0, 1.5],
+        );
+        assert_eq!(drawn((1.0, 1.0), (1.02, 2.0), &[], OpeningKind::Window), None);
     }
 
     #[test]
@@ -216,16 +366,12 @@ mod tests {
             (&ShapeKind::Cube, Vec3::Z),
             (&ball, Vec3::X),
         ] {
-            let cut = at(
-                kind,
-                &Affine3A::IDENTITY,
-                Vec3::ZERO,
+            let side = Side {
+                place: Vec3::ZERO,
                 normal,
-                Vec3::Z,
-                OpeningKind::Door,
-                0.1,
-            );
-            assert_eq!(cut, None);
+                up: Vec3::Z,
+            };
+            assert_eq!(at(kind, &Affine3A::IDENTITY, &side, OpeningKind::Door, 0.1), None);
         }
     }
 }

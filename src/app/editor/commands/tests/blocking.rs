@@ -1,8 +1,8 @@
 //! What is drawn and cut, in a world without a window.
 
 use super::*;
-use crate::app::editor::command::blocking::Reshaping;
 use crate::app::editor::command::blocking::block::Block;
+use crate::app::editor::command::blocking::{BlockKind, Reshaping};
 use crate::scene::{MemberOf, Opening, Solid};
 
 #[test]
@@ -66,4 +66,32 @@ fn walls_are_joined_to_those_that_one_sees_and_undo_parts_them() {
         world.entity_mut(first).insert(MemberOf(group));
     };
     are(lengths(&group), [4.0, 3.0, 4.0]);
+}
+
+#[test]
+fn the_step_stays_while_one_builds_and_is_no_preference() {
+    let mut world = bare_world();
+    let set_size = |world: &mut World, size: f32| {
+        world.resource_mut::<ViewSettings>().navigation.scene_size = size;
+    };
+    let step = |world: &World| world.resource::<ViewSettings>().length_step();
+    set_size(&mut world, 5.0);
+    say(&mut world, Command::SetTool(Tool::Draw(BlockKind::Wall)));
+    set_size(&mut world, 50.0);
+    assert_eq!(step(&world), 0.1);
+    say(&mut world, Command::SetTool(Tool::Push));
+    assert_eq!(step(&world), 0.1);
+    let steps = world.resource::<ViewSettings>().gizmo.steps;
+    assert_eq!(steps.length, None, "the next scene has a step of its own");
+    let with = |length| {
+        let gizmo = GizmoSettings {
+            steps: Steps { length, ..steps },
+            ..GizmoSettings::default()
+        };
+        Command::SetGizmo(gizmo)
+    };
+    say(&mut world, with(Some(0.3)));
+    assert_eq!(step(&world), 0.3, "what is chosen counts");
+    say(&mut world, with(None));
+    assert_eq!(step(&world), 1.0, "and then again what suits the scene");
 }

@@ -1,68 +1,178 @@
-//! Cutting doors and windows by a click on a wall or an upright box.
+//! Cutting doors and windows into a wall or an upright box: a click cuts one of the usual size, a drag draws one.
 
-use bevy_egui::egui::Painter;
+use bevy::math::Vec3;
+use bevy_egui::egui::{Painter, Pos2};
 
-use super::hand::{BlockingModel, Hand};
-use super::marks;
+use super::hand::{BlockTarget, BlockingModel, Hand, is_drag};
+use super::{marks, spot};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
-use crate::app::editor::command::blocking::openings::{self, Cut};
+use crate::app::editor::command::blocking::openings::{self, Cut, Side};
 use crate::app::editor::command::blocking::{OpeningKind, Reshaping};
-use crate::scene::Shape;
+use crate::app::editor::viewport::gizmo::typed::Typed;
+use crate::scene::{LengthUnit, Shape};
 
-pub(super) fn follow(
-    kind: OpeningKind,
-    seen: Option<&SeenSurface>,
-    model: &BlockingModel,
-    hand: &Hand,
-    commands: &mut Vec<Command>,
-) {
-    if hand.clicked
-        && let Some((cut, target)) = under(kind, seen, model, hand.step).zip(model.target)
-    {
-        let (kind, pose) = cut.done();
-        let flip_normals = target.shape.flip_normals;
-        let shape = Shape { kind, flip_normals };
-        commands.push(Command::Reshape(target.entity, shape, pose, Reshaping::Cut));
+/// The state of the tool that cuts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::app::editor::viewport) struct CutState {
+    begun: Option<Begun>,
+}
+
+/// An opening that is being drawn.
+#[derive(Clone, Debug, PartialEq)]
+struct Begun {
+    /// The wall as it was at the press.
+    target: BlockTarget,
+    /// The place in the world where it was pressed, and the normal there.
+    place: Vec3,
+    normal: Vec3,
+    pressed_at: Pos2,
+    pointer: Pos2,
+    typed: Typed,
+}
+
+impl CutState {
+    pub fn is_busy(&self) -> bool {
+        self.begun.is_some()
+    }
+
+    pub fn typed(&mut self) -> Option<&mut Typed> {
+        self.begun.as_mut().map(|begun| &mut begun.typed)
+    }
+
+    pub fn cancel(&mut self) {
+        self.begun = None;
+    }
+
+    /// What can be done next, while an opening is being drawn.
+    pub fn hint(&self) -> Option<&'static str> {
+        self.begun.as_ref().map(|_| {
+            "Let go at once for one of the usual size, or at the opposite corner, or type its size, such as 1.8,1.3 and Enter (Esc: give it up)"
+        })
+    }
+
+    /// Follows the mouse; true if the left button is the tool's.
+    pub fn follow(
+        &mut self,
+        kind: OpeningKind,
+        seen: Option<&SeenSurface>,
+        screen: &Screen,
+        model: &BlockingModel,
+        hand: &Hand,
+        commands: &mut Vec<Command>,
+    ) -> bool {
+        if hand.pressed
+            && let Some(seen) = seen
+            && let Some(target) = model.target(seen.entity)
+            && usual(kind, seen, model, hand.step).is_some()
+        {
+            self.begun = Some(Begun {
+                target: target.clone(),
+                place: seen.position,
+                normal: seen.normal,
+                pressed_at: hand.pointer,
+                pointer: hand.pointer,
+                typed: Typed::default(),
+            });
+        }
+        let Some(begun) = &mut self.begun else {
+            return false;
+        };
+        begun.pointer = hand.pointer;
+        if !hand.down {
+            self.confirm(kind, screen, model, hand.step, commands);
+        }
+        true
+    }
+
+    /// Cuts what is drawn.
+    pub fn confirm(
+        &mut self,
+        kind: OpeningKind,
+        screen: &Screen,
+        model: &BlockingModel,
+        step: f32,
+        commands: &mut Vec<Command>,
+    ) {
+        let Some(begun) = self.begun.take() else { return };
+        if let Some(cut) = begun.cut(kind, screen, model, step) {
+            let (kind, pose) = cut.done();
+            let flip_normals = begun.target.shape.flip_normals;
+            let shape = Shape { kind, flip_normals };
+            commands.push(Command::Reshape(begun.target.entity, shape, pose, Reshaping::Cut));
+        }
+    }
+
+    pub fn paint(
+        &self,
+        painter: &Painter,
+        screen: &Screen,
+        kind: OpeningKind,
+        seen: Option<&SeenSurface>,
+        model: &BlockingModel,
+        step: f32,
+    ) {
+        let cut = match &self.begun {
+            Some(begun) => begun.cut(kind, screen, model, step),
+            None => seen.and_then(|seen| usual(kind, seen, model, step)),
+        };
+        let Some(cut) = cut else { return };
+        let corners = cut.corners();
+        let (near, far) = corners.split_at(4);
+        marks::area(painter, screen, near);
+        marks::ring(painter, screen, near);
+        marks::ring(painter, screen, far);
+        for (a, b) in near.iter().zip(far) {
+            marks::segment(painter, screen, *a, *b);
+        }
+        let typed = self.begun.as_ref().map_or("", |begun| begun.typed.text());
+        marks::text(painter, screen, near[0], &caption(&cut, kind, typed, model.unit));
     }
 }
 
-pub(super) fn paint(
-    painter: &Painter,
-    screen: &Screen,
-    kind: OpeningKind,
-    seen: Option<&SeenSurface>,
-    model: &BlockingModel,
-    step: f32,
-) {
-    let Some(cut) = under(kind, seen, model, step) else {
-        return;
+impl Begun {
+    fn cut(&self, kind: OpeningKind, screen: &Screen, model: &BlockingModel, step: f32) -> Option<Cut> {
+        let side = Side {
+            place: self.place,
+            normal: self.normal,
+            up: model.up,
+        };
+        let (shape, pose) = (&self.target.shape.kind, &self.target.pose);
+        let size = self.typed.lengths(model.unit);
+        if size.is_none() && !is_drag(self.pressed_at, self.pointer) {
+            return openings::at(shape, pose, &side, kind, step);
+        }
+        let to = spot::on_plane(screen, self.pointer, self.place, self.normal)?;
+        openings::between(shape, pose, &side, to, size.as_deref().unwrap_or_default(), kind, step)
+    }
+}
+
+/// The opening of the usual size at a place.
+fn usual(kind: OpeningKind, seen: &SeenSurface, model: &BlockingModel, step: f32) -> Option<Cut> {
+    let target = model.target(seen.entity)?;
+    let side = Side {
+        place: seen.position,
+        normal: seen.normal,
+        up: model.up,
     };
-    let corners = cut.corners();
-    let (near, far) = corners.split_at(4);
-    marks::area(painter, screen, near);
-    marks::ring(painter, screen, near);
-    marks::ring(painter, screen, far);
-    for (a, b) in near.iter().zip(far) {
-        marks::segment(painter, screen, *a, *b);
-    }
-    let (from, sill) = (model.unit.text(cut.opening.from), model.unit.text(cut.opening.sill));
-    marks::text(painter, screen, near[0], &format!("{from} from the start, {sill} up"));
+    openings::at(&target.shape.kind, &target.pose, &side, kind, step)
 }
 
-fn under(kind: OpeningKind, seen: Option<&SeenSurface>, model: &BlockingModel, step: f32) -> Option<Cut> {
-    let (seen, target) = (seen?, model.target?);
-    if target.entity != seen.entity {
-        return None;
-    }
-    openings::at(
-        &target.shape.kind,
-        &target.pose,
-        seen.position,
-        seen.normal,
-        model.up,
-        kind,
-        step,
-    )
+/// The opening's name, its size and place, and what has been typed.
+fn caption(cut: &Cut, kind: OpeningKind, typed: &str, unit: LengthUnit) -> String {
+    let of = |length: f32| unit.text(length);
+    let [wide, high, from, sill] = cut.sizes().map(of);
+    let name = cut.name(kind);
+    let sill = if cut.opening.sill == 0.0 {
+        String::new()
+    } else {
+        format!(", {sill} up")
+    };
+    let typed = if typed.is_empty() {
+        String::new()
+    } else {
+        format!("   [{typed}]")
+    };
+    format!("{name} {wide} x {high}, {from} from the start{sill}{typed}")
 }

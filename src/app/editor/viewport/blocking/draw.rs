@@ -4,6 +4,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Painter, Pos2};
 
+use super::catch::{self, Caught};
 use super::hand::{BlockingModel, Hand, along_line, is_drag};
 use super::marks;
 use super::spot::{self, Spot};
@@ -13,13 +14,15 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, EDGES, Plane, corners};
 use crate::app::editor::command::blocking::{BlockKind, snapped};
 use crate::app::editor::viewport::gizmo::typed::Typed;
-use crate::scene::{LengthUnit, ShapeKind, Solid};
+use crate::scene::LengthUnit;
 
 /// The state of the tool that draws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::app::editor::viewport) struct DrawState {
     /// The place under the pointer, where a drawing would begin.
     spot: Option<Spot>,
+    /// The corner or the edge near the pointer, where something that is drawn begins or ends.
+    caught: Option<Caught>,
     phase: Option<Phase>,
     /// The numbers typed for the present phase.
     typed: Typed,
@@ -65,9 +68,31 @@ impl DrawState {
         self.phase.is_some().then_some(&mut self.typed)
     }
 
+    /// Whether the base is being dragged and nothing was typed: what is typed next is for what comes after the drag.
+    pub fn is_dragging(&self) -> bool {
+        matches!(self.phase, Some(Phase::Base { is_held: true, .. })) && self.typed.is_empty()
+    }
+
     pub fn cancel(&mut self) {
         self.phase = None;
         self.typed = Typed::default();
+    }
+
+    /// What can be done next, while something is being drawn.
+    pub fn hint(&self, kind: BlockKind, unit: LengthUnit) -> Option<String> {
+        Some(match (self.phase.as_ref()?, kind) {
+            (Phase::Base { .. }, BlockKind::Wall) => {
+                "Let go or click at its end, or type its length and Enter (Esc: give it up)".to_owned()
+            }
+            (Phase::Base { .. }, _) => {
+                "Let go or click at the opposite corner, or type its sides, such as 4,3 and Enter (Esc: give it up)"
+                    .to_owned()
+            }
+            (Phase::Height { height, .. }, _) => format!(
+                "Enter or a click: {} high. Or move the pointer up first, or type the height (Esc: give it up)",
+                unit.text(*height)
+            ),
+        })
     }
 
     /// Follows the mouse; true if the left button is the tool's.
@@ -81,12 +106,15 @@ impl DrawState {
         commands: &mut Vec<Command>,
     ) -> bool {
         let was_busy = self.is_busy();
-        self.track(kind, screen, model, hand);
+        if model.is_empty {
+            // In an empty scene nothing was given before.
+            self.heights = Default::default();
+        }
+        self.track(kind, seen, screen, model, hand);
         match self.phase {
             None => {
-                let foot = seen.and_then(|seen| foot(kind, seen, model));
-                let seen = foot.or(seen.map(|seen| [seen.position, seen.normal]));
-                self.spot = Spot::under(hand.pointer, seen, screen, model.up, model.step, hand.step);
+                self.caught = catch::caught(kind, screen, hand.pointer, model, hand.step);
+                self.spot = Spot::under(kind, hand, seen, self.caught, screen, model);
                 if let (true, Some(from)) = (hand.pressed, self.spot) {
                     self.phase = Some(Phase::Base {
                         from,
@@ -103,14 +131,13 @@ impl DrawState {
             }) => {
                 let is_released = *is_held && !hand.down;
                 *is_held &= hand.down;
-                // After a click the pointer may have gone on in the same frame.
-                if hand.pressed || (is_released && !hand.clicked && is_drag(pressed_at, hand.pointer)) {
-                    self.confirm(kind, screen, model, hand, commands);
+                if hand.pressed || (is_released && is_drag(pressed_at, hand.pointer)) {
+                    self.confirm(kind, seen, screen, model, hand, commands);
                 }
             }
             Some(Phase::Height { .. }) => {
                 if hand.pressed {
-                    self.confirm(kind, screen, model, hand, commands);
+                    self.confirm(kind, seen, screen, model, hand, commands);
                 }
             }
         }
@@ -118,12 +145,28 @@ impl DrawState {
     }
 
     /// Brings the phase up to date with the pointer and the typed numbers.
-    fn track(&mut self, kind: BlockKind, screen: &Screen, model: &BlockingModel, hand: &Hand) {
+    fn track(
+        &mut self,
+        kind: BlockKind,
+        seen: Option<&SeenSurface>,
+        screen: &Screen,
+        model: &BlockingModel,
+        hand: &Hand,
+    ) {
         let numbers = self.typed.lengths(model.unit);
         match &mut self.phase {
             Some(Phase::Base { from, to, .. }) => {
                 let under = spot::on_plane(screen, hand.pointer, from.place, from.plane.normal);
-                if let Some(under) = under {
+                let is_level = |place: &Vec3| spot::is_on(&from.plane, from.place, *place, model.step);
+                self.caught = catch::caught(kind, screen, hand.pointer, model, hand.step)
+                    .filter(|caught| is_level(&caught.place) && caught.place != from.place);
+                let foot = || {
+                    let seen = seen.filter(|_| kind != BlockKind::Box)?;
+                    catch::foot(seen, screen, model, hand.step).filter(is_level)
+                };
+                if let Some(place) = self.caught.map(|caught| caught.place).or_else(foot) {
+                    *to = place;
+                } else if let Some(under) = under {
                     *to = spot::rounded(under, &from.plane, model.step, hand.step);
                     if kind == BlockKind::Wall && hand.step > 0.0 {
                         *to = straight(from, *to);
@@ -157,12 +200,13 @@ impl DrawState {
     pub fn confirm(
         &mut self,
         kind: BlockKind,
+        seen: Option<&SeenSurface>,
         screen: &Screen,
         model: &BlockingModel,
         hand: &Hand,
         commands: &mut Vec<Command>,
     ) {
-        self.track(kind, screen, model, hand);
+        self.track(kind, seen, screen, model, hand);
         let block = self.block(kind, model.step);
         self.typed = Typed::default();
         let Some(block) = block.filter(|block| block.shape().is_some()) else {
@@ -215,6 +259,12 @@ impl DrawState {
 
     pub fn paint(&self, painter: &Painter, screen: &Screen, kind: BlockKind, model: &BlockingModel) {
         let step = model.step;
+        if let Some(caught) = self
+            .caught
+            .filter(|_| !matches!(self.phase, Some(Phase::Height { .. })))
+        {
+            marks::caught(painter, screen, caught.place, caught.is_corner);
+        }
         let (from, to, is_base) = match &self.phase {
             None => {
                 if let Some(spot) = &self.spot {
@@ -278,20 +328,6 @@ fn by_numbers(kind: BlockKind, from: &Spot, under: Vec3, numbers: &[f32]) -> Vec
         [first, second, ..] => to(*first, *second),
         [] => under,
     }
-}
-
-/// The place at the foot of a wall that stands there, and the upward direction: walls and floors begin at others, not on them.
-fn foot(kind: BlockKind, seen: &SeenSurface, model: &BlockingModel) -> Option<[Vec3; 2]> {
-    let target = model.target.filter(|target| target.entity == seen.entity)?;
-    let ShapeKind::Solid(Solid::Wall { length, .. }) = target.shape.kind else {
-        return None;
-    };
-    if kind == BlockKind::Box {
-        return None;
-    }
-    let along = target.pose.inverse().transform_point3(seen.position).x;
-    let place = target.pose.transform_point3(Vec3::X * along.clamp(0.0, length));
-    Some([place, model.up])
 }
 
 /// The end of a wall, along the nearer direction of the grid if it is nearly in that direction already.

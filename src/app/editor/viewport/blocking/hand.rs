@@ -3,7 +3,7 @@
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Pos2};
+use bevy_egui::egui::{self, Event, PointerButton, Pos2};
 
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::tool::Tool;
@@ -26,8 +26,8 @@ pub struct BlockTarget {
 pub struct BlockingModel<'a> {
     /// The tool in use.
     pub tool: Tool,
-    /// The shape that was under the pointer in the last frame.
-    pub target: Option<&'a BlockTarget>,
+    /// The shapes that were under the pointer and around it in the last frame.
+    pub near: &'a [BlockTarget],
     /// The step of the grid, in world units.
     pub step: f32,
     /// The world's upward direction.
@@ -38,16 +38,25 @@ pub struct BlockingModel<'a> {
     pub packed: &'a PackedScene,
     /// The shapes that are locked.
     pub locked: &'a EntityHashSet,
+    /// Whether the scene has no shapes.
+    pub is_empty: bool,
 }
 
-/// The mouse and the modifiers in a frame.
-#[derive(Clone, Copy)]
+impl<'a> BlockingModel<'a> {
+    /// The shape of this entity, if it is near.
+    pub(super) fn target(&self, entity: Entity) -> Option<&'a BlockTarget> {
+        self.near.iter().find(|target| target.entity == entity)
+    }
+}
+
+/// The mouse and the modifiers at a moment of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::app::editor::viewport) struct Hand {
     pub pointer: Pos2,
-    /// The left button went down on the picture in this frame.
+    /// The left button has just gone down on the picture.
     pub pressed: bool,
-    /// The left button was clicked on the picture.
-    pub clicked: bool,
+    /// The left button has just gone down or up.
+    pub is_turn: bool,
     /// The left button is down.
     pub down: bool,
     /// The step to which places are rounded; 0 with Control.
@@ -64,6 +73,28 @@ pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction
     // If the line were seen more nearly end on, one pixel would stand for a very long way.
     const END_ON: f32 = 3e-3;
     (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
+}
+
+/// The moments of a frame at which the left button went down or up, and its end: a quick drag begins and ends within one frame of a slow picture.
+/// `hand` is the mouse at the end.
+pub(super) fn moments(events: &[Event], is_over: bool, hand: Hand) -> Vec<Hand> {
+    let buttons = events.iter().filter_map(|event| match *event {
+        Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers,
+        } => Some((pos, pressed, modifiers.alt)),
+        _ => None,
+    });
+    let moments = buttons.map(|(pointer, down, alt)| Hand {
+        pointer,
+        pressed: down && is_over && !alt,
+        is_turn: true,
+        down,
+        step: hand.step,
+    });
+    moments.chain([hand]).collect()
 }
 
 /// Whether the pointer has moved so far that it is a drag.

@@ -1,7 +1,7 @@
 //! Lines over the picture for what is being drawn, pushed or cut.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke};
+use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::viewport::marks::tag;
@@ -37,6 +37,17 @@ pub(in crate::app::editor::viewport) fn area(painter: &Painter, screen: &Screen,
 /// A text beside a place of the world.
 pub(super) fn text(painter: &Painter, screen: &Screen, place: Vec3, text: &str) {
     if let Some(at) = screen.project(place) {
-        tag(painter, at + bevy_egui::egui::vec2(14.0, 14.0), Align2::LEFT_TOP, text);
+        tag(painter, at + vec2(14.0, 14.0), Align2::LEFT_TOP, text);
+    }
+}
+
+/// A square at a corner that attracts the pointer, or a dot on an edge.
+pub(super) fn caught(painter: &Painter, screen: &Screen, place: Vec3, is_corner: bool) {
+    let Some(at) = screen.project(place) else { return };
+    if is_corner {
+        let square = Rect::from_center_size(at, vec2(9.0, 9.0));
+        painter.rect(square, 0.0, COLOR, Stroke::new(1.0, SHADOW), StrokeKind::Outside);
+    } else {
+        painter.circle(at, 4.0, COLOR, Stroke::new(1.0, SHADOW));
     }
 }

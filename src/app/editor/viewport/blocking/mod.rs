@@ -3,6 +3,7 @@
 //! They use the left button and, while something is being drawn or pushed, the number keys, Enter and Escape. Everything else, such as looking
 //! around with the right button, is as without them.
 
+mod catch;
 pub mod cut;
 pub mod draw;
 pub mod hand;
@@ -11,7 +12,7 @@ pub mod push;
 mod spot;
 
 use bevy::prelude::Entity;
-use bevy_egui::egui::{InputState, Key, Painter, PointerButton, Pos2, Response, Ui};
+use bevy_egui::egui::{InputState, Key, Painter, PointerButton, Response, Ui};
 
 use super::gizmo::interaction::Rest;
 use super::gizmo::typed::Typed;
@@ -21,6 +22,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::press::Press;
+use cut::CutState;
 use draw::DrawState;
 use hand::{BlockingModel, Hand};
 use push::PushState;
@@ -28,20 +30,22 @@ use push::PushState;
 /// The state that the tools keep between frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockingState {
-    /// The shape under the pointer, which is looked up for the next frame.
-    pub(crate) hovered: Option<Entity>,
+    /// The shapes under the pointer and around it, which are looked up for the next frame.
+    pub(crate) near: Vec<Entity>,
     /// The surface under the pointer.
     seen: Option<SeenSurface>,
-    /// A press on a shape that is not looked up yet.
-    waiting: Option<Pos2>,
+    /// Moments at which the button went down or up near shapes that are not looked up yet, and the keys after them.
+    waiting: Vec<Hand>,
+    waiting_keys: Vec<Press>,
     pub(super) draw: DrawState,
     pub(super) push: PushState,
+    pub(super) cut: CutState,
 }
 
 impl BlockingState {
     /// Whether something is being drawn or pushed.
     pub(crate) fn is_busy(&self) -> bool {
-        self.draw.is_busy() || self.push.is_busy()
+        self.draw.is_busy() || self.push.is_busy() || self.cut.is_busy()
     }
 
     /// Forgets what was under way when the tool was left. The heights that were given last stay.
@@ -51,6 +55,16 @@ impl BlockingState {
             draw: std::mem::take(&mut self.draw),
             ..Self::default()
         };
+    }
+
+    /// What can be done next with what is being drawn, pushed or cut.
+    pub(super) fn hint(&self, model: &BlockingModel) -> Option<String> {
+        match model.tool {
+            Tool::Draw(kind) => self.draw.hint(kind, model.unit),
+            Tool::Push => self.push.hint().map(str::to_owned),
+            Tool::Cut(_) => self.cut.hint().map(str::to_owned),
+            _ => None,
+        }
     }
 
     /// Follows the mouse and the keys of one frame.
@@ -69,72 +83,91 @@ impl BlockingState {
         if model.tool != Tool::Push {
             self.push = PushState::default();
         }
+        if !matches!(model.tool, Tool::Cut(_)) {
+            self.cut = CutState::default();
+        }
         let is_over = is_over(ui, response);
-        // The call locks egui's context, so that it must not be locked here already.
-        let clicked = response.clicked_by(PointerButton::Primary);
-        let mut hand = ui.input(|input| Hand {
-            pointer: input.pointer.latest_pos().unwrap_or(screen.picture.center()),
-            pressed: is_over && input.pointer.button_pressed(PointerButton::Primary) && !input.modifiers.alt,
-            clicked: clicked && !input.modifiers.alt,
-            down: input.pointer.button_down(PointerButton::Primary),
-            step: step(input, model),
+        let (end, moments) = ui.input(|input| {
+            let end = Hand {
+                pointer: input.pointer.latest_pos().unwrap_or(screen.picture.center()),
+                pressed: false,
+                is_turn: false,
+                down: input.pointer.button_down(PointerButton::Primary),
+                step: step(input, model),
+            };
+            (end, hand::moments(&input.events, is_over, end))
         });
-        self.look(ui, screen, model, is_over, &mut hand);
-        let rest: Vec<Press> = presses
-            .iter()
-            .filter(|press| !self.take_key(press, screen, model, &hand, commands))
-            .copied()
-            .collect();
-        let uses_pointer = match model.tool {
-            Tool::Draw(kind) => self
-                .draw
-                .follow(kind, self.seen.as_ref(), screen, model, &hand, commands),
-            Tool::Push => self.push.follow(self.seen.as_ref(), screen, model, &hand, commands),
-            Tool::Cut(kind) => {
-                cut::follow(kind, self.seen.as_ref(), model, &hand, commands);
-                false
-            }
-            _ => false,
+        let late = std::mem::take(&mut self.waiting);
+        let has_waited = !late.is_empty();
+        let mut rest = std::mem::take(&mut self.waiting_keys);
+        rest.extend_from_slice(presses);
+        let mut take_keys = |this: &mut Self, commands: &mut Vec<Command>| {
+            rest.retain(|press| !this.take_key(press, screen, model, &end, commands));
         };
+        // Keys are told apart from the mouse. Before something is begun they mean nothing to the tool, so that they were pressed after it.
+        let keys_first = self.is_busy() && !self.draw.is_dragging();
+        if keys_first {
+            take_keys(self, commands);
+        }
+        let mut moments: Vec<Hand> = late.into_iter().chain(moments).collect();
+        let mut uses_pointer = false;
+        for at in 0..moments.len() {
+            let hand = moments[at];
+            let is_known = self.look(ui, screen, model, is_over, &hand);
+            // If nothing is known of a shape after a frame, it is none that the tools can change.
+            if hand.is_turn && !is_known && !(has_waited && at == 0) {
+                self.waiting = moments.split_off(at).into_iter().filter(|hand| hand.is_turn).collect();
+                break;
+            }
+            uses_pointer |= self.act(screen, model, &hand, commands);
+        }
+        if !keys_first && self.waiting.is_empty() {
+            take_keys(self, commands);
+        }
+        if !self.waiting.is_empty() {
+            self.waiting_keys = std::mem::take(&mut rest);
+            ui.ctx().request_repaint();
+        }
         if self.is_busy() {
             // The preview follows the pointer.
             ui.ctx().request_repaint();
         }
         Rest {
             // A press that waits for the shape to be looked up may be meant for the tool.
-            pointer: !uses_pointer && self.waiting.is_none(),
+            pointer: !uses_pointer && self.waiting.is_empty(),
             presses: rest,
         }
     }
 
-    /// Finds the surface under the pointer. A press on a shape that is not looked up yet waits for the next frame.
-    fn look(&mut self, ui: &Ui, screen: &Screen, model: &BlockingModel, is_over: bool, hand: &mut Hand) {
-        if self.is_busy() {
-            return;
+    /// Follows the mouse at a moment; true if the left button is the tool's.
+    fn act(&mut self, screen: &Screen, model: &BlockingModel, hand: &Hand, commands: &mut Vec<Command>) -> bool {
+        let seen = self.seen.as_ref();
+        match model.tool {
+            Tool::Draw(kind) => self.draw.follow(kind, seen, screen, model, hand, commands),
+            Tool::Push => self.push.follow(seen, screen, model, hand, commands),
+            Tool::Cut(kind) => self.cut.follow(kind, seen, screen, model, hand, commands),
+            _ => false,
         }
-        let needs_target = matches!(model.tool, Tool::Push | Tool::Cut(_));
-        let asked = match model.tool {
-            Tool::Cut(_) => &mut hand.clicked,
-            _ => &mut hand.pressed,
-        };
-        let waited = self.waiting.take();
-        if let Some(place) = waited {
-            hand.pointer = place;
-            *asked = true;
+    }
+
+    /// Finds the surface under the pointer and the shapes around it; false if some of these are not looked up yet.
+    fn look(&mut self, ui: &Ui, screen: &Screen, model: &BlockingModel, is_over: bool, hand: &Hand) -> bool {
+        let draws = matches!(model.tool, Tool::Draw(_));
+        if self.is_busy() && !draws && !self.push.waits() {
+            return true;
         }
         let seen = picking::seen_surface(model.packed, &screen.ray(hand.pointer), |_| false).filter(|_| is_over);
-        let hovered = seen
-            .map(|seen| seen.entity)
-            .filter(|entity| !model.locked.contains(entity));
-        if needs_target && hovered.is_some() && model.target.map(|target| target.entity) != hovered {
-            // If nothing is known of the shape after a frame, it is none that the tools can change.
-            let is_new = std::mem::take(asked) && waited.is_none();
-            self.waiting = is_new.then_some(hand.pointer);
-        }
-        if self.seen != seen || self.waiting.is_some() {
+        let is_free = |entity: &Entity| !model.locked.contains(entity);
+        let near = match draws && is_over {
+            true => catch::shapes_around(model.packed, screen, hand.pointer),
+            false => seen.map(|seen| seen.entity).filter(is_free).into_iter().collect(),
+        };
+        let is_known = near.iter().all(|entity| model.target(*entity).is_some());
+        if self.seen != seen || self.near != near {
             ui.ctx().request_repaint();
         }
-        (self.seen, self.hovered) = (seen, hovered);
+        (self.seen, self.near) = (seen, near);
+        is_known
     }
 
     /// Handles a key; true if it was for what is being drawn or pushed.
@@ -152,17 +185,21 @@ impl BlockingState {
         match press.key {
             Key::Escape => {
                 self.draw.cancel();
+                self.cut.cancel();
                 self.push.cancel(commands);
             }
-            Key::Enter => {
-                if let Tool::Draw(kind) = model.tool {
-                    self.draw.confirm(kind, screen, model, hand, commands);
+            Key::Enter => match model.tool {
+                Tool::Draw(kind) => {
+                    let seen = self.seen.as_ref();
+                    self.draw.confirm(kind, seen, screen, model, hand, commands);
                 }
-                self.push.let_go();
-            }
+                Tool::Cut(kind) => self.cut.confirm(kind, screen, model, hand.step, commands),
+                _ => self.push.let_go(),
+            },
             key => {
                 let typed: Option<&mut Typed> = match model.tool {
                     Tool::Draw(_) => self.draw.typed(),
+                    Tool::Cut(_) => self.cut.typed(),
                     _ => self.push.typed(),
                 };
                 let with_shift = press.modifiers.shift;
@@ -179,7 +216,7 @@ impl BlockingState {
             Tool::Push => self.push.paint(painter, screen, self.seen.as_ref(), model),
             Tool::Cut(kind) => {
                 let step = painter.ctx().input(|input| step(input, model));
-                cut::paint(painter, screen, kind, self.seen.as_ref(), model, step);
+                self.cut.paint(painter, screen, kind, self.seen.as_ref(), model, step);
             }
             _ => {}
         }

@@ -1,9 +1,9 @@
 //! Pushing and pulling the face under the pointer along its normal.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::Painter;
+use bevy_egui::egui::{Painter, Pos2};
 
-use super::hand::{BlockTarget, BlockingModel, Hand, along_line};
+use super::hand::{BlockTarget, BlockingModel, Hand, along_line, is_drag};
 use super::marks;
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
@@ -26,6 +26,9 @@ struct Held {
     face: Face,
     /// The place in the world where the face was pressed.
     grabbed: Vec3,
+    pressed_at: Pos2,
+    /// The button is still down. After a click it is not, and only a number that is typed moves the face.
+    is_dragged: bool,
     /// The way of the face so far, in world units.
     by: f32,
     typed: Typed,
@@ -36,8 +39,23 @@ impl PushState {
         self.held.is_some()
     }
 
+    /// Whether a face was clicked, which waits for a number.
+    pub fn waits(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| !held.is_dragged)
+    }
+
     pub fn typed(&mut self) -> Option<&mut Typed> {
         self.held.as_mut().map(|held| &mut held.typed)
+    }
+
+    /// What can be done next, while a face is held.
+    pub fn hint(&self) -> Option<&'static str> {
+        self.held.as_ref().map(|held| match held.is_dragged {
+            true => {
+                "Let go where it is to be, or type how far it goes and Enter (Ctrl: off the grid, Esc: put it back)"
+            }
+            false => "Type how far it goes and Enter, or drag a face (Esc: put it back)",
+        })
     }
 
     pub fn let_go(&mut self) {
@@ -61,14 +79,19 @@ impl PushState {
         hand: &Hand,
         commands: &mut Vec<Command>,
     ) -> bool {
-        if self.held.is_none()
-            && hand.pressed
+        if hand.pressed {
+            // What was clicked before stays where it is now.
+            self.held = None;
+        }
+        if hand.pressed
             && let Some((target, face)) = under(seen, model)
         {
             self.held = Some(Held {
                 target: target.clone(),
                 face,
                 grabbed: seen.map_or(Vec3::ZERO, |seen| seen.position),
+                pressed_at: hand.pointer,
+                is_dragged: true,
                 by: 0.0,
                 typed: Typed::default(),
             });
@@ -86,10 +109,14 @@ impl PushState {
             let shape = Shape { kind, flip_normals };
             commands.push(Command::Reshape(held.target.entity, shape, pose, Reshaping::Push));
         }
-        if !hand.down {
-            self.held = None;
+        let was_dragged = held.is_dragged;
+        if !hand.down && was_dragged {
+            held.is_dragged = false;
+            if held.by != 0.0 || !held.typed.is_empty() || is_drag(held.pressed_at, hand.pointer) {
+                self.held = None;
+            }
         }
-        true
+        was_dragged
     }
 
     pub fn paint(&self, painter: &Painter, screen: &Screen, seen: Option<&SeenSurface>, model: &BlockingModel) {
@@ -134,6 +161,9 @@ impl Held {
         if let Some(&[number]) = self.typed.lengths(model.unit).as_deref() {
             return Some(number);
         }
+        if !self.is_dragged {
+            return Some(0.0);
+        }
         let (outward, _) = self.face.outward(&self.target.pose);
         let way = along_line(screen, hand.pointer, self.grabbed, outward)?;
         let is_on_grid = outward.abs().max_element() > 0.9999;
@@ -147,10 +177,8 @@ impl Held {
 }
 
 fn under<'a>(seen: Option<&SeenSurface>, model: &BlockingModel<'a>) -> Option<(&'a BlockTarget, Face)> {
-    let (seen, target) = (seen?, model.target?);
-    if target.entity != seen.entity {
-        return None;
-    }
+    let seen = seen?;
+    let target = model.target(seen.entity)?;
     let face = Face::at(&target.shape.kind, &target.pose, seen.position, seen.normal)?;
     Some((target, face))
 }

@@ -3,9 +3,12 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::Pos2;
 
+use super::catch::{self, Caught};
+use super::hand::{BlockingModel, Hand};
+use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::blocking::block::Plane;
-use crate::app::editor::command::blocking::snapped;
+use crate::app::editor::command::blocking::{BlockKind, snapped};
 
 /// A place that something can be drawn from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,33 +22,60 @@ const ROUNDING: f32 = 1e-3;
 /// The ground counts where it is no farther than this number of steps of the grid.
 const FARTHEST: f32 = 2000.0;
 
+/// The least cosine between the upward direction and the normal of a surface that walls and floors are laid onto; others are sides.
+const LAID: f32 = 0.5;
+
 impl Spot {
-    /// The place under the pointer: on the surface that is seen there (its place and normal), else on the ground through the origin. `step` 0 rounds nothing.
+    /// The place under the pointer: the corner or edge that attracts it, else the surface that is seen there, else the ground through the origin. Walls
+    /// and floors lie level at the foot of a wall or beside a box.
     pub fn under(
-        pointer: Pos2,
-        seen: Option<[Vec3; 2]>,
+        kind: BlockKind,
+        hand: &Hand,
+        seen: Option<&SeenSurface>,
+        caught: Option<Caught>,
         screen: &Screen,
-        up: Vec3,
-        grid: f32,
-        step: f32,
+        model: &BlockingModel,
     ) -> Option<Self> {
-        let (place, normal) = match seen {
-            Some([place, normal]) => (place, normal),
+        let (up, is_laid) = (model.up, kind != BlockKind::Box);
+        let level = Plane::of_normal(up, up);
+        if let Some(caught) = caught {
+            let seen = seen.filter(|_| !is_laid && !caught.is_low);
+            let surface = seen.map(|seen| (Plane::of_normal(seen.normal, up), seen.position));
+            let surface = surface.filter(|(plane, place)| is_on(plane, *place, caught.place, model.step));
+            return Some(Self {
+                place: caught.place + Vec3::ZERO,
+                plane: surface.map_or(level, |(plane, _)| plane),
+            });
+        }
+        let foot = || catch::foot(seen.filter(|_| is_laid)?, screen, model, hand.step);
+        if let Some(place) = foot() {
+            return Some(Self {
+                place: place + Vec3::ZERO,
+                plane: level,
+            });
+        }
+        let (place, plane) = match seen {
+            Some(seen) if is_laid && seen.normal.dot(up).abs() < LAID => (catch::base(seen, model), level),
+            Some(seen) => (seen.position, Plane::of_normal(seen.normal, up)),
             None => {
-                let place = on_plane(screen, pointer, Vec3::ZERO, up)?;
-                let distance = screen.depth(place);
-                if distance > FARTHEST * grid {
+                let place = on_plane(screen, hand.pointer, Vec3::ZERO, up)?;
+                if screen.depth(place) > FARTHEST * model.step {
                     return None;
                 }
-                (place, up)
+                (place, level)
             }
         };
-        let plane = Plane::of_normal(normal, up);
         Some(Self {
-            place: rounded(place, &plane, grid, step),
+            place: rounded(place, &plane, model.step, hand.step),
             plane,
         })
     }
+}
+
+/// Whether a place is on the plane through another one, up to a small part of a step of the grid.
+pub(super) fn is_on(plane: &Plane, through: Vec3, place: Vec3, grid: f32) -> bool {
+    const OFF: f32 = 0.02;
+    (place - through).dot(plane.normal).abs() <= OFF * grid
 }
 
 /// The place under the pointer on a plane; None where the pointer is above its horizon.
