@@ -12,6 +12,7 @@ mod material;
 mod mesh;
 mod nodes;
 mod picture;
+mod placed;
 pub mod scene;
 mod schema;
 mod uri;

@@ -4,11 +4,15 @@
 //! and are not loaded again.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
 
 use super::parts_cache::{CACHE, allow_parts};
 use crate::document::source::MAX_FILE_BYTES;
 use crate::document::{Category, Diagnostics, Document, Object, Severity, SourceFile};
 use crate::files::Access;
+use crate::geometry::mesh::MeshData;
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
@@ -57,6 +61,20 @@ pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
         access,
         ..into_document(taken, path, &sources)
     }
+}
+
+/// The meshes of a glTF file where its scene places them, each with its pose, world from local. Nothing is kept in the cache. `limit`: the most bytes of
+/// the file, and of each file that it names. The error says why it cannot be read.
+pub(crate) fn placed_meshes(
+    path: &Path,
+    access: &Access,
+    limit: u64,
+) -> Result<Vec<(Arc<MeshData>, Affine3A)>, String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let bytes = access.read(path, limit).map_err(|error| error.to_string())?;
+    let mut read = |name: &str| Ok(access.read(&folder.join(name), limit)?);
+    let opened = Gltf::open(&bytes, &mut read).and_then(|gltf| gltf.placed_meshes());
+    opened.map_err(|error| error.to_string())
 }
 
 fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[PathBuf]) -> Document {

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3};
 use bevy_egui::egui::{self, Pos2};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::asset_kind::{AssetKind, FileUse};
 use sunroom::app::editor::command::shell::ShellCommand;
+use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::model::Model;
 use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, AssetsModel, Listing};
 use sunroom::app::editor::panels::assets::{AssetsState, assets};
+use sunroom::app::editor::window::scene_question;
 
 use super::{click, drag_between, show_beside_picture};
 
@@ -152,6 +154,55 @@ fn a_double_click_does_what_suits_the_file() {
         };
         assert_eq!(harness.state().commands, [expected]);
     }
+}
+
+#[test]
+fn of_a_scene_in_the_picture_it_is_asked_whether_it_is_added_or_opened() {
+    let (mut harness, _) = shown();
+    let from = harness.get_by_label("room.xml").rect().center();
+    drag_between(&mut harness, from, Pos2::new(440.0, 250.0));
+    let [Command::Shell(ShellCommand::AskAboutScene(file))] = &harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(file.path, Path::new("/assets/room.xml"));
+    assert!(file.at.is_some());
+    // Materials are for the shape there.
+    let (mut harness, _) = shown();
+    let from = harness.get_by_label("red.xml").rect().center();
+    drag_between(&mut harness, from, Pos2::new(440.0, 250.0));
+    assert!(matches!(harness.state().commands[..], [Command::UseFile(_)]));
+}
+
+#[test]
+fn the_answer_adds_the_scene_or_opens_it() {
+    let file = FileUse {
+        path: "/assets/room.xml".into(),
+        at: None,
+        bounds: None,
+    };
+    let open = Command::OpenScene(file.path.clone());
+    let add = Command::UseFile(Box::new(file.clone()));
+    for (answer, expected) in [("Add", vec![add]), ("Open", vec![open]), ("Cancel", vec![])] {
+        let shown = (Some(file.clone()), Vec::new());
+        let mut harness = Harness::builder().with_size(egui::vec2(640.0, 480.0)).build_ui_state(
+            |ui, (asked, commands): &mut (Option<FileUse>, Vec<Command>)| {
+                scene_question::question(&ui.ctx().clone(), asked, commands);
+            },
+            shown,
+        );
+        harness.run_steps(3);
+        harness.get_by_label(answer).click();
+        harness.run_steps(3);
+        assert_eq!(*harness.state(), (None, expected));
+    }
+}
+
+#[test]
+fn a_folder_is_chosen_by_the_dialog() {
+    let (mut harness, _) = shown();
+    click(&mut harness, "Add…");
+    let expected = Command::ShowDialog(FileDialogKind::AssetFolder);
+    assert_eq!(harness.state().commands, [expected]);
 }
 
 #[test]

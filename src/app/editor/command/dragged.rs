@@ -15,4 +15,8 @@ pub(crate) struct DraggedPreset(pub Preset);
 
 /// A file of the browser on its way into the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct DraggedFile(pub FileUse);
+pub(crate) struct DraggedFile {
+    pub file: FileUse,
+    /// It is known to be a whole scene.
+    pub is_scene: bool,
+}

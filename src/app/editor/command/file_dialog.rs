@@ -17,6 +17,8 @@ pub enum FileDialogKind {
     Import,
     /// A picture of all directions, to be the scene's light from everywhere.
     OpenEnvironment,
+    /// A folder for the list of the browser of assets.
+    AssetFolder,
     /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
     OpenPicture {
         /// A material or a light.

@@ -50,10 +50,19 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
 /// The longest file of materials in bytes; longer ones are scenes.
 const LONGEST_MATERIALS: u64 = 1 << 20;
 
-/// The first material of an XML file, if there is nothing in the file but materials. `access` is for the files that it includes.
-pub(crate) fn material_of(path: &Path, access: Access) -> Result<Option<Preset>, FileError> {
+/// What an XML file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FileContent {
+    /// Nothing but materials, of which this is the first.
+    Materials(Box<Preset>),
+    /// A scene with this number of shapes. None: it is too long to be read for that alone.
+    Scene(Option<usize>),
+}
+
+/// Reads what an XML file holds. `access` is for the files that it includes.
+pub(crate) fn content_of(path: &Path, access: Access) -> Result<FileContent, FileError> {
     let text = match files::read_text(path, LONGEST_MATERIALS) {
-        Err(FileError::TooLarge { .. }) => return Ok(None),
+        Err(FileError::TooLarge { .. }) => return Ok(FileContent::Scene(None)),
         other => other?,
     };
     let mut document = parse_within(&*text, path, &[], access);
@@ -61,7 +70,7 @@ pub(crate) fn material_of(path: &Path, access: Access) -> Result<Option<Preset>,
     let is_bare = scene.shapes.is_empty() && scene.emitters.is_empty() && scene.sensors.is_empty();
     let is_whole = |place: &usize| scene.materials[*place].declared_in == DeclarationPlace::TopLevel;
     let first = (0..scene.materials.len()).find(is_whole).filter(|_| is_bare);
-    Ok(first.map(|place| {
+    let preset = first.map(|place| {
         let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let id = scene.materials[place].identity.id.as_ref();
         let id = id.map_or_else(stem, |id| id.to_string());
@@ -71,6 +80,10 @@ pub(crate) fn material_of(path: &Path, access: Access) -> Result<Option<Preset>,
             name: name.to_owned(),
             tree: tree(&scene, place),
         }
+    });
+    let shapes = scene.shapes.len();
+    Ok(preset.map_or(FileContent::Scene(Some(shapes)), |preset| {
+        FileContent::Materials(Box::new(preset))
     }))
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
+use super::asset_kind::FileUse;
 use super::file_access::Question;
 use super::navigation_preset::NavigationPreset;
 use super::panel::Panel;
@@ -37,6 +38,8 @@ pub enum ShellCommand {
     AddAssetFolder(PathBuf),
     /// Takes a folder from those that the browser of assets begins with.
     RemoveAssetFolder(PathBuf),
+    /// Asks whether a whole scene is to be added to the open one, or to be opened.
+    AskAboutScene(Box<FileUse>),
     /// Lets scenes read the folders of these files.
     AllowFiles(Question),
 }

@@ -14,7 +14,7 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
-use crate::app::editor::command::presets::{self, Preset};
+use crate::app::editor::command::presets::{self, FileContent};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
@@ -54,8 +54,8 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
                 None => Ok(()),
             }
         }
-        Some(AssetKind::Scene) => match material_of(edit, path)? {
-            Some(preset) => {
+        Some(AssetKind::Scene) => match content_of(edit, path)? {
+            FileContent::Materials(preset) => {
                 let shapes = takers(edit, *at)?;
                 if shapes.is_empty() {
                     return Err("There is no shape that could take the material.".into());
@@ -64,16 +64,16 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
                 trust::allow_chosen(edit.world, path);
                 Ok(())
             }
-            None => import_chosen(edit, path),
+            FileContent::Scene(_) => import_chosen(edit, path),
         },
         None => import_chosen(edit, path),
     }
 }
 
-/// The first material of a file that holds nothing else.
-fn material_of(edit: &Edit, path: &Path) -> Result<Option<Preset>, CommandError> {
+/// What an XML file holds.
+fn content_of(edit: &Edit, path: &Path) -> Result<FileContent, CommandError> {
     let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
-    let found = presets::material_of(path, trust.access(path));
+    let found = presets::content_of(path, trust.access(path));
     found.map_err(|error| CommandError::file(format!("{}: {error}", path.display())))
 }
 

@@ -76,6 +76,7 @@ pub fn follow_scene(
             // All of these belong to the scene before.
             requests.save_question = None;
             requests.full_film_question = None;
+            requests.scene_question = None;
             requests.imported.clear();
             settings.bookmarks = Default::default();
             settings.rulers.clear();

@@ -46,6 +46,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         }
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
+        ShellCommand::AskAboutScene(file) => world.resource_mut::<Requests>().scene_question = Some(*file),
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),
     }
     Ok(())

@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use bevy_egui::egui::{self, Align2, Color32, FontId, Rect, Response, RichText, Sense, Ui, vec2};
 
 use super::drag_start::is_drag_of;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::command::dragged::DraggedFile;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::Model;
 use crate::app::editor::model::assets::{AssetEntry, AssetPicture, AssetsModel};
 use crate::app::editor::words::files::size_text;
+use crate::scene::assets::gltf_scene::is_called_gltf;
 
 /// The state that the panel keeps between frames.
 #[derive(Clone, Debug, Default)]
@@ -95,14 +96,31 @@ pub fn assets(ui: &mut Ui, model: &Model, state: &mut AssetsState, commands: &mu
     });
 }
 
-/// Tells a drag the bounds of its mesh, which may become known on the way.
+/// Tells a drag what the file holds, which may become known on the way.
 fn keep_informed(ui: &Ui, known: &AssetsModel) {
     let Some(dragged) = egui::DragAndDrop::payload::<DraggedFile>(ui.ctx()) else {
         return;
     };
-    let file = known.use_of(&dragged.0.path);
-    if file.bounds != dragged.0.bounds {
-        egui::DragAndDrop::set_payload(ui.ctx(), DraggedFile(file));
+    let now = self::dragged(known, &dragged.file.path);
+    if now != *dragged {
+        egui::DragAndDrop::set_payload(ui.ctx(), now);
+    }
+}
+
+/// A file that is dragged, with what is known of it.
+fn dragged(known: &AssetsModel, path: &Path) -> DraggedFile {
+    DraggedFile {
+        file: known.use_of(path),
+        is_scene: is_scene(path, known.pictures.get(path)),
+    }
+}
+
+/// Whether the file is known to be a whole scene, which can be added or opened.
+fn is_scene(path: &Path, picture: Option<&AssetPicture>) -> bool {
+    match AssetKind::of(path) {
+        Some(AssetKind::Mesh) => is_called_gltf(path),
+        Some(AssetKind::Scene) => picture.is_some_and(|picture| !picture.is_material),
+        _ => false,
     }
 }
 
@@ -110,7 +128,7 @@ fn keep_informed(ui: &Ui, known: &AssetsModel) {
 fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let place = place_of(known, state.folder.as_deref()).map(|place| &known.places[place]);
-        let width = (ui.available_width() - 56.0).max(60.0);
+        let width = (ui.available_width() - 104.0).max(60.0);
         egui::ComboBox::from_id_salt("places")
             .width(width)
             .truncate()
@@ -126,6 +144,10 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
             })
             .response
             .on_hover_text("Folders to begin with");
+        let button = ui.button("Add…");
+        if button.on_hover_text("Choose a folder for this list").clicked() {
+            commands.push(Command::ShowDialog(FileDialogKind::AssetFolder));
+        }
         let is_known = |folder: &PathBuf| known.places.iter().any(|place| place.folder == *folder);
         let new = state.folder.clone().filter(|folder| !is_known(folder));
         let button = ui.add_enabled(new.is_some(), egui::Button::new("+"));
@@ -276,17 +298,22 @@ fn file_cell(
     let note = picture.map_or("", |picture| &picture.note);
     lines(ui, face, &entry.name, if note.is_empty() { &size } else { note });
     if is_drag_of(ui, &response) {
-        egui::DragAndDrop::set_payload(ui.ctx(), DraggedFile(known.use_of(&entry.path)));
+        egui::DragAndDrop::set_payload(ui.ctx(), dragged(known, &entry.path));
     }
     let is_scene = kind == AssetKind::Scene && !picture.is_some_and(|picture| picture.is_material);
     let used = || Command::UseFile(Box::new(known.use_of(&entry.path)));
     let opened = || Command::OpenScene(entry.path.clone());
+    let asked = || Command::Shell(ShellCommand::AskAboutScene(Box::new(known.use_of(&entry.path))));
     // A file of materials must not take the place of the scene before it is known for what it is.
     let is_known = kind != AssetKind::Scene || picture.is_some();
+    let can_open = is_scene || is_called_gltf(&entry.path);
     if response.double_clicked() && is_known {
-        commands.push(if is_scene { opened() } else { used() });
+        commands.push(match (is_scene, can_open) {
+            (true, _) => opened(),
+            (false, true) => asked(),
+            (false, false) => used(),
+        });
     }
-    let can_open = is_scene || SCENES.iter().any(|end| entry.name.to_lowercase().ends_with(end));
     response.context_menu(|ui| {
         let (word, help) = match kind {
             AssetKind::Picture | AssetKind::Environment => ("Use", "As texture of the selected shapes, or all around"),
@@ -317,9 +344,6 @@ fn file_cell(
     response.on_hover_ui(|ui| tool_tip(ui, entry, kind, picture, &size));
 }
 
-/// The ends of names of files other than XML that can be opened.
-const SCENES: [&str; 2] = [".gltf", ".glb"];
-
 fn tool_tip(ui: &mut Ui, entry: &AssetEntry, kind: AssetKind, picture: Option<&AssetPicture>, size: &str) {
     ui.label(entry.path.display().to_string());
     let note = picture.map_or("", |picture| &picture.note);
@@ -336,10 +360,13 @@ fn tool_tip(ui: &mut Ui, entry: &AssetEntry, kind: AssetKind, picture: Option<&A
         AssetKind::Picture | AssetKind::Environment => {
             "Drag it onto a shape for a texture, or beside all shapes for the light from all around. A double click is for the selection."
         }
+        AssetKind::Mesh if is_called_gltf(&entry.path) => {
+            "Drag it into the picture, or click it twice: it can be added to the scene, or opened."
+        }
         AssetKind::Mesh => "Drag it to where it is to stand. A double click adds it where its file says.",
         AssetKind::Scene if is_material => "Drag it onto a shape. A double click is for the selection.",
         AssetKind::Scene if picture.is_none() => "It has not been read yet.",
-        AssetKind::Scene => "Drag it into the picture to add it to the scene. A double click opens it.",
+        AssetKind::Scene => "Drag it into the picture to add it to the scene, or to open it. A double click opens it.",
     });
 }
 

@@ -4,6 +4,7 @@ use bevy::prelude::{Entity, Resource};
 
 use super::full_film_question::FullFilmQuestion;
 use super::save_question::SaveQuestion;
+use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::command::{Command, FileDialogKind};
@@ -21,6 +22,8 @@ pub struct Requests {
     pub save_question: Option<SaveQuestion>,
     /// The question whether to trace a large film in full.
     pub full_film_question: Option<FullFilmQuestion>,
+    /// A scene of which is asked whether it is to be added or opened.
+    pub scene_question: Option<FileUse>,
     /// The sheet that covers the window.
     pub sheet: Option<Sheet>,
     /// A panel to bring to the front of its group, unless it is closed.

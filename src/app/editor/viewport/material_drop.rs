@@ -11,9 +11,9 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::dragged::{Dragged, DraggedFile, DraggedPreset};
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
-use crate::scene::assets::gltf_scene::is_called_gltf;
 
 /// The data for dropping a material on the picture.
 #[derive(Clone, Copy, Debug)]
@@ -33,14 +33,13 @@ impl Takers<'_> {
     }
 
     /// The hint about what a drop of a file does at a place of the picture.
-    fn file_hint(&self, path: &Path, at: Vec2) -> String {
+    fn file_hint(&self, path: &Path, is_scene: bool, at: Vec2) -> String {
         match AssetKind::of(path) {
+            _ if is_scene => "Add it to the scene, or open it".to_owned(),
             Some(AssetKind::Picture | AssetKind::Environment) if picking::pick(self.packed, at).is_none() => {
                 "All around, as light".to_owned()
             }
             Some(AssetKind::Picture | AssetKind::Environment) => self.hint(at),
-            // A glTF file is a scene.
-            Some(AssetKind::Mesh) if is_called_gltf(path) => "Add it to the scene".to_owned(),
             Some(AssetKind::Mesh) => "It will stand here".to_owned(),
             Some(AssetKind::Scene) | None => match picking::pick(self.packed, at) {
                 Some(_) => format!("{}, if it is a material", self.hint(at)),
@@ -75,7 +74,7 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
             .dnd_hover_payload::<Dragged>()
             .is_some_and(|dragged| takers.is_material(&dragged.0));
     let file = response.dnd_hover_payload::<DraggedFile>();
-    let file_hint = file.map(|file| takers.file_hint(&file.0.path, at));
+    let file_hint = file.map(|file| takers.file_hint(&file.file.path, file.is_scene, at));
     if let Some(hint) = file_hint.or_else(|| hovers.then(|| takers.hint(at))) {
         let font = egui::TextStyle::Body.resolve(ui.style());
         let text = ui.painter().layout_no_wrap(hint, font, Color32::WHITE);
@@ -95,9 +94,13 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
     if is_file && let Some(dragged) = response.dnd_release_payload::<DraggedFile>() {
         let file = FileUse {
             at: Some(at),
-            ..dragged.0.clone()
+            ..dragged.file.clone()
         };
-        commands.push(Command::UseFile(Box::new(file)));
+        let file = Box::new(file);
+        commands.push(match dragged.is_scene {
+            true => Command::Shell(ShellCommand::AskAboutScene(file)),
+            false => Command::UseFile(file),
+        });
         return;
     }
     let dragged = response.dnd_release_payload::<Dragged>();
@@ -153,9 +156,11 @@ mod tests {
         assert!(takers(&none).is_material(&[glass]));
         assert!(!takers(&none).is_material(&[lamp]) && !takers(&none).is_material(&[glass, lamp]));
         assert_eq!(takers(&locked).hint(middle), "ball is locked");
-        let of_file = |file: &str| takers(&none).file_hint(Path::new(file), Vec2::ZERO);
+        let hint = |file: &str, is_scene| takers(&none).file_hint(Path::new(file), is_scene, Vec2::ZERO);
+        let of_file = |file: &str| hint(file, false);
         assert_eq!(of_file("sky.bmp"), "All around, as light");
         assert_eq!(of_file("chair.ply"), "It will stand here");
-        assert_eq!(of_file("room.GLB"), "Add it to the scene");
+        assert_eq!(of_file("room.xml"), "Add it to the scene");
+        assert_eq!(hint("room.xml", true), "Add it to the scene, or open it");
     }
 }

@@ -8,6 +8,7 @@ use bevy_egui::egui;
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::samples::{program_folder, program_folders};
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
@@ -24,6 +25,8 @@ pub struct Dialogs {
     picture_folder: Option<PathBuf>,
     /// The folder from which something was last imported.
     import_folder: Option<PathBuf>,
+    /// The folder in which a folder was last chosen.
+    around_folder: Option<PathBuf>,
 }
 
 /// What a dialog begins with.
@@ -57,6 +60,7 @@ impl Dialogs {
                 FileDialogKind::SaveImage => self.image_folder.clone(),
                 FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
                 FileDialogKind::Import => self.import_folder.clone(),
+                FileDialogKind::AssetFolder => self.around_folder.clone(),
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene => None,
             };
             let start = before.or_else(|| beside(model.scene)).or_else(examples);
@@ -77,6 +81,7 @@ impl Dialogs {
                         self.picture_folder = folder
                     }
                     FileDialogKind::Import => self.import_folder = folder,
+                    FileDialogKind::AssetFolder => self.around_folder = folder,
                     FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
                 }
                 match picked(*kind, path) {
@@ -143,6 +148,7 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
 fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
     Ok(match kind {
         FileDialogKind::OpenScene => Command::OpenScene(path),
+        FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
         FileDialogKind::OpenEnvironment if !PICTURES.contains(&extension(&path).as_str()) => {
@@ -180,6 +186,7 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog 
         ),
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(&PICTURES)),
+        FileDialogKind::AssetFolder => ("Add a folder to the assets".to_owned(), Purpose::Folder),
         FileDialogKind::SaveScene => (
             "Save the scene".to_owned(),
             Purpose::Save(&[("Scene", "xml")], proposed("scene", "xml")),

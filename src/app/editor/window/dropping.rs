@@ -7,6 +7,8 @@ use bevy::window::FileDragAndDrop;
 use bevy_egui::egui::{self, Align2, Color32, FontId, Rect};
 
 use crate::app::editor::command::Command;
+use crate::app::editor::command::asset_kind::FileUse;
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::words::files::SCENE_FILES;
 
 /// The files that hover over the window, and those that were dropped since the last frame.
@@ -30,8 +32,8 @@ pub fn take_dropped_files(mut events: MessageReader<FileDragAndDrop>, mut files:
 }
 
 impl DroppedFiles {
-    /// The commands of a drop. A first scene is opened if none is open; everything else is added to the scene. `untouched` says that no file is
-    /// open and nothing was done.
+    /// The commands of a drop. A first scene is opened if none is open, and of a single one it is asked otherwise whether it is to be opened; everything
+    /// else is added to the scene. `untouched` says that no file is open and nothing was done.
     pub fn commands(&mut self, untouched: bool) -> Vec<Command> {
         let is_scene = |path: &PathBuf| {
             let extension = path.extension().unwrap_or_default();
@@ -39,6 +41,16 @@ impl DroppedFiles {
         };
         let mut files = std::mem::take(&mut self.dropped);
         if !untouched {
+            if let [scene] = &files[..]
+                && is_scene(scene)
+            {
+                let file = FileUse {
+                    path: scene.clone(),
+                    at: None,
+                    bounds: None,
+                };
+                return vec![Command::Shell(ShellCommand::AskAboutScene(Box::new(file)))];
+            }
             return files.into_iter().map(Command::Import).collect();
         }
         let first = files.iter().position(is_scene).map(|place| files.remove(place));
@@ -74,10 +86,16 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_opens_where_there_is_none_and_joins_where_there_is() {
-        let scene = PathBuf::from("/room.GLB");
-        assert_eq!(dropped(&["/room.GLB"], true), [Command::OpenScene(scene.clone())]);
-        assert_eq!(dropped(&["/room.GLB"], false), [Command::Import(scene)]);
+    fn a_scene_opens_where_there_is_none_and_is_asked_about_where_there_is() {
+        let path = PathBuf::from("/room.GLB");
+        assert_eq!(dropped(&["/room.GLB"], true), [Command::OpenScene(path.clone())]);
+        let (at, bounds) = (None, None);
+        let file = Box::new(FileUse { path, at, bounds });
+        let asked = Command::Shell(ShellCommand::AskAboutScene(file));
+        assert_eq!(dropped(&["/room.GLB"], false), [asked]);
+        let both = ["/room.GLB", "/a.ply"];
+        let imports = both.map(|path| Command::Import(path.into()));
+        assert_eq!(dropped(&both, false), imports);
     }
 
     #[test]

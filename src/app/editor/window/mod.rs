@@ -12,6 +12,7 @@ pub mod palette;
 pub(crate) mod preview;
 pub mod recovery_question;
 pub mod save_question;
+pub mod scene_question;
 pub(crate) mod sheet;
 pub mod shortcuts;
 pub mod start_page;

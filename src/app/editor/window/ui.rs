@@ -12,7 +12,7 @@ use super::late_quit::LateQuit;
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
-use super::{full_film, recovery_question, save_question, toasts, trust_question, tutorial};
+use super::{full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
@@ -123,6 +123,7 @@ pub fn show_window(
     let is_free = requests.dialog.is_none()
         && requests.save_question.is_none()
         && requests.full_film_question.is_none()
+        && requests.scene_question.is_none()
         && requests.sheet.is_none()
         && shell.recovery.offer.is_none()
         && shell.trusted.question.is_none()
@@ -241,6 +242,7 @@ pub fn show_window(
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
+    scene_question::question(&context, &mut requests.scene_question, commands);
     full_film::progress(&context, &model.status, widgets.viewport_place, commands);
     // One question at a time.
     if shell.recovery.offer.is_none() {

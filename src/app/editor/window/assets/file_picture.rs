@@ -1,5 +1,6 @@
 //! Finds out what a file looks like and holds. Files are read as the scene's own are, within the memory budget, and nothing outside of their folder is read.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -11,7 +12,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use crate::app::editor::command::asset_kind::AssetKind;
-use crate::app::editor::command::presets;
+use crate::app::editor::command::presets::{self, FileContent};
 use crate::app::editor::model::assets::AssetEntry;
 use crate::app::editor::model::thumbnails::shrunk;
 use crate::app::editor::picture::ball_picture::{self, without_noise};
@@ -31,6 +32,7 @@ use crate::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use crate::render::tile::{render_tile, tiles};
 use crate::render::tonemap::{Display, ToneMap};
 use crate::render::view::{Shown, View};
+use crate::scene::assets::gltf_scene::{is_called_gltf, placed_meshes};
 use crate::scene::assets::texture_map::load_picture;
 use crate::scene::assets::triangle_mesh::load_mesh;
 use crate::shading::{Bsdf, Diffuse};
@@ -53,8 +55,9 @@ pub(super) struct Content {
     pub is_material: bool,
 }
 
-/// Reads a file, or takes what is known of it from an earlier run. The error says why the file cannot be used.
-pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache) -> Result<Content, String> {
+/// Reads a file, or takes what is known of it from an earlier run. Links may lead to where `trusted` permits. The error says why the file cannot be
+/// used.
+pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Access) -> Result<Content, String> {
     let changed = entry.modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
     let key = format!("file {} {} {changed:?}", entry.path.display(), entry.bytes);
     if let Some(known) = cache.get(&key).and_then(from_kept) {
@@ -69,14 +72,20 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache) -> Result<Con
     }
     // A folder of strangers may hold links to anywhere.
     let folder = entry.path.parent().unwrap_or(Path::new(""));
-    let access = Access::within([folder.to_owned()]).of_scene_in(folder);
+    let mut access = trusted.apart().of_scene_in(folder);
+    access.allow(folder);
     if !access.covers(&entry.path) {
-        return Err("it is a link that leads out of the folder".to_owned());
+        let target = std::fs::canonicalize(&entry.path).unwrap_or_default();
+        let target = target.parent().unwrap_or(Path::new(""));
+        return Err(format!(
+            "it is a link to {}, which is none of your folders here",
+            target.display()
+        ));
     }
     let content = beside_everything(|| match entry.kind {
         Some(AssetKind::Picture | AssetKind::Environment) => picture(&entry.path, &access),
         Some(AssetKind::Mesh) => mesh(&entry.path, &access),
-        Some(AssetKind::Scene) => material(&entry.path, access),
+        Some(AssetKind::Scene) => xml(&entry.path, access),
         None => Ok(Content::default()),
     })?;
     if let Some(image) = &content.image {
@@ -130,35 +139,67 @@ fn picture(path: &Path, access: &Access) -> Result<Content, String> {
     })
 }
 
-/// A glTF file has materials, lights and many meshes; it is not taken apart for a picture.
+/// A mesh with its pose, world from local.
+type Placed = (Arc<MeshData>, Affine3A);
+
 fn mesh(path: &Path, access: &Access) -> Result<Content, String> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if extension == "gltf" || extension == "glb" {
-        return Ok(Content::default());
+    if is_called_gltf(path) {
+        return gltf(path, access);
     }
     let loaded = load_mesh(path, access).map_err(|error| error.to_string())?;
-    let meshes: Vec<Arc<MeshData>> = loaded.shapes.iter().map(|shape| shape.data.clone()).collect();
-    let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let points = meshes.iter().flat_map(|mesh| mesh.positions.iter().copied());
-    let bounds = points.fold(Aabb::EMPTY, |bounds, point| {
-        bounds.union(Aabb { min: point, max: point })
-    });
+    let meshes = loaded.shapes.iter();
+    let meshes: Vec<Placed> = meshes.map(|shape| (shape.data.clone(), Affine3A::IDENTITY)).collect();
+    let triangles: usize = meshes.iter().map(|(mesh, _)| mesh.triangles.len()).sum();
+    let bounds = bounds_of(&meshes);
     Ok(Content {
         image: clay(meshes, &bounds),
-        note: match triangles {
-            1 => "1 triangle".to_owned(),
-            count @ ..10_000 => format!("{count} triangles"),
-            // The line is as short as the picture is wide.
-            count @ ..10_000_000 => format!("{} k tris", count / 1000),
-            count => format!("{} M tris", count / 1_000_000),
-        },
+        note: triangles_text(triangles),
         bounds: (!bounds.is_empty()).then_some([bounds.min, bounds.max]),
         is_material: false,
     })
 }
 
+/// The meshes of a glTF file in grey, and their number: of its materials nothing is read.
+fn gltf(path: &Path, access: &Access) -> Result<Content, String> {
+    let meshes = placed_meshes(path, access, LONGEST)?;
+    let bounds = bounds_of(&meshes);
+    Ok(Content {
+        note: shapes_text(meshes.len()),
+        image: clay(meshes, &bounds),
+        ..Content::default()
+    })
+}
+
+fn bounds_of(meshes: &[Placed]) -> Aabb {
+    let points = |(mesh, pose): &Placed| {
+        let pose = *pose;
+        let points = mesh.positions.iter().map(move |point| pose.transform_point3(*point));
+        points.fold(Aabb::EMPTY, |bounds, point| {
+            bounds.union(Aabb { min: point, max: point })
+        })
+    };
+    meshes.iter().map(points).fold(Aabb::EMPTY, Aabb::union)
+}
+
+/// A number of triangles. The line is as short as a picture is wide.
+fn triangles_text(count: usize) -> String {
+    match count {
+        1 => "1 triangle".to_owned(),
+        ..10_000 => format!("{count} triangles"),
+        10_000..10_000_000 => format!("{} k tris", count / 1000),
+        _ => format!("{} M tris", count / 1_000_000),
+    }
+}
+
+fn shapes_text(count: usize) -> String {
+    match count {
+        1 => "1 shape".to_owned(),
+        count => format!("{count} shapes"),
+    }
+}
+
 /// Meshes in grey, seen from the front, a little from the right and above. None for meshes without a size.
-fn clay(meshes: Vec<Arc<MeshData>>, bounds: &Aabb) -> Option<ColorImage> {
+fn clay(meshes: Vec<Placed>, bounds: &Aabb) -> Option<ColorImage> {
     /// Degrees, and the share of the picture that the sphere around the mesh fills.
     const FIELD: f32 = 30.0;
     const FILLED: f32 = 0.85;
@@ -166,12 +207,20 @@ fn clay(meshes: Vec<Arc<MeshData>>, bounds: &Aabb) -> Option<ColorImage> {
     if !(radius.is_finite() && radius > 0.0) {
         return None;
     }
-    let slots: Vec<usize> = meshes.iter().map(|mesh| mesh.materials.len().max(1)).collect();
-    let blas = |mesh| Primitive::Mesh(Arc::new(Blas::build(mesh, SplitMethod::default())));
-    let instances = meshes
-        .into_iter()
-        .filter_map(|mesh| Instance::new(blas(mesh), Affine3A::IDENTITY));
-    let geometry = Tlas::build(instances.collect(), SplitMethod::default());
+    // A mesh that is placed several times has one hierarchy.
+    let mut known: HashMap<*const MeshData, Arc<Blas>> = HashMap::new();
+    let mut slots = Vec::new();
+    let mut instances = Vec::new();
+    for (mesh, pose) in meshes {
+        let slot_count = mesh.materials.len().max(1);
+        let build = |mesh| Arc::new(Blas::build(mesh, SplitMethod::default()));
+        let blas = known.entry(Arc::as_ptr(&mesh)).or_insert_with(|| build(mesh));
+        if let Some(instance) = Instance::new(Primitive::Mesh(blas.clone()), pose) {
+            instances.push(instance);
+            slots.push(slot_count);
+        }
+    }
+    let geometry = Tlas::build(instances, SplitMethod::default());
     let slot = SurfaceSlot {
         material: MaterialId(0),
         light: None,
@@ -227,14 +276,16 @@ fn encoded(radiance: &[Rgb]) -> ColorImage {
     ColorImage::from_rgba_unmultiplied([EDGE as usize; 2], &rgba)
 }
 
-/// A file that holds nothing but materials looks like a ball of the first; other scenes have no picture.
-fn material(path: &Path, access: Access) -> Result<Content, String> {
-    let Some(preset) = presets::material_of(path, access).map_err(|error| error.to_string())? else {
-        let note = "scene".to_owned();
-        return Ok(Content {
-            note,
-            ..Content::default()
-        });
+/// A file that holds nothing but materials looks like a ball of the first; scenes have no picture, but a number of shapes.
+fn xml(path: &Path, access: Access) -> Result<Content, String> {
+    let preset = match presets::content_of(path, access).map_err(|error| error.to_string())? {
+        FileContent::Materials(preset) => *preset,
+        FileContent::Scene(shapes) => {
+            return Ok(Content {
+                note: shapes.map_or("scene".to_owned(), shapes_text),
+                ..Content::default()
+            });
+        }
     };
     let look = ball_picture::looks(std::slice::from_ref(&preset)).pop();
     let image = look.and_then(|look| MaterialBall::new(&look, EDGE)).and_then(|ball| {
@@ -277,13 +328,17 @@ mod tests {
         assert_eq!((content, threads), (Ok(Content::default()), 1));
     }
 
+    fn nowhere() -> Access {
+        Access::within([])
+    }
+
     const TRIANGLE: &[u8] = b"v -1 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n";
 
     #[test]
     fn files_say_what_they_are() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let cache = PictureCache::default();
-        let content = |name: &str, bytes: &[u8]| content_of(&entry(folder.path(), name, bytes), &cache);
+        let content = |name: &str, bytes: &[u8]| content_of(&entry(folder.path(), name, bytes), &cache, &nowhere());
 
         let mesh = content("a.obj", TRIANGLE).expect("it is a mesh");
         assert_eq!(mesh.note, "1 triangle");
@@ -305,8 +360,33 @@ mod tests {
         let scene = content("b.xml", scene).expect("it is a scene");
         assert_eq!(
             (scene.note.as_str(), scene.image, scene.is_material),
-            ("scene", None, false)
+            ("1 shape", None, false)
         );
+    }
+
+    #[test]
+    fn a_gltf_file_has_a_picture_of_all_that_it_places() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let corners: [f32; 9] = [-1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+        let bytes: Vec<u8> = corners.iter().flat_map(|number| number.to_le_bytes()).collect();
+        fs::write(folder.path().join("corners.bin"), bytes).expect("it can be written");
+        let text = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+            "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [3, 0, 0]}, {"name": "empty"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "buffers": [{"byteLength": 36, "uri": "corners.bin"}]}"#;
+        let file = entry(folder.path(), "two.gltf", text.as_bytes());
+        let content = content_of(&file, &PictureCache::default(), &nowhere()).expect("it can be read");
+        assert_eq!((content.note.as_str(), content.bounds), ("2 shapes", None));
+        let image = content.image.expect("it has a picture");
+        let is_lit = |x: usize, y: usize| image[(x, y)].r() > 2 * image[(2, 2)].r();
+        // The two triangles stand beside each other, with a gap between their upper ends.
+        let lit: Vec<usize> = (0..128).filter(|x| is_lit(*x, 64)).collect();
+        let gaps = lit.windows(2).filter(|pair| pair[1] - pair[0] > 4).count();
+        assert_eq!(gaps, 1, "{lit:?}");
+        let broken = entry(folder.path(), "broken.glb", b"glTF");
+        assert!(content_of(&broken, &PictureCache::default(), &nowhere()).is_err());
     }
 
     #[test]
@@ -319,14 +399,14 @@ mod tests {
             ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 4000000000\n"),
             ("a.serialized", b"\x1c\x04\x04\x00"),
         ] {
-            let error = content_of(&entry(folder.path(), name, bytes), &cache).expect_err(name);
+            let error = content_of(&entry(folder.path(), name, bytes), &cache, &nowhere()).expect_err(name);
             assert!(!error.is_empty(), "{name}");
         }
         let absent = AssetEntry {
             path: folder.path().join("gone.png"),
             ..entry(folder.path(), "a.png", b"")
         };
-        assert!(content_of(&absent, &cache).is_err());
+        assert!(content_of(&absent, &cache, &nowhere()).is_err());
     }
 
     #[cfg(unix)]
@@ -344,8 +424,12 @@ mod tests {
             path: link,
             ..target.clone()
         };
-        assert!(content_of(&link, &PictureCache::default()).is_err());
-        assert!(content_of(&target, &PictureCache::default()).is_ok());
+        let content = |entry: &AssetEntry, trusted: &Access| content_of(entry, &PictureCache::default(), trusted);
+        assert!(content(&link, &nowhere()).is_err_and(|error| error.contains("it is a link to")));
+        assert!(content(&target, &nowhere()).is_ok());
+        // The user's own folders may be linked to.
+        let own = Access::within([outside.path().to_owned()]);
+        assert_eq!(content(&link, &own), content(&target, &nowhere()));
     }
 
     #[test]
@@ -353,10 +437,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let cache = PictureCache::in_folder(Some(folder.path().to_owned()));
         let mut file = entry(folder.path(), "a.obj", TRIANGLE);
-        let made = content_of(&file, &cache).expect("it is a mesh");
+        let made = content_of(&file, &cache, &nowhere()).expect("it is a mesh");
         fs::write(&file.path, "broken").expect("it can be written");
-        assert_eq!(content_of(&file, &cache), Ok(made));
+        assert_eq!(content_of(&file, &cache, &nowhere()), Ok(made));
         file.bytes = 6;
-        assert!(content_of(&file, &cache).is_err());
+        assert!(content_of(&file, &cache, &nowhere()).is_err());
     }
 }

@@ -16,11 +16,12 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 use super::widgets::Widgets;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::model::EditorModel;
-use crate::app::editor::model::assets::{AssetEntry, AssetPicture, Listing};
+use crate::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, Listing};
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::picture_cache::PictureCache;
 use crate::engine::{WakeUp, yield_to_all};
-use crate::scene::SceneStatus;
+use crate::files::Access;
+use crate::scene::{SceneStatus, Trust};
 use file_picture::{Content, content_of};
 
 /// The time after which a folder is read again.
@@ -57,11 +58,17 @@ pub(crate) fn update_assets(
     cache: Res<PictureCache>,
     wake_up: Res<WakeUp>,
     pacing: Res<Pacing>,
+    trust: Option<Res<Trust>>,
 ) -> Result {
     let assets = &mut model.0.assets;
     if assets.places.is_empty() || preferences.is_changed() || status.is_changed() {
         let places = places::places(status.path.as_deref(), &preferences);
         if *assets.places != places {
+            let is_new = |place: &&AssetPlace| place.is_own && !assets.places.contains(place);
+            let added = places.iter().find(is_new).filter(|_| !assets.places.is_empty());
+            if let Some(added) = added {
+                widgets.assets.folder = Some(added.folder.clone());
+            }
             assets.places = Arc::new(places);
         }
         if assets.environments.is_empty() {
@@ -84,7 +91,12 @@ pub(crate) fn update_assets(
     if work.content.is_none() && pacing.rests() {
         let next = shelf.in_sight.iter().find(|entry| !work.has(entry));
         if let Some(entry) = next {
-            work.content = look_into(entry.clone(), cache.clone(), wake_up.clone());
+            let mut trusted = trust
+                .map_or_else(Trust::default, |trust| trust.clone())
+                .access(&entry.path);
+            let own = assets.places.iter().filter(|place| place.is_own);
+            own.for_each(|place| trusted.allow(&place.folder));
+            work.content = look_into(entry.clone(), cache.clone(), trusted, wake_up.clone());
         }
     }
     if work.made.len() > MOST {
@@ -195,10 +207,11 @@ impl AssetWork {
 fn look_into(
     entry: AssetEntry,
     cache: PictureCache,
+    trusted: Access,
     wake_up: WakeUp,
 ) -> Option<(AssetEntry, Receiver<Result<Content, String>>)> {
     let file = entry.clone();
-    let receiver = on_thread("thumbnail", wake_up, move || content_of(&file, &cache))?;
+    let receiver = on_thread("thumbnail", wake_up, move || content_of(&file, &cache, &trusted))?;
     Some((entry, receiver))
 }
 

@@ -18,6 +18,7 @@ impl FileDialog {
         ui.horizontal(|ui| {
             match self.purpose.clone() {
                 Purpose::Save(formats, _) => self.name_row(ui, formats),
+                Purpose::Folder => {}
                 Purpose::Open(extensions) => {
                     let mut lists_all = self.filter.extensions.is_empty();
                     let known = extensions.join(", ");
@@ -33,14 +34,17 @@ impl FileDialog {
             ui.checkbox(&mut self.filter.shows_hidden, "Hidden")
                 .on_hover_text("Also what begins with a dot");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let can = if self.saves() {
-                    !self.name.trim().is_empty()
-                } else {
-                    self.chosen.is_some()
+                let (can, does) = match self.purpose {
+                    Purpose::Save(..) => (!self.name.trim().is_empty(), "Save"),
+                    Purpose::Open(_) => (self.chosen.is_some(), "Open"),
+                    Purpose::Folder => (true, "Use this folder"),
                 };
-                let does = if self.saves() { "Save" } else { "Open" };
                 let button = look::primary(ui, does).min_size(egui::vec2(70.0, 0.0));
-                accepts = ui.add_enabled(can, button).clicked();
+                let mut button = ui.add_enabled(can, button);
+                if self.purpose == Purpose::Folder {
+                    button = button.on_hover_text(self.chosen_folder().display().to_string());
+                }
+                accepts = button.clicked();
                 if ui.button("Cancel").on_hover_text("Esc").clicked() {
                     outcome = Some(Outcome::Cancelled);
                 }
@@ -49,7 +53,9 @@ impl FileDialog {
                 }
             });
         });
-        if accepts {
+        if accepts && self.purpose == Purpose::Folder {
+            outcome = Some(Outcome::Picked(self.chosen_folder()));
+        } else if accepts {
             let name = if self.saves() {
                 self.name.clone()
             } else {

@@ -46,6 +46,8 @@ pub struct Filter {
     pub extensions: Vec<&'static str>,
     /// A part of the name.
     pub part: String,
+    /// Whether only folders are shown.
+    pub only_folders: bool,
     /// Whether names that begin with a dot are shown.
     pub shows_hidden: bool,
 }
@@ -102,8 +104,9 @@ pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
     let part = filter.part.to_lowercase();
     let passes = |entry: &Entry| {
         let is_known = entry.is_folder
-            || filter.extensions.is_empty()
-            || filter.extensions.contains(&extension(Path::new(&entry.name)).as_str());
+            || (!filter.only_folders
+                && (filter.extensions.is_empty()
+                    || filter.extensions.contains(&extension(Path::new(&entry.name)).as_str())));
         is_known
             && (filter.shows_hidden || !entry.name.starts_with('.'))
             && (part.is_empty() || entry.name.to_lowercase().contains(&part))
@@ -225,6 +228,11 @@ mod tests {
             ..Filter::default()
         };
         assert_eq!(names(&filter, Order::default()), [".hidden.xml"]);
+        let filter = Filter {
+            only_folders: true,
+            ..Filter::default()
+        };
+        assert_eq!(names(&filter, Order::default()), ["attic", "zoo"]);
     }
 
     #[test]

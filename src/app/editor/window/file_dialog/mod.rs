@@ -22,6 +22,8 @@ pub enum Purpose {
     Open(&'static [&'static str]),
     /// A file to write, in one of these formats: what it is called, and its extension. The text is the name that is proposed.
     Save(&'static [(&'static str, &'static str)], String),
+    /// A folder that is there: the one that is shown, or the one that is chosen in it.
+    Folder,
 }
 
 /// A folder that one can go to at once.
@@ -87,7 +89,9 @@ impl FileDialog {
         let (extensions, name) = match &purpose {
             Purpose::Open(extensions) => (extensions.to_vec(), String::new()),
             Purpose::Save(formats, name) => (formats.iter().map(|(_, known)| *known).collect(), name.clone()),
+            Purpose::Folder => (Vec::new(), String::new()),
         };
+        let only_folders = purpose == Purpose::Folder;
         let mut dialog = Self {
             title: title.into(),
             purpose,
@@ -98,6 +102,7 @@ impl FileDialog {
             problem: None,
             filter: Filter {
                 extensions,
+                only_folders,
                 ..Filter::default()
             },
             order: Order::default(),
@@ -316,6 +321,7 @@ impl FileDialog {
             &self.shown,
             self.chosen.as_deref(),
             scrolls,
+            self.filter.only_folders,
             &mut self.order,
         )?;
         let name = self.entries[clicked.place].name.clone();
@@ -365,6 +371,12 @@ impl FileDialog {
         let own = Id::new(if self.saves() { NAME } else { SEARCH });
         let is_own = focused.is_none_or(|focused| focused == own);
         wanted.filter(|_| enter && is_own && !is_moving)
+    }
+
+    /// The folder that is chosen in the list, else the one that is shown.
+    fn chosen_folder(&self) -> PathBuf {
+        let chosen = self.chosen.as_ref().map(|name| self.folder.join(name));
+        chosen.unwrap_or_else(|| self.folder.clone())
     }
 
     /// Goes into a folder of that name, or answers with the file.

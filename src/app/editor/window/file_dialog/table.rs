@@ -27,6 +27,7 @@ pub(super) fn show(
     shown: &[usize],
     chosen: Option<&str>,
     scrolls: bool,
+    only_folders: bool,
     order: &mut Order,
 ) -> Option<Clicked> {
     header(ui, order);
@@ -38,7 +39,11 @@ pub(super) fn show(
         area = area.vertical_scroll_offset((line * (at as f32 + 0.5) - 0.5 * height).max(0.0));
     }
     if shown.is_empty() {
-        ui.weak("Nothing here can be chosen.");
+        ui.weak(if only_folders {
+            "There is no folder in this one."
+        } else {
+            "Nothing here can be chosen."
+        });
     }
     area.show_rows(ui, ROW, shown.len(), |ui, rows| {
         for place in &shown[rows] {

@@ -79,6 +79,20 @@ fn click(harness: &mut Shown, name: &str) {
 }
 
 #[test]
+fn a_folder_is_the_one_that_is_shown_or_the_one_that_is_chosen_in_it() {
+    let folder = folder();
+    let mut harness = shown(Purpose::Folder, folder.path());
+    assert!(harness.query_by_label("room.xml").is_none(), "files are left out");
+    click(&mut harness, "Use this folder");
+    let picked = |path: &Path| Some(Outcome::Picked(path.to_owned()));
+    assert_eq!(harness.state().1, picked(folder.path()));
+    let mut harness = shown(Purpose::Folder, folder.path());
+    click(&mut harness, "inner");
+    click(&mut harness, "Use this folder");
+    assert_eq!(harness.state().1, picked(&folder.path().join("inner")));
+}
+
+#[test]
 fn enter_is_for_the_focused_button() {
     let folder = folder();
     let mut harness = saving("new.png", folder.path());
