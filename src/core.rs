@@ -17,6 +17,7 @@ pub mod material;
 pub mod math;
 pub mod medium;
 pub mod memory;
+pub mod metrics;
 pub mod render;
 pub mod sampling;
 pub mod shading;

@@ -5,8 +5,8 @@
 //! without a window.
 
 pub use sunroom_core::{
-    accel, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, render, sampling,
-    shading, texture,
+    accel, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, metrics, render,
+    sampling, shading, texture,
 };
 
 pub mod app;

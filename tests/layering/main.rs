@@ -32,6 +32,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ),
     ("light", BELOW_SHADING, false),
     ("medium", &["math", "color", "sampling"], false),
+    ("metrics", &["math", "color"], false),
     ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color", "files"], false),
     (
@@ -63,7 +64,7 @@ const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
     "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
-    "layer",
+    "layer", "metrics",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

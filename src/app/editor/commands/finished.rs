@@ -6,12 +6,13 @@ use super::view;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
-use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot, figures};
+use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot};
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
+use crate::metrics::errors;
 use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
 use crate::render::tile::tiles;
@@ -105,7 +106,7 @@ pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let size = [picture.width, picture.height];
     let has_its_size = snapshot.size == size;
     let snapshot_size = snapshot.size;
-    let found = figures(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
+    let found = errors(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
     comparison.figures = found.map(|figures| Measured { figures, job, samples });
     match found {
         Some(_) => Ok(()),

@@ -6,8 +6,8 @@ use super::fields;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::model::ComparisonModel;
-use crate::app::editor::picture::compare::Figures;
 use crate::app::editor::words::figures::counted;
+use crate::metrics::Errors;
 
 /// Shows buttons to take and show a snapshot, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
@@ -57,7 +57,7 @@ fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) 
     }
 }
 
-fn figure_rows(ui: &mut Ui, figures: &Figures) {
+fn figure_rows(ui: &mut Ui, figures: &Errors) {
     let [picture, snapshot] = figures.means;
     fields::note(ui, "Means", format!("{picture:.5}, {snapshot:.5}"));
     fields::note(ui, "MSE", format!("{:.3e}", figures.mse));

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use bevy::prelude::Resource;
 
 use crate::app::editor::command::compare_view::CompareView;
-use crate::color::{Rgb, luminance, srgb_from_linear};
+use crate::color::Rgb;
+use crate::metrics::Errors;
 
 /// A picture that was kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,7 @@ pub struct Comparison {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// The differences.
-    pub figures: Figures,
+    pub figures: Errors,
     /// The job of the film; figures of another picture say nothing about this one.
     pub job: u64,
     /// The samples per pixel that it had.
@@ -112,44 +113,6 @@ impl<'a> PixelComparison<'a> {
     }
 }
 
-/// The differences between a picture and a reference. All three components count alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
-    /// Mean luminance of the picture and of the reference.
-    pub means: [f32; 2],
-    /// Mean squared error of the radiance.
-    pub mse: f32,
-    /// Mean squared error, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy
-    /// Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
-    pub relative_mse: f32,
-    /// The peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
-    pub psnr: f32,
-}
-
-/// The figures; None for pictures of different sizes, empty ones, and ones with values that are not finite.
-pub fn figures(picture: &[Rgb], reference: &[Rgb]) -> Option<Figures> {
-    if picture.len() != reference.len() || picture.is_empty() {
-        return None;
-    }
-    let mean = |of: &dyn Fn(Rgb, Rgb) -> f32| {
-        let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| f64::from(of(a, b))).sum();
-        (sum / picture.len() as f64) as f32
-    };
-    let thirds = |rgb: Rgb| rgb.element_sum() / 3.0;
-    let shown = |rgb: Rgb| rgb.clamp(Rgb::ZERO, Rgb::ONE).map(srgb_from_linear);
-    let display_mse = mean(&|a, b| {
-        let error = shown(a) - shown(b);
-        thirds(error * error)
-    });
-    let figures = Figures {
-        means: [mean(&|a, _| luminance(a)), mean(&|_, b| luminance(b))],
-        mse: mean(&|a, b| thirds((a - b) * (a - b))),
-        relative_mse: mean(&|a, b| thirds((a - b) * (a - b) / (b * b + 0.01))),
-        psnr: -10.0 * display_mse.log10(),
-    };
-    (figures.mse.is_finite() && figures.relative_mse.is_finite()).then_some(figures)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -186,30 +149,5 @@ mod tests {
         let comparison = PixelComparison::new(CompareView::Difference, &snapshot, [4, 2]).expect("of one size");
         let seen = comparison.picture(&[Rgb::new(0.25, 1.0, 3.0); 8]);
         assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
-    }
-
-    /// The numbers are worked out by hand: errors of 0.5 in one component of one of two pixels.
-    #[test]
-    fn figures_are_what_they_say() {
-        let reference = [Rgb::splat(0.5), Rgb::ONE];
-        let picture = [Rgb::new(1.0, 0.5, 0.5), Rgb::ONE];
-        let found = figures(&picture, &reference).expect("two pictures");
-        let near = |a: f32, b: f32| (a - b).abs() < 1e-5 * b;
-        assert!(near(found.mse, 0.25 / 6.0), "{found:?}");
-        assert!(near(found.relative_mse, 0.25 / 0.26 / 6.0), "{found:?}");
-        // The sRGB value of one half is 0.735357.
-        assert!(
-            near(found.psnr, -10.0 * ((1.0f32 - 0.735_357).powi(2) / 6.0).log10()),
-            "{found:?}"
-        );
-        assert!(
-            near(found.means[1], 0.75) && near(found.means[0], 0.75 + 0.25 * 0.212_671),
-            "{found:?}"
-        );
-        let same = figures(&reference, &reference).expect("two pictures");
-        assert_eq!((same.mse, same.relative_mse, same.psnr), (0.0, 0.0, f32::INFINITY));
-        assert_eq!(figures(&picture, &reference[..1]), None);
-        assert_eq!(figures(&[], &[]), None);
-        assert_eq!(figures(&[Rgb::NAN], &[Rgb::ONE]), None);
     }
 }
