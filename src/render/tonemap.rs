@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use glam::{Mat3, Vec3};
 
 use super::white_balance::WhiteBalance;
-use crate::color::{Rgb, linear_from_srgb, luminance};
+use crate::color::{Rgb, linear_from_srgb, luminance, srgb_from_linear};
 
 /// The curve that brings radiance beyond the range of the display into it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -108,6 +108,23 @@ impl Encoder {
     /// Encodes one pixel as [`Display::encode`].
     #[inline]
     pub fn encode(&self, radiance: Rgb) -> [u8; 3] {
+        match self.shown(radiance) {
+            Shown::Linear(linear) => linear.to_array().map(|x| self.srgb.encode(x)),
+            Shown::Encoded(encoded) => encoded.to_array().map(|x| (x * 255.0 + 0.5) as u8),
+        }
+    }
+
+    /// One pixel with 16 bits, sRGB-encoded like [`Self::encode`].
+    pub fn encode_16(&self, radiance: Rgb) -> [u16; 3] {
+        let encoded = match self.shown(radiance) {
+            Shown::Linear(linear) => linear.clamp(Vec3::ZERO, Vec3::ONE).map(srgb_from_linear),
+            Shown::Encoded(encoded) => encoded,
+        };
+        encoded.to_array().map(|x| (x * 65_535.0 + 0.5) as u16)
+    }
+
+    #[inline]
+    fn shown(&self, radiance: Rgb) -> Shown {
         let balanced = match self.balance {
             // An infinite value would become NaN by the matrix.
             Some(balance) if radiance.is_finite() => balance * radiance,
@@ -118,16 +135,23 @@ impl Encoder {
             .to_array()
             .map(|x| if x > 0.0 { x.min(BRIGHTEST) } else { 0.0 });
         let exposed = Vec3::from_array(exposed);
-        let linear = match self.tone_map {
+        Shown::Linear(match self.tone_map {
             ToneMap::Clip => exposed,
             ToneMap::Reinhard => exposed / (1.0 + luminance(exposed)),
             ToneMap::Aces => aces(exposed),
             ToneMap::Filmic => filmic(exposed),
             // AgX ends in display values: its own curve is the encoding.
-            ToneMap::AgX => return agx(exposed).to_array().map(|x| (x * 255.0 + 0.5) as u8),
-        };
-        linear.to_array().map(|x| self.srgb.encode(x))
+            ToneMap::AgX => return Shown::Encoded(agx(exposed)),
+        })
     }
+}
+
+/// A colour after the tone map.
+enum Shown {
+    /// Linear, perhaps beyond [0, 1].
+    Linear(Vec3),
+    /// Display-encoded, in [0, 1].
+    Encoded(Vec3),
 }
 
 /// Linear in, linear out, from 0 to about 1.
@@ -217,7 +241,6 @@ impl SrgbTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::srgb_from_linear;
 
     #[test]
     fn table_is_the_rounded_curve() {
@@ -300,6 +323,81 @@ mod tests {
         assert!(byte(ToneMap::AgX).abs_diff(127) <= 1, "{}", byte(ToneMap::AgX));
     }
 
+    /// The bytes are those of independent programs, rounded: `aces`, OpenColorIO 2.6's own "ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0" between
+    /// the matrices of colour-science 0.4.7, whose curve Hill's fit approximates; `filmic`, `tonemapping_operator_filmic` of colour-hdri 0.2.6 with the
+    /// constants of Uncharted 2; `reinhard`, NumPy; `agx`, OpenColorIO with Sobotka's configuration and lookup table of AgX ("AgX Base"), followed by
+    /// the inverse of its matrix, which later versions have.
+    #[test]
+    fn curves_are_those_of_other_programs() {
+        let colors = [
+            [0.01, 0.01, 0.01],
+            [0.18, 0.18, 0.18],
+            [1.0, 1.0, 1.0],
+            [4.0, 4.0, 4.0],
+            [0.8, 0.2, 0.05],
+            [2.0, 0.5, 4.0],
+            [0.02, 0.3, 0.9],
+            [10.0, 1.0, 0.1],
+        ];
+        let filmic = [
+            [21, 21, 21],
+            [100, 100, 100],
+            [186, 186, 186],
+            [246, 246, 246],
+            [175, 105, 55],
+            [220, 150, 246],
+            [33, 124, 181],
+            [255, 186, 77],
+        ];
+        let reinhard = [
+            [25, 25, 25],
+            [109, 109, 109],
+            [188, 188, 188],
+            [231, 231, 231],
+            [205, 109, 55],
+            [251, 135, 255],
+            [33, 133, 218],
+            [255, 139, 45],
+        ];
+        let aces = [
+            [3, 3, 3],
+            [91, 91, 91],
+            [207, 207, 207],
+            [244, 244, 244],
+            [194, 104, 44],
+            [241, 180, 246],
+            [0, 127, 202],
+            [255, 224, 156],
+        ];
+        let agx = [
+            [25, 25, 25],
+            [127, 128, 128],
+            [201, 201, 201],
+            [239, 239, 239],
+            [200, 136, 90],
+            [226, 188, 242],
+            [93, 154, 201],
+            [255, 211, 173],
+        ];
+        // Formulas agree but for rounding; the fit of ACES is good to four bytes in saturated colours, and the polynomial of AgX to two.
+        for (tone_map, expected, tolerance) in [
+            (ToneMap::Filmic, filmic, 1),
+            (ToneMap::Reinhard, reinhard, 1),
+            (ToneMap::Aces, aces, 4),
+            (ToneMap::AgX, agx, 2),
+        ] {
+            let display = Display {
+                tone_map,
+                ..Display::default()
+            };
+            for (color, expected) in colors.into_iter().zip(expected) {
+                let found = display.encode(Vec3::from_array(color));
+                let is_near = (0..3).all(|i| found[i].abs_diff(expected[i]) <= tolerance);
+                assert!(is_near, "{tone_map:?} of {color:?}: {found:?}, not {expected:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_stop_doubles() {
         let darker = Display::default().encode(Vec3::new(0.5, 0.25, 0.125));
@@ -312,5 +410,8 @@ mod tests {
         display.encode_rgba(&[Vec3::ZERO, Vec3::ONE], &mut rgba);
         assert_eq!(rgba, [0, 0, 0, 255, 255, 255, 255, 255]);
         assert_eq!(display.encode_rgb(&[Vec3::ZERO, Vec3::ONE]), [0, 0, 0, 255, 255, 255]);
+        // sRGB of 0.25 is 0.537099.
+        let deep = Display::default().encoder().encode_16(Vec3::new(0.25, 7.0, f32::NAN));
+        assert_eq!(deep, [35_199, 65_535, 0]);
     }
 }

@@ -129,6 +129,44 @@ mod tests {
         }
     }
 
+    /// The matrices are those of colour-science 0.4.7: `CCT_to_uv_Krystek1985` moved by the step from 6504 K to D65, and
+    /// `matrix_chromatic_adaptation_VonKries` with "Bradford", between its matrices of sRGB. Rows are written one after the other.
+    #[test]
+    fn matrices_are_those_of_another_program() {
+        for (temperature, rows) in [
+            (
+                3200.0,
+                [
+                    [0.809_928, -0.341_113, -0.082_232],
+                    [0.015_806, 1.115_958, -0.034_117],
+                    [0.039_890, 0.149_631, 2.711_958],
+                ],
+            ),
+            (
+                5000.0,
+                [
+                    [0.940_676, -0.092_118, -0.016_841],
+                    [0.004_357, 1.023_911, -0.006_225],
+                    [0.007_801, 0.028_188, 1.317_801],
+                ],
+            ),
+            (
+                9000.0,
+                [
+                    [1.055_698, 0.076_654, 0.012_224],
+                    [-0.003_655, 0.986_238, 0.004_183],
+                    [-0.005_500, -0.019_381, 0.787_415],
+                ],
+            ),
+        ] {
+            let balance = WhiteBalance { temperature, tint: 0.0 };
+            let found = balance.adaptation().expect("another white");
+            // Both round the matrices of sRGB, to six and to four digits.
+            let expected = Mat3::from_cols_array_2d(&rows).transpose();
+            assert!(found.abs_diff_eq(expected, 1e-3), "{temperature} K: {found} {expected}");
+        }
+    }
+
     #[test]
     fn low_temperatures_make_blue_and_tint_makes_magenta() {
         let grey =
