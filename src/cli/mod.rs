@@ -15,6 +15,7 @@ mod generate;
 mod monkey;
 mod outputs;
 mod parse;
+mod picture_args;
 mod progress;
 mod render;
 mod report;

@@ -4,8 +4,10 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use sunroom::files::check_writable;
-use sunroom::render::image_io::{FileFormat, ImageIoError, ImageRgb, encode, write_image, write_to_temporary_folder};
-use sunroom::render::tonemap::Display;
+use sunroom::render::image_io::{
+    FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
+};
+use sunroom::render::layered_image::LayeredImage;
 
 use super::report::{self, Failure};
 
@@ -33,10 +35,10 @@ pub fn check_text(path: &Path) -> Result<(), String> {
 
 /// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes to a temporary file, which is
 /// reported too. Returns the outputs that have the picture.
-pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &ImageRgb, display: &Display) -> Vec<&'o Path> {
+pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options: &FileOptions) -> Vec<&'o Path> {
     let mut written = Vec::new();
     for path in outputs {
-        match write(path, image, display) {
+        match write_picture(path, image, options) {
             Ok(()) => written.push(path.as_path()),
             Err(error) => drop(report::error(error)),
         }
@@ -50,11 +52,12 @@ pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &ImageRgb, display: &Di
     written
 }
 
-fn write(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
+/// Writes a picture to a file, or as PNG to standard output.
+pub fn write_picture(path: &Path, image: &LayeredImage, options: &FileOptions) -> Result<(), ImageIoError> {
     if !is_stdout(path) {
-        return write_image(path, image, display);
+        return write_layered(path, image, options);
     }
-    let bytes = encode(image, FileFormat::Png, display)?;
+    let bytes = encode_layered(image, FileFormat::Png, options)?;
     // A reader that went away does not have the picture.
     let mut output = io::stdout().lock();
     let written = output.write_all(&bytes).and_then(|()| output.flush());

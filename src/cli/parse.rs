@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use sunroom::render::white_balance::WhiteBalance;
+
 /// `NAME=VALUE`
 pub fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
@@ -29,6 +31,26 @@ fn sides(text: &str, possible: RangeInclusive<u32>) -> Result<(u32, u32), String
         .ok_or_else(|| {
             let (least, most) = (possible.start(), possible.end());
             format!("expected WIDTHxHEIGHT in pixels, each from {least} to {most}")
+        })
+}
+
+/// `KELVIN` or `KELVIN,TINT`
+pub fn white(text: &str) -> Result<WhiteBalance, String> {
+    let (temperature, tint) = text.split_once(',').unwrap_or((text, "0"));
+    let number = |text: &str| text.trim().parse::<f32>().ok();
+    let balance = number(temperature).zip(number(tint));
+    let (kelvin, tints) = (WhiteBalance::TEMPERATURES, WhiteBalance::TINTS);
+    balance
+        .filter(|(temperature, tint)| kelvin.contains(temperature) && tints.contains(tint))
+        .map(|(temperature, tint)| WhiteBalance { temperature, tint })
+        .ok_or_else(|| {
+            format!(
+                "expected a temperature from {} to {} kelvin, and perhaps a comma and a tint from {} to {}",
+                kelvin.start(),
+                kelvin.end(),
+                tints.start(),
+                tints.end()
+            )
         })
 }
 
@@ -66,6 +88,16 @@ mod tests {
         assert_eq!(duration("7"), Ok(Duration::from_secs(7)));
         for bad in ["", "s", "-1s", "0", "1 day", "1e400s", "NaN"] {
             assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn whites_are_temperatures_with_a_tint() {
+        let balance = |temperature, tint| Ok(WhiteBalance { temperature, tint });
+        assert_eq!(white("5000"), balance(5000.0, 0.0));
+        assert_eq!(white("3200, -20"), balance(3200.0, -20.0));
+        for bad in ["", "999", "15001", "5000,", "5000,151", "5000,1,2", "NaN"] {
+            assert!(white(bad).is_err(), "{bad}");
         }
     }
 

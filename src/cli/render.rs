@@ -14,7 +14,7 @@ use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStat
 use sunroom::engine::{load_to_completion, render_to_completion};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::ImageRgb;
-use sunroom::render::tonemap::{Display, ToneMap};
+use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::scene::{
     AccelMethod, ActiveSensor, Crop, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence, find_camera,
 };
@@ -23,6 +23,7 @@ use sunroom::scene::{Film as SensorFilm, Strategy};
 use super::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{Ending, INTERRUPTED};
+use super::picture_args::{DisplayArgs, FileArgs};
 use super::progress::Progress;
 use super::report::Failure;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
@@ -32,7 +33,7 @@ use super::{outputs, parse, report};
 pub struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Image file, .exr (linear, float), .png (sRGB) or .hdr; `-` is PNG on standard output; may be given several times
+    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given several times
     #[arg(short, long, required = true, value_name = "OUT")]
     output: Vec<PathBuf>,
     /// Camera to render with, by its id or its index from 0 on [default: the first]
@@ -80,12 +81,10 @@ pub struct RenderArgs {
     /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default: sobol]
     #[arg(long, value_enum)]
     sampler: Option<SamplerName>,
-    /// Exposure of PNG files in stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
-    /// Tone map of PNG files
-    #[arg(long, value_enum, default_value_t = ToneMapName::Clip)]
-    tonemap: ToneMapName,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    file: FileArgs,
     /// Print the figures of the render on standard output
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     stats: Option<StatsFormat>,
@@ -115,15 +114,6 @@ enum StrategyName {
 enum SamplerName {
     Sobol,
     Independent,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ToneMapName {
-    Clip,
-    Reinhard,
-    Aces,
-    Filmic,
-    Agx,
 }
 
 pub fn run(args: RenderArgs) -> ExitCode {
@@ -213,20 +203,12 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         height: film.height(),
         pixels,
     };
-    let display = Display {
-        exposure_ev: args.exposure,
-        tone_map: match args.tonemap {
-            ToneMapName::Clip => ToneMap::Clip,
-            ToneMapName::Reinhard => ToneMap::Reinhard,
-            ToneMapName::Aces => ToneMap::Aces,
-            ToneMapName::Filmic => ToneMap::Filmic,
-            ToneMapName::Agx => ToneMap::AgX,
-        },
-        ..Display::default()
-    };
-    let written = outputs::write_pictures(&args.output, &image, &display);
-
     let status = app.world().resource::<RenderStatus>();
+    let mut picture = LayeredImage::from(&image);
+    describe(&mut picture, app.world(), args);
+    let options = args.file.options(args.display.display());
+    let written = outputs::write_pictures(&args.output, &picture, &options);
+
     ending.report(status.samples, args.quiet, args.denoise, &written);
     if let Some(error) = &denoise_failure {
         report::error(format_args!("{error}; the picture is not denoised"));
@@ -269,6 +251,26 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         true => ending.exit_code(),
         false => ExitCode::FAILURE,
     })
+}
+
+/// Says in the picture where it comes from. Times are named only where the picture depends on them, so that the same render gives the same file.
+fn describe(picture: &mut LayeredImage, world: &World, args: &RenderArgs) {
+    let status = world.resource::<RenderStatus>();
+    let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));
+    text("software", concat!("Sunroom ", env!("CARGO_PKG_VERSION")).to_owned());
+    text("sunroom:scene", args.scene.scene.display().to_string());
+    let camera = world.resource::<ActiveSensor>().0;
+    if let Some(name) = camera.and_then(|camera| world.get::<Name>(camera)) {
+        text("sunroom:camera", name.as_str().to_owned());
+    }
+    let mut int = |name: &str, value: u32| {
+        picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));
+    };
+    int("sunroom:spp", status.samples);
+    int("sunroom:seed", world.resource::<SamplerSettings>().seed);
+    if args.time.is_some() {
+        picture.set_attribute("sunroom:seconds", Attribute::Float(status.seconds as f32));
+    }
 }
 
 /// The first interrupt asks for an orderly end, the second one ends the process.

@@ -1,21 +1,25 @@
-//! Writes pictures to files: EXR (linear float32, lossless), Radiance HDR (linear, shared exponent), PNG (sRGB, 8 bits).
+//! Writes pictures to files: EXR (linear, with layers), Radiance HDR (linear, shared exponent), PFM (linear float32), PNG and JPEG (as a display shows
+//! them).
 //!
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
-//! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is [`crate::texture::load_image`].
+//! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is
+//! [`crate::texture::load_image`], and with their layers [`exr::decode_exr`].
 
+mod displayed;
 pub mod exr;
 mod exr_compression;
+mod reading;
 
-use std::io::{Cursor, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use image::ImageError;
 use image::codecs::hdr::HdrEncoder;
-use image::codecs::openexr::OpenExrEncoder;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
 use thiserror::Error;
 
 pub use self::exr_compression::ExrCompression;
+pub use self::reading::{LoadedPicture, load_picture};
+use super::layered_image::LayeredImage;
 use super::tonemap::Display;
 use crate::color::Rgb;
 use crate::files::write_atomically;
@@ -40,15 +44,60 @@ impl ImageRgb {
 /// The formats in which pictures are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
-    /// OpenEXR with linear radiance in 32-bit floats.
+    /// OpenEXR with linear radiance, and all layers.
     Exr,
     /// Radiance's RGBE: linear, with eight bits for each mantissa and a common exponent.
     Hdr,
-    /// The picture as it is shown, with eight bits per channel encoded as sRGB.
+    /// A portable float map: linear radiance in 32-bit floats.
+    Pfm,
+    /// The picture as it is shown, with 8 or 16 bits per channel encoded as sRGB.
     Png,
+    /// The picture as it is shown, with 8 bits per channel and with loss.
+    Jpeg,
+}
+
+/// The details of files that the name of the file does not tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FileOptions {
+    /// How PNG and JPEG show the radiance.
+    pub display: Display,
+    /// Whether the colours of EXR files are stored with 16 bits, see [`LayeredImage::store_colors_as_half`].
+    pub exr_half: bool,
+    /// How EXR files are made smaller.
+    pub exr_compression: ExrCompression,
+    /// Whether PNG files have 16 bits for each channel, in place of 8.
+    pub png_16_bits: bool,
+    /// The quality of JPEG files, 1 to 100.
+    pub jpeg_quality: u8,
+}
+
+impl Default for FileOptions {
+    fn default() -> Self {
+        Self {
+            display: Display::default(),
+            exr_half: false,
+            exr_compression: ExrCompression::default(),
+            png_16_bits: false,
+            jpeg_quality: 95,
+        }
+    }
+}
+
+impl From<&Display> for FileOptions {
+    fn from(display: &Display) -> Self {
+        Self {
+            display: *display,
+            ..Self::default()
+        }
+    }
 }
 
 impl FileFormat {
+    /// Whether files of this format hold the picture as a display shows it, in place of radiance.
+    pub fn is_displayed(self) -> bool {
+        matches!(self, Self::Png | Self::Jpeg)
+    }
+
     /// The format by the extension, whatever its case.
     pub fn from_path(path: &Path) -> Result<Self, ImageIoError> {
         let extension = path
@@ -59,7 +108,9 @@ impl FileFormat {
         match extension.as_str() {
             "exr" => Ok(Self::Exr),
             "hdr" => Ok(Self::Hdr),
+            "pfm" => Ok(Self::Pfm),
             "png" => Ok(Self::Png),
+            "jpg" | "jpeg" => Ok(Self::Jpeg),
             _ => Err(ImageIoError::UnknownFormat(path.to_path_buf())),
         }
     }
@@ -69,7 +120,7 @@ impl FileFormat {
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageIoError {
-    #[error("{}: the name of a picture ends in .exr, .hdr or .png", .0.display())]
+    #[error("{}: the name of a picture ends in .exr, .hdr, .pfm, .png, .jpg or .jpeg", .0.display())]
     UnknownFormat(PathBuf),
     #[error("cannot write {}: {source}", .path.display())]
     Write { path: PathBuf, source: std::io::Error },
@@ -79,20 +130,30 @@ pub enum ImageIoError {
     Exr(String),
     #[error("the channel `{name}` {what}")]
     Channel { name: String, what: String },
+    #[error("{}: this format holds radiance, not what a display shows", .0.display())]
+    NotDisplayed(PathBuf),
+    #[error("the picture has no channels R, G and B, which this format needs; EXR holds the others as well")]
+    NoColors,
     #[error("{pixels} pixels are no picture of {width} x {height}")]
     WrongSize { width: u32, height: u32, pixels: usize },
 }
 
-/// Writes in the format that the extension names. `display` is used for PNG only: the others hold the radiance itself.
+/// Writes in the format that the extension names. `display` is used for PNG and JPEG only: the others hold the radiance itself.
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
     write(path, &bytes)
 }
 
+/// Writes in the format that the extension names, see [`encode_layered`].
+pub fn write_layered(path: &Path, image: &LayeredImage, options: &FileOptions) -> Result<(), ImageIoError> {
+    let bytes = encode_layered(image, FileFormat::from_path(path)?, options)?;
+    write(path, &bytes)
+}
+
 /// Writes the picture as EXR to a new file in the system's folder for temporary files and returns the file's name: for a picture whose own
 /// place cannot be written.
-pub fn write_to_temporary_folder(image: &ImageRgb) -> Result<PathBuf, ImageIoError> {
-    let bytes = encode(image, FileFormat::Exr, &Display::default())?;
+pub fn write_to_temporary_folder(image: &LayeredImage) -> Result<PathBuf, ImageIoError> {
+    let bytes = exr::encode_exr(image, ExrCompression::default())?;
     let folder = std::env::temp_dir();
     let failed = |source: std::io::Error| ImageIoError::Write {
         path: folder.clone(),
@@ -110,11 +171,14 @@ pub fn write_to_temporary_folder(image: &ImageRgb) -> Result<PathBuf, ImageIoErr
     Ok(path)
 }
 
-/// Writes bytes that are for the display already, three a pixel, as PNG.
-pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
-    let mut bytes = Cursor::new(Vec::new());
-    PngEncoder::new(&mut bytes).write_image(rgb, size[0], size[1], ExtendedColorType::Rgb8)?;
-    write(path, &bytes.into_inner())
+/// Writes bytes that are for the display already, three a pixel, as PNG or JPEG. An error for the name of another format.
+pub fn write_displayed(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
+    let bytes = match FileFormat::from_path(path)? {
+        FileFormat::Png => displayed::png_of_bytes(size, rgb)?,
+        FileFormat::Jpeg => displayed::jpeg_of_bytes(size, rgb, FileOptions::default().jpeg_quality)?,
+        _ => return Err(ImageIoError::NotDisplayed(path.to_path_buf())),
+    };
+    write(path, &bytes)
 }
 
 /// The bytes of a file.
@@ -124,29 +188,63 @@ pub fn encode(image: &ImageRgb, format: FileFormat, display: &Display) -> Result
         let pixels = image.pixels.len();
         return Err(ImageIoError::WrongSize { width, height, pixels });
     }
-    let mut bytes = Cursor::new(Vec::new());
     match format {
-        FileFormat::Exr => OpenExrEncoder::new(&mut bytes).write_image(
-            bytemuck::cast_slice(&image.pixels),
-            width,
-            height,
-            ExtendedColorType::Rgb32F,
-        )?,
+        FileFormat::Exr => exr::encode_exr(&image.into(), ExrCompression::default()),
+        _ => encode_colors(image, None, format, &display.into()),
+    }
+}
+
+/// The bytes of a file of a layered picture. EXR holds all of it; PNG its colours and its opacity, the others its colours.
+pub fn encode_layered(
+    image: &LayeredImage,
+    format: FileFormat,
+    options: &FileOptions,
+) -> Result<Vec<u8>, ImageIoError> {
+    if format == FileFormat::Exr {
+        if !options.exr_half {
+            return exr::encode_exr(image, options.exr_compression);
+        }
+        let mut image = image.clone();
+        image.store_colors_as_half();
+        return exr::encode_exr(&image, options.exr_compression);
+    }
+    let colors = image.layer("").ok_or(ImageIoError::NoColors)?;
+    encode_colors(&colors, image.alpha().as_deref(), format, options)
+}
+
+/// The bytes of a file of a format other than EXR. The picture is whole.
+fn encode_colors(
+    image: &ImageRgb,
+    alpha: Option<&[f32]>,
+    format: FileFormat,
+    options: &FileOptions,
+) -> Result<Vec<u8>, ImageIoError> {
+    let (width, height) = (image.width, image.height);
+    match format {
+        FileFormat::Exr => unreachable!("EXR is written by `encode_exr`"),
         FileFormat::Hdr => {
             let storable = image
                 .pixels
                 .iter()
                 .map(|pixel| image::Rgb(pixel.to_array().map(storable_in_rgbe)));
+            let mut bytes = Vec::new();
             HdrEncoder::new(&mut bytes).encode(&storable.collect::<Vec<_>>(), width as usize, height as usize)?;
+            Ok(bytes)
         }
-        FileFormat::Png => PngEncoder::new(&mut bytes).write_image(
-            &display.encode_rgb(&image.pixels),
-            width,
-            height,
-            ExtendedColorType::Rgb8,
-        )?,
+        FileFormat::Pfm => Ok(encode_pfm(image)),
+        FileFormat::Png => displayed::encode_png(image, alpha, options),
+        FileFormat::Jpeg => displayed::encode_jpeg(image, options),
     }
-    Ok(bytes.into_inner())
+}
+
+/// Rows go from the bottom up; a negative scale means little-endian (Debevec, "PFM: Portable FloatMap").
+fn encode_pfm(image: &ImageRgb) -> Vec<u8> {
+    let mut bytes = format!("PF\n{} {}\n-1.0\n", image.width, image.height).into_bytes();
+    for row in image.pixels.rchunks_exact(image.width as usize) {
+        let numbers = row.iter().flat_map(|pixel| pixel.to_array());
+        bytes.extend(numbers.flat_map(f32::to_le_bytes));
+    }
+    bytes
 }
 
 /// The shared exponent ends at 2^127 and knows neither NaN nor a sign.
@@ -162,197 +260,4 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageIoError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use glam::Vec3;
-
-    use super::*;
-    use crate::render::tonemap::ToneMap;
-    use crate::texture::load_image;
-
-    fn read_image(path: &Path) -> ImageRgb {
-        let image = load_image(&fs::read(path).unwrap()).unwrap();
-        let (width, height) = (image.width(), image.height());
-        let row = |y| (0..width).map(move |x| (x, y));
-        let pixels = (0..height).flat_map(row).map(|(x, y)| image.pixel(x, y)).collect();
-        ImageRgb { width, height, pixels }
-    }
-
-    /// Values over twelve decades, none of them representable in fewer bits.
-    fn picture() -> ImageRgb {
-        let (width, height) = (37, 11);
-        let pixels = (0..width * height).map(|i| {
-            let x = (i as f32 * 0.1 - 20.0).exp2();
-            Vec3::new(x * 1.1, x, x * 0.7)
-        });
-        ImageRgb {
-            width,
-            height,
-            pixels: pixels.collect(),
-        }
-    }
-
-    fn folder() -> tempfile::TempDir {
-        tempfile::tempdir().expect("the test needs a temporary folder")
-    }
-
-    #[test]
-    fn exr_keeps_every_bit_and_ignores_the_display() {
-        let folder = folder();
-        let path = folder.path().join("a.exr");
-        let display = Display {
-            exposure_ev: 3.0,
-            tone_map: ToneMap::Aces,
-            ..Display::default()
-        };
-        write_image(&path, &picture(), &display).unwrap();
-        assert_eq!(read_image(&path), picture());
-        // No other file is left in the folder.
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    fn exr_keeps_what_is_no_number() {
-        let path = folder().keep().join("nan.exr");
-        let odd = ImageRgb {
-            width: 2,
-            height: 1,
-            pixels: vec![Vec3::new(f32::NAN, f32::INFINITY, -1.0), Vec3::splat(f32::MIN_POSITIVE)],
-        };
-        write_image(&path, &odd, &Display::default()).unwrap();
-        // They are not read as a texture, where these count as black.
-        let read = image::open(&path).unwrap().into_rgb32f().into_raw();
-        assert!(read[0].is_nan() && read[1] == f32::INFINITY && read[2] == -1.0);
-        assert_eq!(read[3..], [f32::MIN_POSITIVE; 3]);
-        fs::remove_dir_all(path.parent().unwrap()).unwrap();
-    }
-
-    #[test]
-    fn hdr_keeps_eight_bits_of_the_largest_component() {
-        let folder = folder();
-        let path = folder.path().join("a.hdr");
-        write_image(&path, &picture(), &Display::default()).unwrap();
-        let read = read_image(&path);
-        for (got, put) in read.pixels.iter().zip(&picture().pixels) {
-            // One unit of eight bits under the exponent of the largest component: at most 1/128 of it.
-            let error = (*got - *put).abs().max_element();
-            assert!(error <= put.max_element() / 128.0, "{got} {put}");
-        }
-        let odd = ImageRgb {
-            width: 2,
-            height: 1,
-            pixels: vec![Vec3::NAN, Vec3::new(f32::INFINITY, -1.0, 0.0)],
-        };
-        write_image(&path, &odd, &Display::default()).unwrap();
-        let read = read_image(&path).pixels;
-        assert_eq!(read[0], Vec3::ZERO);
-        assert!(read[1].x > 1e37 && read[1].y == 0.0, "{}", read[1]);
-    }
-
-    #[test]
-    fn png_is_what_the_display_shows() {
-        let folder = folder();
-        let path = folder.path().join("A.PNG");
-        for tone_map in ToneMap::ALL {
-            let display = Display {
-                exposure_ev: -1.0,
-                tone_map,
-                ..Display::default()
-            };
-            write_image(&path, &picture(), &display).unwrap();
-            let read = read_image(&path);
-            assert_eq!((read.width, read.height), (37, 11));
-            for (got, put) in read.pixels.iter().zip(&picture().pixels) {
-                assert_eq!(Display::default().encode(*got), display.encode(*put));
-            }
-        }
-    }
-
-    #[test]
-    fn a_picture_without_a_place_is_kept_whole_in_the_temporary_folder() {
-        let [first, second] = [(); 2].map(|()| write_to_temporary_folder(&picture()).expect("there is such a folder"));
-        for path in [&first, &second] {
-            assert_eq!(path.parent(), Some(&*std::env::temp_dir()));
-            assert_eq!(read_image(path), picture());
-        }
-        assert_ne!(first, second);
-        for path in [first, second] {
-            fs::remove_file(path).expect("it was just made");
-        }
-    }
-
-    #[test]
-    fn unknown_extensions_name_the_known_ones() {
-        for name in ["a.bmp", "a", ".exr", "a.exr.txt"] {
-            let error = write_image(Path::new(name), &picture(), &Display::default()).unwrap_err();
-            let text = error.to_string();
-            assert!(text.contains(name) && text.contains(".exr, .hdr or .png"), "{text}");
-            assert!(!Path::new(name).exists());
-        }
-    }
-
-    #[test]
-    fn places_that_cannot_be_written_are_named() {
-        let folder = folder();
-        let write = |path: &Path| {
-            let text = write_image(path, &picture(), &Display::default())
-                .unwrap_err()
-                .to_string();
-            assert!(text.contains(&*path.to_string_lossy()), "{text}");
-            text
-        };
-        let missing = folder.path().join("not-there");
-        let text = write(&missing.join("a.png"));
-        assert!(text.contains("there is no folder"), "{text}");
-
-        let file = folder.path().join("file");
-        fs::write(&file, "x").unwrap();
-        write(&file.join("a.png"));
-
-        let taken = folder.path().join("taken.png");
-        fs::create_dir(&taken).unwrap();
-        let text = write(&taken);
-        assert!(text.ends_with("taken.png: it is a folder"), "{text}");
-    }
-
-    /// Permissions do not bind an administrator; the folder of processes binds everyone.
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_folder_without_permission() {
-        let text = write_image(Path::new("/proc/sunroom.png"), &picture(), &Display::default())
-            .unwrap_err()
-            .to_string();
-        assert!(text.starts_with("cannot write /proc/sunroom.png: "), "{text}");
-        assert!(!text.contains(".part"), "{text}");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_stay_and_a_failure_keeps_the_old_file() {
-        use std::os::unix::fs::{PermissionsExt, symlink};
-        let folder = folder();
-        let (real, link) = (folder.path().join("real.png"), folder.path().join("link.png"));
-        fs::write(&real, "old").unwrap();
-        symlink(&real, &link).unwrap();
-        let mut broken = picture();
-        broken.pixels.pop();
-        assert!(matches!(
-            write_image(&link, &broken, &Display::default()),
-            Err(ImageIoError::WrongSize {
-                width: 37,
-                height: 11,
-                pixels: 406
-            })
-        ));
-        assert_eq!(fs::read(&real).unwrap(), b"old");
-        write_image(&link, &picture(), &Display::default()).unwrap();
-        assert!(link.symlink_metadata().unwrap().is_symlink());
-        assert_eq!(read_image(&real).width, 37);
-        // The file is as readable as any file made here, not only for the owner.
-        let other = folder.path().join("other");
-        fs::write(&other, "").unwrap();
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
-        assert_eq!(mode(&real), mode(&other));
-    }
-}
+mod tests;

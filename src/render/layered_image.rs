@@ -104,12 +104,17 @@ impl LayeredImage {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Adds a channel of floats that are stored bit by bit, with one sample for each pixel.
-    pub fn add_float(&mut self, name: &str, samples: Vec<f32>) {
+    /// Adds a channel with one sample for each pixel.
+    pub fn add_channel(&mut self, name: &str, samples: Samples) {
         self.channels.push(Channel {
             name: name.to_owned(),
-            samples: Samples::Float(samples),
+            samples,
         });
+    }
+
+    /// Adds a channel of floats that are stored bit by bit, with one sample for each pixel.
+    pub fn add_float(&mut self, name: &str, samples: Vec<f32>) {
+        self.add_channel(name, Samples::Float(samples));
     }
 
     /// Adds the channels `R`, `G` and `B` of a layer, whose name is empty for the picture itself.

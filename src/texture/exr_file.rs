@@ -12,7 +12,12 @@ use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, hold};
 use crate::memory::Reservation;
 
-pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Whether these are the first bytes of an EXR file.
+pub(crate) fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC)
+}
 
 pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileError> {
     // The colour of one layer is taken out while all layers are still there.

@@ -154,6 +154,11 @@ impl Image {
         self.height
     }
 
+    /// What the samples mean.
+    pub fn transfer(&self) -> Transfer {
+        self.transfer
+    }
+
     /// 1 or 3.
     pub fn channels(&self) -> usize {
         self.channels

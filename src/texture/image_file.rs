@@ -13,7 +13,7 @@ use crate::memory::{self, Reservation};
 
 /// Reads a whole file.
 pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
-    if bytes.starts_with(&exr_file::MAGIC) {
+    if exr_file::is_exr(bytes) {
         return exr_file::load_exr(bytes);
     }
     if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {

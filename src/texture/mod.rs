@@ -20,7 +20,7 @@ use crate::geometry::mesh::MeshData;
 
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
-pub(crate) use exr_file::{read_exr_parts, reserve_exr};
+pub(crate) use exr_file::{is_exr, read_exr_parts, reserve_exr};
 pub use image::{Image, Samples, Transfer};
 pub(crate) use image_file::decode_picture;
 pub use image_file::load_image;

@@ -16,7 +16,7 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::{FileFormat, ImageIoError, write_image, write_png, write_to_temporary_folder};
+use crate::render::image_io::{FileFormat, ImageIoError, write_displayed, write_image, write_to_temporary_folder};
 use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
 
@@ -138,14 +138,14 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         return Err(CommandError::file("There is no picture to save."));
     }
     let display = world.resource::<ViewSettings>().display;
-    let is_png = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Png);
-    let written = if is_png && !display.mode.is_light() {
+    let is_displayed = FileFormat::from_path(path).is_ok_and(FileFormat::is_displayed);
+    let written = if is_displayed && !display.mode.is_light() {
         let (size, rgb) = finished::painted(world);
-        write_png(path, size, &rgb)
+        write_displayed(path, size, &rgb)
     } else {
         let picture = finished::picture(world);
         // Files with radiance hold that of the scene, without a comparison.
-        let picture = if is_png {
+        let picture = if is_displayed {
             finished::compared(world, picture)
         } else {
             picture
@@ -153,7 +153,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         write_image(path, &picture, &display.tone())
     };
     written.map_err(CommandError::file)?;
-    let shown = match is_png && display.mode.is_light() {
+    let shown = match is_displayed && display.mode.is_light() {
         true => format!(" with the tone map {}", display.tone_map.name()),
         false => String::new(),
     };
@@ -164,7 +164,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
 /// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about
 /// where it is; None if there is no picture.
 pub(crate) fn keep_image(world: &World) -> Option<String> {
-    match write_to_temporary_folder(&finished::picture(world)) {
+    match write_to_temporary_folder(&(&finished::picture(world)).into()) {
         Ok(place) => Some(format!("the picture is kept in {}", place.display())),
         Err(ImageIoError::WrongSize { .. }) => None,
         Err(error) => Some(format!("the picture could not be kept elsewhere: {error}")),

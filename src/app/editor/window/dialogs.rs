@@ -174,7 +174,13 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
 
 /// What can be imported: meshes, scenes and environments.
 const IMPORTS: &[&str] = &["obj", "ply", "serialized", "hdr", "exr", "xml", "glb", "gltf"];
-const IMAGES: &[(&str, &str)] = &[("PNG, as shown", "png"), ("EXR, linear", "exr"), ("HDR, linear", "hdr")];
+const IMAGES: &[(&str, &str)] = &[
+    ("PNG, as shown", "png"),
+    ("JPEG, as shown", "jpg"),
+    ("EXR, linear", "exr"),
+    ("HDR, linear", "hdr"),
+    ("PFM, linear", "pfm"),
+];
 
 fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog {
     let proposed = |otherwise, extension| proposed_name(model.scene, otherwise, extension);

@@ -1,0 +1,79 @@
+//! Options for how pictures are shown and stored.
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use sunroom::render::image_io::{ExrCompression, FileOptions};
+use sunroom::render::tonemap::{Display, ToneMap};
+use sunroom::render::white_balance::WhiteBalance;
+
+use super::parse;
+
+#[derive(Args)]
+pub struct DisplayArgs {
+    /// Exposure of PNG and JPEG files in stops
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// Tone map of PNG and JPEG files
+    #[arg(long, default_value = ToneMap::Clip.name(), value_parser = named(&ToneMap::ALL, ToneMap::name))]
+    tonemap: ToneMap,
+    /// White balance of PNG and JPEG files: the temperature of the light that shall look white, and its tint [default: 6504,0]
+    #[arg(long, value_name = "KELVIN[,TINT]", value_parser = parse::white)]
+    white: Option<WhiteBalance>,
+}
+
+impl DisplayArgs {
+    pub fn display(&self) -> Display {
+        Display {
+            exposure_ev: self.exposure,
+            white_balance: self.white.unwrap_or_default(),
+            tone_map: self.tonemap,
+        }
+    }
+}
+
+#[derive(Args)]
+pub struct FileArgs {
+    /// Precision of the colours in EXR files [default: float]
+    #[arg(long, value_enum, value_name = "TYPE")]
+    exr_type: Option<ExrType>,
+    /// Compression of EXR files
+    #[arg(long, value_name = "NAME", default_value = ExrCompression::Zip.name(),
+        value_parser = named(&ExrCompression::ALL, ExrCompression::name))]
+    compression: ExrCompression,
+    /// Bits of each channel of PNG files
+    #[arg(long, value_name = "BITS", default_value = "8", value_parser = PossibleValuesParser::new(["8", "16"]))]
+    png_bits: String,
+    /// Quality of JPEG files, 1 to 100
+    #[arg(long, value_name = "N", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
+    jpeg_quality: u8,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum ExrType {
+    Half,
+    Float,
+}
+
+impl FileArgs {
+    pub fn options(&self, display: Display) -> FileOptions {
+        FileOptions {
+            display,
+            exr_half: self.exr_type == Some(ExrType::Half),
+            exr_compression: self.compression,
+            png_16_bits: self.png_bits == "16",
+            jpeg_quality: self.jpeg_quality,
+        }
+    }
+}
+
+/// Accepts the names of these values.
+fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.iter().map(move |&value| name(value))).map(move |chosen| {
+        *all.iter()
+            .find(|&&value| name(value) == chosen)
+            .expect("it is one of them")
+    })
+}

@@ -1,0 +1,69 @@
+//! PNG and JPEG files, which hold a picture as a display shows it.
+
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::{FileOptions, ImageIoError, ImageRgb};
+
+pub(super) fn encode_png(
+    image: &ImageRgb,
+    alpha: Option<&[f32]>,
+    options: &FileOptions,
+) -> Result<Vec<u8>, ImageIoError> {
+    let encoder = options.display.encoder();
+    let mut bytes = Vec::new();
+    let png = PngEncoder::new(&mut bytes);
+    let (width, height) = (image.width, image.height);
+    // The colours of PNG files are those of the thing itself, not of the light that comes from it (PNG specification, section 6.2).
+    let straight = |i: usize| match alpha {
+        Some(alpha) if alpha[i] > 0.0 && alpha[i] < 1.0 => image.pixels[i] / alpha[i],
+        _ => image.pixels[i],
+    };
+    let pixels = || (0..image.pixels.len()).map(straight);
+    let opacity = |i: usize| alpha.map_or(1.0, |alpha| alpha[i].clamp(0.0, 1.0));
+    if options.png_16_bits {
+        let mut samples: Vec<u16> = Vec::new();
+        for (i, color) in pixels().enumerate() {
+            samples.extend(encoder.encode_16(color));
+            samples.extend(alpha.map(|_| (opacity(i) * 65_535.0 + 0.5) as u16));
+        }
+        let color_type = match alpha {
+            Some(_) => ExtendedColorType::Rgba16,
+            None => ExtendedColorType::Rgb16,
+        };
+        // The encoder brings the bytes of each sample into the order of the file.
+        png.write_image(bytemuck::cast_slice(&samples), width, height, color_type)?;
+        return Ok(bytes);
+    }
+    let Some(_) = alpha else {
+        return png_of_bytes([width, height], &options.display.encode_rgb(&image.pixels));
+    };
+    let mut samples: Vec<u8> = Vec::new();
+    for (i, color) in pixels().enumerate() {
+        samples.extend(encoder.encode(color));
+        samples.push((opacity(i) * 255.0 + 0.5) as u8);
+    }
+    png.write_image(&samples, width, height, ExtendedColorType::Rgba8)?;
+    Ok(bytes)
+}
+
+pub(super) fn encode_jpeg(image: &ImageRgb, options: &FileOptions) -> Result<Vec<u8>, ImageIoError> {
+    let rgb = options.display.encode_rgb(&image.pixels);
+    jpeg_of_bytes([image.width, image.height], &rgb, options.jpeg_quality)
+}
+
+/// Three bytes a pixel as PNG.
+pub(super) fn png_of_bytes([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, ImageIoError> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
+
+/// Three bytes a pixel as JPEG.
+pub(super) fn jpeg_of_bytes([width, height]: [u32; 2], rgb: &[u8], quality: u8) -> Result<Vec<u8>, ImageIoError> {
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100));
+    encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
