@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod check;
 mod convert;
+mod display_server;
 #[cfg(feature = "window")]
 mod edit;
 mod ending;
@@ -20,6 +21,7 @@ mod progress;
 mod render;
 mod report;
 mod stats;
+mod tev;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

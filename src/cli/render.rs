@@ -22,6 +22,7 @@ use sunroom::scene::{Film as SensorFilm, Strategy};
 
 use super::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use super::check::{has_only_warnings, report_left_out, report_scene};
+use super::display_server;
 use super::ending::{Ending, INTERRUPTED};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::progress::Progress;
@@ -85,6 +86,9 @@ pub struct RenderArgs {
     display: DisplayArgs,
     #[command(flatten)]
     file: FileArgs,
+    /// Show the picture in tev while it is rendered, at this address (tev listens to localhost:14158)
+    #[arg(long, value_name = "HOST:PORT")]
+    display_server: Option<String>,
     /// Print the figures of the render on standard output
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     stats: Option<StatsFormat>,
@@ -179,6 +183,9 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     }
 
+    if let Some(address) = &args.display_server {
+        display_server::show(&mut app, address, &args.scene.scene);
+    }
     let mut progress = Progress::new(args.quiet, args.time);
     let rendered = render_to_completion(&mut app, &limits, |status| progress.update(status));
     progress.finish(app.world().resource::<RenderStatus>());
@@ -203,6 +210,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         height: film.height(),
         pixels,
     };
+    display_server::finish(app.world_mut(), &image.pixels);
     let status = app.world().resource::<RenderStatus>();
     let mut picture = LayeredImage::from(&image);
     describe(&mut picture, app.world(), args);

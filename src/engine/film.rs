@@ -44,7 +44,7 @@ pub(super) struct FilmShortage {
 
 impl RenderFilm {
     /// The tiles that changed since the last call, each once, in no order.
-    pub(crate) fn take_dirty(&mut self) -> Vec<Tile> {
+    pub fn take_dirty(&mut self) -> Vec<Tile> {
         self.dirty.drain().collect()
     }
 
@@ -89,7 +89,8 @@ impl RenderFilm {
         old
     }
 
-    pub(super) fn mark(&mut self, tile: Tile) {
+    /// Notes that a tile has changed.
+    pub fn mark(&mut self, tile: Tile) {
         self.dirty.insert(tile);
     }
 }

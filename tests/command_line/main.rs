@@ -5,4 +5,5 @@ mod commands;
 mod foreign_files;
 #[cfg(feature = "window")]
 mod monkey;
+mod pictures;
 mod workshop;

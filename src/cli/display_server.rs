@@ -1,0 +1,144 @@
+//! Sends the picture to a viewer while it is rendered. A viewer that is not there, or goes away, is reported once and never holds the render up.
+
+use std::io::{self, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use sunroom::engine::{EngineSystems, RenderFilm};
+use sunroom::render::film::Film;
+use sunroom::render::tile::Tile;
+
+use super::{report, tev};
+
+/// The time between two looks at what has changed.
+const INTERVAL: Duration = Duration::from_millis(250);
+/// The time that a viewer may take to answer, or to take what is sent.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Connects the app to the viewer at `HOST:PORT`. A warning says if there is none.
+pub fn show(app: &mut App, address: &str, scene: &Path) {
+    let stream = match connect(address) {
+        Ok(stream) => stream,
+        Err(error) => {
+            report::line(format_args!(
+                "warning: the display server {address} cannot be reached: {error}; the picture is rendered without it"
+            ));
+            return;
+        }
+    };
+    let (sender, receiver) = sync_channel(1);
+    let address = address.to_owned();
+    let thread = std::thread::spawn(move || send_all(stream, receiver, &address));
+    app.insert_resource(DisplayServer {
+        name: format!("sunroom {}", scene.display()),
+        sender: Some(sender),
+        thread: Some(thread),
+        shown_job: None,
+        next: Instant::now(),
+    });
+    app.add_systems(PostUpdate, send_changes.after(EngineSystems::Collect));
+}
+
+/// Sends the finished picture, row by row as the film's, and waits until the viewer has it.
+pub fn finish(world: &mut World, pixels: &[Vec3]) {
+    let Some(mut server) = world.remove_resource::<DisplayServer>() else {
+        return;
+    };
+    let film = &world.resource::<RenderFilm>().film;
+    let size = [film.width(), film.height()];
+    let numbers: Vec<f32> = pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+    let mut messages = Vec::new();
+    if server.shown_job.is_none() {
+        messages.push(tev::create_image(&server.name, size[0], size[1]));
+    }
+    messages.push(tev::update_image(&server.name, [0, 0], size, &numbers));
+    if let Some(sender) = server.sender.take() {
+        // An error means that the viewer has gone, which was reported.
+        let _ = sender.send(messages);
+    }
+    if let Some(thread) = server.thread.take() {
+        let _ = thread.join();
+    }
+}
+
+fn connect(address: &str) -> io::Result<TcpStream> {
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
+    for place in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&place, PATIENCE) {
+            Ok(stream) => {
+                stream.set_write_timeout(Some(PATIENCE))?;
+                stream.set_nodelay(true)?;
+                return Ok(stream);
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+/// Sends messages until there are no more, or one fails.
+fn send_all(mut stream: TcpStream, receiver: Receiver<Vec<Vec<u8>>>, address: &str) {
+    for messages in receiver {
+        for message in messages {
+            if let Err(error) = stream.write_all(&message) {
+                report::line(format_args!(
+                    "warning: the display server {address} takes nothing more: {error}"
+                ));
+                return;
+            }
+        }
+    }
+}
+
+#[derive(Resource)]
+struct DisplayServer {
+    /// The name of the picture in the viewer.
+    name: String,
+    /// None once the viewer has gone.
+    sender: Option<SyncSender<Vec<Vec<u8>>>>,
+    thread: Option<JoinHandle<()>>,
+    /// The job of the picture that the viewer shows.
+    shown_job: Option<u64>,
+    next: Instant,
+}
+
+fn send_changes(mut server: ResMut<DisplayServer>, mut film: ResMut<RenderFilm>) {
+    let now = Instant::now();
+    if now < server.next || film.film.width() == 0 {
+        return;
+    }
+    let Some(sender) = server.sender.clone() else {
+        return;
+    };
+    // What the film's other readers see is not changed.
+    let film = film.bypass_change_detection();
+    let mut tiles = film.take_dirty();
+    if tiles.is_empty() {
+        return;
+    }
+    tiles.sort_by_key(|tile| (tile.y, tile.x));
+    let mut messages = Vec::new();
+    if server.shown_job != Some(film.job) {
+        messages.push(tev::create_image(&server.name, film.film.width(), film.film.height()));
+    }
+    messages.extend(tiles.iter().map(|tile| tile_message(&server.name, &film.film, *tile)));
+    match sender.try_send(messages) {
+        Ok(()) => server.shown_job = Some(film.job),
+        // What is lost now is in the next message about its tile.
+        Err(TrySendError::Full(_)) => tiles.into_iter().for_each(|tile| film.mark(tile)),
+        Err(TrySendError::Disconnected(_)) => server.sender = None,
+    }
+    server.next = now + INTERVAL;
+}
+
+fn tile_message(name: &str, film: &Film, tile: Tile) -> Vec<u8> {
+    let rows = tile.y..tile.y + tile.height;
+    let pixels = rows.flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));
+    let color = |(x, y)| film.pixel(x, y).unwrap_or_default().radiance.to_array();
+    let numbers: Vec<f32> = pixels.flat_map(color).collect();
+    tev::update_image(name, [tile.x, tile.y], [tile.width, tile.height], &numbers)
+}
