@@ -1,13 +1,14 @@
 //! The command line: what it accepts, and which part of the program answers.
 //!
 //! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene or a file was
-//! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's); 130 interrupted, and the picture with the samples so far is
+//! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an unreadable file; 130 interrupted, and the picture with the samples so far is
 //! written.
 
 mod args;
 mod bench;
 mod check;
 mod convert;
+mod diff;
 mod display_server;
 #[cfg(feature = "window")]
 mod edit;
@@ -52,6 +53,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
     Convert(convert::ConvertArgs),
+    /// Measure how much a picture differs from another
+    Diff(Box<diff::DiffArgs>),
     /// Measure how fast this machine and this version are
     Bench(bench::BenchArgs),
     /// Print the completions of a shell
@@ -82,6 +85,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(*args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Diff(args)) => diff::run(&args),
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Completions(args)) => generate::completions(Cli::command(), args),
         Some(Command::Man(args)) => generate::man(Cli::command(), args),

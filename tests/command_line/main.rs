@@ -2,6 +2,7 @@
 
 mod bench;
 mod commands;
+mod diff;
 mod foreign_files;
 #[cfg(feature = "window")]
 mod monkey;

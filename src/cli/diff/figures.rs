@@ -1,0 +1,166 @@
+//! The figures of a comparison, for people and for machines.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use sunroom::color::{Rgb, luminance};
+use sunroom::metrics::{ZScores, errors, ssim, z_scores};
+
+use super::pair::Pair;
+
+#[derive(Serialize)]
+pub struct Figures {
+    pub width: u32,
+    pub height: u32,
+    /// Mean luminances of the picture and of the reference.
+    pub means: [f32; 2],
+    /// The first divided by the second; None if the reference is black.
+    pub mean_ratio: Option<f32>,
+    pub mse: f32,
+    pub relmse: f32,
+    /// Decibels; None for pictures that are equal on a display.
+    pub psnr: Option<f32>,
+    /// None for pictures of less than 11 pixels along a side.
+    pub ssim: Option<f32>,
+    /// The mean over the pixels, and the greatest.
+    pub flip: f32,
+    pub flip_greatest: f32,
+    /// First and last exposure in stops; None if pictures of a display were compared.
+    pub flip_exposures: Option<[f32; 2]>,
+    /// None if neither picture knows its variance.
+    pub z: Option<Z>,
+    /// Pixels of each with values that are no numbers or infinite, which count as black.
+    pub not_finite: [usize; 2],
+}
+
+#[derive(Clone, Copy, Serialize)]
+pub struct Z {
+    pub mean: f32,
+    pub rms: f32,
+    pub beyond_three: f32,
+    pub count: u64,
+}
+
+impl From<ZScores> for Z {
+    fn from(scores: ZScores) -> Self {
+        Self {
+            mean: scores.mean,
+            rms: scores.rms,
+            beyond_three: scores.beyond_three,
+            count: scores.count,
+        }
+    }
+}
+
+impl Figures {
+    pub fn of(pair: &Pair) -> Self {
+        let (picture, reference) = (&pair.picture.pixels, &pair.reference.pixels);
+        let errors = errors(picture, reference).expect("the pair is finite and of one size");
+        let [mean, other] = errors.means;
+        let flip_sum: f64 = pair.flip.iter().map(|&error| f64::from(error)).sum();
+        Self {
+            width: pair.picture.width,
+            height: pair.picture.height,
+            means: errors.means,
+            mean_ratio: (other != 0.0).then_some(mean / other),
+            mse: errors.mse,
+            relmse: errors.relative_mse,
+            psnr: errors.psnr.is_finite().then_some(errors.psnr),
+            ssim: ssim(picture, reference, pair.picture.width as usize),
+            flip: (flip_sum / pair.flip.len() as f64) as f32,
+            flip_greatest: pair.flip.iter().copied().fold(0.0, f32::max),
+            flip_exposures: pair.exposures.map(|exposures| [exposures.start, exposures.stop]),
+            z: scores(pair).map(Z::from),
+            not_finite: pair.not_finite,
+        }
+    }
+
+    /// Names and values of all figures.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let mut rows = Vec::new();
+        let [mean, other] = self.means;
+        rows.push(("mean luminance", format!("{mean:.6} against {other:.6}")));
+        let or_none = |number: Option<String>, none: &str| number.unwrap_or_else(|| none.to_owned());
+        let ratio = self.mean_ratio.map(|ratio| format!("{ratio:.6}"));
+        rows.push(("mean ratio", or_none(ratio, "none, the reference is black")));
+        rows.push(("MSE", format!("{:.6e}", self.mse)));
+        rows.push(("relMSE", format!("{:.6e}", self.relmse)));
+        rows.push((
+            "PSNR",
+            or_none(self.psnr.map(|psnr| format!("{psnr:.3} dB")), "infinite"),
+        ));
+        let ssim = self.ssim.map(|ssim| format!("{ssim:.6}"));
+        rows.push(("SSIM", or_none(ssim, "none, the pictures are smaller than its window")));
+        let at = match self.flip_exposures {
+            Some([start, stop]) => format!("radiance at {start:+.2} to {stop:+.2} stops"),
+            None => "as displayed".to_owned(),
+        };
+        rows.push((
+            "FLIP",
+            format!("{:.6}, at most {:.6}, {at}", self.flip, self.flip_greatest),
+        ));
+        if let Some(z) = self.z {
+            let percent = 100.0 * z.beyond_three;
+            let text = format!(
+                "mean {:+.4}, rms {:.4}, {percent:.2} % beyond 3 (0.27 % by chance)",
+                z.mean, z.rms
+            );
+            rows.push(("z-scores", text));
+        }
+        if self.not_finite != [0, 0] {
+            let [picture, reference] = self.not_finite;
+            rows.push(("pixels that are no numbers", format!("{picture} against {reference}")));
+        }
+        rows
+    }
+
+    /// The rows as a table.
+    pub fn text(&self, pair: &Pair) -> String {
+        let [picture, reference] = pair.paths.each_ref().map(|path| path.display());
+        let (width, height) = (self.width, self.height);
+        let layer = match pair.layer.as_str() {
+            "" => String::new(),
+            layer => format!(", layer {layer}"),
+        };
+        let mut text = format!("{picture} against {reference}, {width} x {height} pixels{layer}\n");
+        let rows = self.rows();
+        let widest = rows.iter().map(|row| row.0.len()).max().unwrap_or(0);
+        for (name, value) in rows {
+            let _ = writeln!(text, "{name:widest$}  {value}");
+        }
+        text
+    }
+}
+
+/// The variances of both must be of the same thing: luminance if one of them is.
+fn scores(pair: &Pair) -> Option<ZScores> {
+    let known = || pair.variances.iter().flatten();
+    let is_of_luminance = known().any(|variance| variance.is_of_luminance);
+    if !is_of_luminance {
+        let variances = pair
+            .variances
+            .each_ref()
+            .map(|variance| Some(variance.as_ref()?.pixels.as_slice()));
+        return z_scores(&pair.picture.pixels, &pair.reference.pixels, variances);
+    }
+    // One component stands for the luminance, so that each pixel counts once.
+    let in_red = |value: f32| Rgb::new(value, 0.0, 0.0);
+    let luminances = |pixels: &[Rgb]| pixels.iter().map(|&rgb| in_red(luminance(rgb))).collect::<Vec<Rgb>>();
+    let variances = pair.variances.each_ref().map(|variance| {
+        // Those of components do not tell that of the luminance.
+        let variance = variance.as_ref().filter(|variance| variance.is_of_luminance)?;
+        Some(
+            variance
+                .pixels
+                .iter()
+                .map(|pixel| in_red(pixel.x))
+                .collect::<Vec<Rgb>>(),
+        )
+    });
+    let variances = variances.each_ref().map(|variance| variance.as_deref());
+    z_scores(
+        &luminances(&pair.picture.pixels),
+        &luminances(&pair.reference.pixels),
+        variances,
+    )
+}

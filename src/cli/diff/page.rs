@@ -1,0 +1,123 @@
+//! A page that shows a comparison: one file with its pictures in it.
+
+use sunroom::render::image_io::{FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
+use sunroom::render::layered_image::LayeredImage;
+
+use super::figures::Figures;
+use super::pair::Pair;
+
+/// The page as HTML. `options` say how the pictures are shown.
+pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<String, ImageIoError> {
+    let shown = FileOptions {
+        png_16_bits: false,
+        ..*options
+    };
+    let [picture, reference] = [&pair.picture, &pair.reference].map(|picture| data_uri(picture, &shown));
+    let difference = data_uri(&pair.absolute(), &shown)?;
+    let flip = data_uri(&pair.flip_picture(), &FileOptions::default())?;
+    let [name, against] = pair.paths.each_ref().map(|path| escaped(&path.display().to_string()));
+    let row =
+        |(name, value): (&str, String)| format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(name), escaped(&value));
+    let table: String = figures.rows().into_iter().map(row).collect();
+    let layer = match pair.layer.as_str() {
+        "" => String::new(),
+        layer => format!(", layer {}", escaped(layer)),
+    };
+    // The values are put in together: a value that looks like a place for another is left alone.
+    let values = [
+        ("name", name),
+        ("against", against),
+        ("layer", layer),
+        ("width", figures.width.to_string()),
+        ("height", figures.height.to_string()),
+        ("table", table),
+        ("picture", picture?),
+        ("reference", reference?),
+        ("difference", difference),
+        ("flip", flip),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    Ok(filled(include_str!("page.html"), &values))
+}
+
+/// The template with values in place of `{{name}}`.
+fn filled(template: &str, values: &[(&str, String)]) -> String {
+    let mut parts = template.split("{{");
+    let mut page = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or(("", part));
+        if let Some((_, value)) = values.iter().find(|(known, _)| *known == name) {
+            page.push_str(value);
+        }
+        page.push_str(rest);
+    }
+    page
+}
+
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+fn data_uri(picture: &ImageRgb, options: &FileOptions) -> Result<String, ImageIoError> {
+    let png = encode_layered(&LayeredImage::from(picture), FileFormat::Png, options)?;
+    Ok(format!("data:image/png;base64,{}", base64(&png)))
+}
+
+/// Base 64 of RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(group.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for digit in 0..4 {
+            let index = bits >> (18 - 6 * digit) & 63;
+            // A group of n bytes has n + 1 digits.
+            text.push(if digit <= group.len() {
+                char::from(DIGITS[index as usize])
+            } else {
+                '='
+            });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The values are the test vectors of RFC 4648, section 10.
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        let vectors = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foobar", "Zm9vYmFy"),
+        ];
+        for (plain, coded) in vectors {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn values_are_put_in_once() {
+        let values = [("a", "{{b}}".to_owned()), ("b", escaped("<x & \"y\">"))];
+        assert_eq!(
+            filled("1 {{a}} 2 {{b}} {{c}}3", &values),
+            "1 {{b}} 2 &lt;x &amp; &quot;y&quot;&gt; 3"
+        );
+    }
+}

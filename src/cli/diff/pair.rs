@@ -1,0 +1,140 @@
+//! Two pictures that are compared.
+
+use std::path::{Path, PathBuf};
+
+use sunroom::color::{Rgb, linear_from_srgb};
+use sunroom::files::Access;
+use sunroom::memory::read_data;
+use sunroom::metrics::flip::{Exposures, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
+use sunroom::metrics::magma;
+use sunroom::render::image_io::{ImageRgb, LoadedPicture, load_picture};
+use sunroom::render::layered_image::LayeredImage;
+
+pub struct Pair {
+    pub paths: [PathBuf; 2],
+    /// The layer that is compared; empty for the picture itself.
+    pub layer: String,
+    /// The picture and the reference, of one size. Values that are no numbers or infinite are black.
+    pub picture: ImageRgb,
+    pub reference: ImageRgb,
+    /// The pixels of each that had such values.
+    pub not_finite: [usize; 2],
+    /// The variances of picture and reference.
+    pub variances: [Option<Variance>; 2],
+    /// The exposures of FLIP; None for pictures of a display.
+    pub exposures: Option<Exposures>,
+    /// The errors of FLIP, row by row.
+    pub flip: Vec<f32>,
+}
+
+/// The variance of each pixel's value.
+pub struct Variance {
+    pub pixels: Vec<Rgb>,
+    /// It is of the luminance, and all three components are the same.
+    pub is_of_luminance: bool,
+}
+
+impl Pair {
+    /// An error if a file cannot be read, the layer is missing, or the sizes differ.
+    pub fn read(paths: [&Path; 2], layer: &str) -> Result<Self, String> {
+        let [picture, reference] = paths.map(load);
+        let (loaded, against) = (picture?, reference?);
+        let size = |picture: &LoadedPicture| [picture.image.width, picture.image.height];
+        if size(&loaded) != size(&against) {
+            let [[w, h], [other_w, other_h]] = [size(&loaded), size(&against)];
+            return Err(format!(
+                "{} has {w} x {h} pixels and {} has {other_w} x {other_h}: only pictures of one size are compared",
+                paths[0].display(),
+                paths[1].display()
+            ));
+        }
+        let colors = |loaded: &LoadedPicture, path: &Path| {
+            loaded
+                .image
+                .layer(layer)
+                .ok_or_else(|| no_layer(&loaded.image, layer, path))
+        };
+        let mut picture = colors(&loaded, paths[0])?;
+        let mut reference = colors(&against, paths[1])?;
+        let not_finite = [&mut picture, &mut reference].map(blacken);
+        let variances = match layer {
+            "" => [&loaded, &against].map(|loaded| variance(&loaded.image)),
+            _ => [None, None],
+        };
+        let exposures = match loaded.is_displayed && against.is_displayed {
+            true => None,
+            false => Exposures::of(&reference.pixels),
+        };
+        let width = picture.width as usize;
+        let flip = match exposures {
+            Some(exposures) => hdr_flip(&picture.pixels, &reference.pixels, width, exposures, PIXELS_PER_DEGREE),
+            None => ldr_flip(&picture.pixels, &reference.pixels, width, PIXELS_PER_DEGREE),
+        };
+        Ok(Self {
+            paths: paths.map(Path::to_owned),
+            layer: layer.to_owned(),
+            picture,
+            reference,
+            not_finite,
+            variances,
+            exposures,
+            flip,
+        })
+    }
+
+    /// The errors of FLIP in the colours of a display.
+    pub fn flip_picture(&self) -> ImageRgb {
+        let color = |error: &f32| magma(*error).map(linear_from_srgb);
+        ImageRgb {
+            pixels: self.flip.iter().map(color).collect(),
+            ..self.picture
+        }
+    }
+
+    /// The absolute difference.
+    pub fn absolute(&self) -> ImageRgb {
+        let pixels = self.picture.pixels.iter().zip(&self.reference.pixels);
+        ImageRgb {
+            pixels: pixels.map(|(&a, &b)| (a - b).abs()).collect(),
+            ..self.picture
+        }
+    }
+}
+
+fn load(path: &Path) -> Result<LoadedPicture, String> {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let bytes = read_data(path, &Access::everywhere()).map_err(|error| named(&error))?;
+    load_picture(&bytes).map_err(|error| named(&error))
+}
+
+fn no_layer(image: &LayeredImage, layer: &str, path: &Path) -> String {
+    let path = path.display();
+    let names: Vec<String> = image
+        .layers()
+        .iter()
+        .filter(|name| !name.is_empty())
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let known = match names.is_empty() {
+        true => "it has none".to_owned(),
+        false => format!("it has {}", names.join(", ")),
+    };
+    match layer {
+        "" => format!("{path} has no colours of its own; `--layer` names a layer, and {known}"),
+        _ => format!("{path} has no layer `{layer}` of colours, a vector or one number; {known}"),
+    }
+}
+
+/// Makes pixels black that have values that are no numbers or infinite; returns how many.
+fn blacken(image: &mut ImageRgb) -> usize {
+    let broken = image.pixels.iter_mut().filter(|pixel| !pixel.is_finite());
+    broken.map(|pixel| *pixel = Rgb::ZERO).count()
+}
+
+fn variance(image: &LayeredImage) -> Option<Variance> {
+    const LAYER: &str = "Variance";
+    Some(Variance {
+        pixels: image.layer(LAYER)?.pixels,
+        is_of_luminance: image.channel("Variance.R").is_none(),
+    })
+}

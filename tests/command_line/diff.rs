@@ -1,0 +1,205 @@
+//! `sunroom diff`: figures, limits, exit codes, pictures and the page.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use glam::Vec3;
+use sunroom::render::image_io::exr::{decode_exr, write_exr};
+use sunroom::render::image_io::{ExrCompression, ImageRgb, write_image};
+use sunroom::render::layered_image::LayeredImage;
+use sunroom::render::tonemap::Display;
+
+use crate::workshop::{Workshop, sunroom};
+
+fn diff(picture: &Path, reference: &Path, more: &[&str]) -> Output {
+    let mut command = sunroom();
+    let command = command.arg("diff").arg(picture).arg(reference).args(more);
+    command.output().expect("the program starts")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A gradient of 32 x 24 pixels, times a factor, as an EXR file with a layer of normals and one of variances.
+fn gradient(shop: &Workshop, name: &str, factor: f32) -> PathBuf {
+    let (width, height) = (32, 24);
+    let pixel = |i: u32| Vec3::new((i % width) as f32 / 16.0, (i / width) as f32 / 24.0, 0.5);
+    let pixels: Vec<Vec3> = (0..width * height).map(|i| factor * pixel(i)).collect();
+    let mut image = LayeredImage::new(width, height);
+    image.add_rgb("", &pixels);
+    image.add_xyz("Normal", &vec![Vec3::Z; pixels.len()]);
+    image.add_float("Variance.Y", vec![0.005; pixels.len()]);
+    let path = shop.path(name);
+    write_exr(&path, &image, ExrCompression::Zip).expect("a writable folder");
+    path
+}
+
+#[test]
+fn figures_limits_and_exit_codes() {
+    let shop = Workshop::new();
+    let (a, b) = (gradient(&shop, "a.exr", 1.1), gradient(&shop, "b.exr", 1.0));
+    let output = diff(&a, &b, &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON alone");
+    let near = |name: &str, value: f64| {
+        let found = figures[name].as_f64().expect(name);
+        assert!((found - value).abs() < 1e-4 * value, "{name}: {found} {value}");
+    };
+    assert_eq!((&figures["width"], &figures["height"]), (&32.into(), &24.into()));
+    near("mean_ratio", 1.1);
+    // The mean of (0.1 x / 16)^2, (0.1 y / 24)^2 and 0.05^2.
+    let squares = |count: i32| (0..count).map(|i| f64::from(i * i)).sum::<f64>() / f64::from(count);
+    let mse = (0.01 * squares(32) / 256.0 + 0.01 * squares(24) / 576.0 + 0.0025) / 3.0;
+    near("mse", mse);
+    assert!(figures["flip"].as_f64().expect("a number") > 0.01);
+    // The luminance differs by a tenth of itself; the noise of the difference has a deviation of 0.1.
+    assert_eq!(figures["z"]["count"], 32 * 24);
+    let mean_luminance = figures["means"][1].as_f64().expect("a number");
+    let z = figures["z"]["mean"].as_f64().expect("a number");
+    assert!((z - mean_luminance).abs() < 1e-3, "{z} {mean_luminance}");
+
+    let text = stdout(&diff(&a, &b, &[]));
+    for words in [
+        "32 x 24",
+        "mean ratio",
+        "1.1000",
+        "relMSE",
+        "PSNR",
+        "SSIM",
+        "FLIP",
+        "z-scores",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let code = |args: &[&str]| diff(&a, &b, args).status.code();
+    assert_eq!(
+        code(&[
+            "--fail-above",
+            "mean=0.11",
+            "--fail-above",
+            "0.9",
+            "--fail-below",
+            "psnr=1"
+        ]),
+        Some(0)
+    );
+    assert_eq!(code(&["--fail-above", "mean=0.09"]), Some(1));
+    assert_eq!(code(&["--fail-above", "0.000001"]), Some(1));
+    assert_eq!(code(&["--fail-below", "ssim=0.99999"]), Some(1));
+    assert_eq!(code(&["--fail-above", "psnr=3"]), Some(2));
+    assert_eq!(code(&["--layer", "Normal", "--fail-above", "mse=0"]), Some(0));
+    let equal = diff(
+        &a,
+        &a,
+        &["--fail-above", "0", "--fail-above", "mse=0", "--fail-above", "z=0"],
+    );
+    assert_eq!(equal.status.code(), Some(0), "{}", stderr(&equal));
+}
+
+#[test]
+fn what_cannot_be_compared_is_said() {
+    let shop = Workshop::new();
+    let a = gradient(&shop, "a.exr", 1.0);
+    let small = shop.path("small.png");
+    let one = ImageRgb {
+        width: 1,
+        height: 1,
+        pixels: vec![Vec3::ONE],
+    };
+    write_image(&small, &one, &Display::default()).expect("a writable folder");
+    let broken = shop.write("broken.exr", b"v/1\x01\x02\0\0\0 and no more");
+    let says = |picture: &Path, more: &[&str], words: &[&str]| {
+        let output = diff(picture, &a, more);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+    };
+    says(&small, &[], &["1 x 1", "32 x 24", "small.png", "a.exr"]);
+    says(&broken, &[], &["broken.exr: the picture is damaged"]);
+    says(&shop.path("missing.exr"), &[], &["missing.exr"]);
+    says(
+        &a,
+        &["--layer", "Albedo"],
+        &["no layer `Albedo`", "`Normal`", "`Variance`"],
+    );
+    says(&a, &["-o", "a.xyz"], &["a.xyz", ".exr"]);
+    let nowhere = shop.path("no-folder/page.html");
+    says(&a, &["--html", &nowhere.to_string_lossy()], &["page.html"]);
+    // A pixel that is no number fails every limit.
+    let mut image = decode_exr(&std::fs::read(&a).expect("written")).expect("an EXR file");
+    let values = image
+        .layer("")
+        .expect("colours")
+        .pixels
+        .iter()
+        .map(|pixel| pixel.x)
+        .collect::<Vec<_>>();
+    image.channels.retain(|channel| channel.name != "R");
+    image.add_float(
+        "R",
+        values
+            .iter()
+            .enumerate()
+            .map(|(i, &x)| if i == 7 { f32::NAN } else { x })
+            .collect(),
+    );
+    let nan = shop.path("nan.exr");
+    write_exr(&nan, &image, ExrCompression::Zip).expect("a writable folder");
+    let output = diff(&nan, &a, &["--fail-above", "1"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("1 against 0"), "{}", stdout(&output));
+}
+
+#[test]
+fn differences_and_pages_are_written() {
+    let shop = Workshop::new();
+    let (a, b) = (gradient(&shop, "a<b>.exr", 0.5), gradient(&shop, "b.exr", 1.0));
+    let [signed, map, page] = ["d.exr", "flip.png", "page.html"].map(|name| shop.path(name).display().to_string());
+    let output = diff(&a, &b, &["-o", &signed, "--flip-map", &map, "--html", &page]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let difference = decode_exr(&std::fs::read(&signed).expect("written")).expect("an EXR file");
+    let pixels = difference.layer("").expect("colours").pixels;
+    assert!(pixels.iter().all(|pixel| pixel.z == -0.25));
+    let flip = difference.layer("FLIP").expect("errors").pixels;
+    let map = image::open(&map).expect("a PNG").to_rgb8();
+    assert_eq!(map.dimensions(), (32, 24));
+    // Of magma's colours the red is greater where the error is.
+    let order = |i: usize| map.get_pixel(i as u32 % 32, i as u32 / 32).0[0];
+    let greatest = (0..flip.len())
+        .max_by(|&i, &j| flip[i].x.total_cmp(&flip[j].x))
+        .expect("pixels");
+    let least = (0..flip.len())
+        .min_by(|&i, &j| flip[i].x.total_cmp(&flip[j].x))
+        .expect("pixels");
+    assert!(order(greatest) > order(least));
+    let page = std::fs::read_to_string(&page).expect("written");
+    assert!(page.starts_with("<!DOCTYPE html>") && !page.contains("{{"));
+    assert!(page.contains("a&lt;b&gt;.exr") && !page.contains("a<b>.exr"));
+    assert_eq!(page.matches("data:image/png;base64,iVBOR").count(), 4);
+    // The file needs nothing from elsewhere.
+    assert!(!page.contains("http:") && !page.contains("https:"));
+}
+
+#[test]
+fn pictures_of_a_display_are_compared_as_displayed() {
+    let shop = Workshop::new();
+    let write = |name: &str, value: f32| {
+        let path = shop.path(name);
+        let image = ImageRgb {
+            width: 16,
+            height: 16,
+            pixels: vec![Vec3::splat(value); 256],
+        };
+        write_image(&path, &image, &Display::default()).expect("a writable folder");
+        path
+    };
+    let text = stdout(&diff(&write("a.png", 0.2), &write("b.png", 0.21), &[]));
+    assert!(text.contains("as displayed"), "{text}");
+    let text = stdout(&diff(&write("a.pfm", 0.2), &write("b.pfm", 0.21), &[]));
+    assert!(text.contains("stops"), "{text}");
+}
