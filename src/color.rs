@@ -12,6 +12,13 @@ pub fn luminance(rgb: Rgb) -> f32 {
     rgb.dot(Vec3::new(0.212_671, 0.715_160, 0.072_169))
 }
 
+/// CIE XYZ of a linear colour; Y is its [`luminance`].
+pub fn xyz_from_rgb(rgb: Rgb) -> Vec3 {
+    let x = rgb.dot(Vec3::new(0.412_453, 0.357_580, 0.180_423));
+    let z = rgb.dot(Vec3::new(0.019_334, 0.119_193, 0.950_227));
+    Vec3::new(x, luminance(rgb), z)
+}
+
 /// One linear component in [0, 1] to its sRGB encoding in [0, 1].
 pub fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 {

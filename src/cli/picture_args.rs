@@ -3,8 +3,11 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use sunroom::render::image_io::{ExrCompression, FileOptions};
+use sunroom::render::layered_image::StoredColors;
 use sunroom::render::tonemap::{Display, ToneMap};
 use sunroom::render::white_balance::WhiteBalance;
+
+use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::parse;
 
@@ -33,7 +36,7 @@ impl DisplayArgs {
 
 #[derive(Args)]
 pub struct FileArgs {
-    /// Precision of the colours in EXR files [default: float]
+    /// Precision of the colours in EXR files [default: the scene's, or float]
     #[arg(long, value_enum, value_name = "TYPE")]
     exr_type: Option<ExrType>,
     /// Compression of EXR files
@@ -55,10 +58,19 @@ enum ExrType {
 }
 
 impl FileArgs {
-    pub fn options(&self, display: Display) -> FileOptions {
+    /// The options for a film that asks to be stored in its own way. Arguments count before the film.
+    pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
         FileOptions {
             display,
-            exr_half: self.exr_type == Some(ExrType::Half),
+            exr_half: match self.exr_type {
+                Some(precision) => precision == ExrType::Half,
+                None => storage.components == Some(ComponentFormat::Float16),
+            },
+            stored: match storage.pixels {
+                None | Some(PixelFormat::Rgb | PixelFormat::Rgba) => StoredColors::Rgb,
+                Some(PixelFormat::Luminance | PixelFormat::LuminanceAlpha) => StoredColors::Luminance,
+                Some(PixelFormat::Xyz | PixelFormat::Xyza) => StoredColors::Xyz,
+            },
             exr_compression: self.compression,
             png_16_bits: self.png_bits == "16",
             jpeg_quality: self.jpeg_quality,

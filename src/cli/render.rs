@@ -214,7 +214,10 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let status = app.world().resource::<RenderStatus>();
     let mut picture = LayeredImage::from(&image);
     describe(&mut picture, app.world(), args);
-    let options = args.file.options(args.display.display());
+    let sensor = app.world().resource::<ActiveSensor>().0;
+    let storage = sensor.and_then(|sensor| app.world().get::<SensorFilm>(sensor));
+    let storage = storage.map(|film| film.storage).unwrap_or_default();
+    let options = args.file.options(args.display.display(), storage);
     let written = outputs::write_pictures(&args.output, &picture, &options);
 
     ending.report(status.samples, args.quiet, args.denoise, &written);

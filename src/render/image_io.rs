@@ -19,7 +19,7 @@ use thiserror::Error;
 
 pub use self::exr_compression::ExrCompression;
 pub use self::reading::{LoadedPicture, load_picture};
-use super::layered_image::LayeredImage;
+use super::layered_image::{LayeredImage, StoredColors};
 use super::tonemap::Display;
 use crate::color::Rgb;
 use crate::files::write_atomically;
@@ -63,6 +63,8 @@ pub struct FileOptions {
     pub display: Display,
     /// Whether the colours of EXR files are stored with 16 bits, see [`LayeredImage::store_colors_as_half`].
     pub exr_half: bool,
+    /// What EXR and PFM files hold in place of the colours.
+    pub stored: StoredColors,
     /// How EXR files are made smaller.
     pub exr_compression: ExrCompression,
     /// Whether PNG files have 16 bits for each channel, in place of 8.
@@ -76,6 +78,7 @@ impl Default for FileOptions {
         Self {
             display: Display::default(),
             exr_half: false,
+            stored: StoredColors::default(),
             exr_compression: ExrCompression::default(),
             png_16_bits: false,
             jpeg_quality: 95,
@@ -201,14 +204,20 @@ pub fn encode_layered(
     options: &FileOptions,
 ) -> Result<Vec<u8>, ImageIoError> {
     if format == FileFormat::Exr {
-        if !options.exr_half {
+        if !options.exr_half && options.stored == StoredColors::Rgb {
             return exr::encode_exr(image, options.exr_compression);
         }
         let mut image = image.clone();
-        image.store_colors_as_half();
+        image.convert_colors(options.stored);
+        if options.exr_half {
+            image.store_colors_as_half();
+        }
         return exr::encode_exr(&image, options.exr_compression);
     }
     let colors = image.layer("").ok_or(ImageIoError::NoColors)?;
+    if format == FileFormat::Pfm && options.stored != StoredColors::Rgb {
+        return Ok(encode_pfm(&colors, options.stored));
+    }
     encode_colors(&colors, image.alpha().as_deref(), format, options)
 }
 
@@ -231,17 +240,23 @@ fn encode_colors(
             HdrEncoder::new(&mut bytes).encode(&storable.collect::<Vec<_>>(), width as usize, height as usize)?;
             Ok(bytes)
         }
-        FileFormat::Pfm => Ok(encode_pfm(image)),
+        FileFormat::Pfm => Ok(encode_pfm(image, StoredColors::Rgb)),
         FileFormat::Png => displayed::encode_png(image, alpha, options),
         FileFormat::Jpeg => displayed::encode_jpeg(image, options),
     }
 }
 
 /// Rows go from the bottom up; a negative scale means little-endian (Debevec, "PFM: Portable FloatMap").
-fn encode_pfm(image: &ImageRgb) -> Vec<u8> {
-    let mut bytes = format!("PF\n{} {}\n-1.0\n", image.width, image.height).into_bytes();
+fn encode_pfm(image: &ImageRgb, stored: StoredColors) -> Vec<u8> {
+    let (magic, channels) = match stored {
+        StoredColors::Luminance => ("Pf", 1),
+        StoredColors::Rgb | StoredColors::Xyz => ("PF", 3),
+    };
+    let mut bytes = format!("{magic}\n{} {}\n-1.0\n", image.width, image.height).into_bytes();
     for row in image.pixels.rchunks_exact(image.width as usize) {
-        let numbers = row.iter().flat_map(|pixel| pixel.to_array());
+        let numbers = row
+            .iter()
+            .flat_map(|&pixel| stored.of(pixel).to_array().into_iter().take(channels));
         bytes.extend(numbers.flat_map(f32::to_le_bytes));
     }
     bytes

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::image_io::ImageRgb;
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance, xyz_from_rgb};
 use crate::memory::Held;
 
 /// Named channels of one size, in any order, and attributes.
@@ -79,6 +79,29 @@ pub enum Attribute {
     Float(f32),
     /// A matrix for row vectors, row by row: the translation is in the last row, as OpenEXR's `worldToCamera` is used.
     Matrix([f32; 16]),
+}
+
+/// What is stored of the colours of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StoredColors {
+    /// Linear Rec. 709.
+    #[default]
+    Rgb,
+    /// CIE Y alone.
+    Luminance,
+    /// CIE XYZ.
+    Xyz,
+}
+
+impl StoredColors {
+    /// What is stored of a colour, of the luminance in all components.
+    pub(super) fn of(self, rgb: Rgb) -> Vec3 {
+        match self {
+            Self::Rgb => rgb,
+            Self::Luminance => Vec3::splat(luminance(rgb)),
+            Self::Xyz => xyz_from_rgb(rgb),
+        }
+    }
 }
 
 /// The last parts of the names of three channels that are one colour or vector.
@@ -199,14 +222,34 @@ impl LayeredImage {
         self.attributes.push((name.to_owned(), attribute));
     }
 
+    /// Replaces the channels `R`, `G` and `B` of the picture itself by what is stored of the colours: `Y`, or `X`, `Y` and `Z`. A picture without these
+    /// channels stays as it is.
+    pub fn convert_colors(&mut self, stored: StoredColors) {
+        let is_color = |channel: &Channel| TRIPLES[0].contains(&channel.name.as_str());
+        let Some(colors) = self
+            .layer("")
+            .filter(|_| stored != StoredColors::Rgb && self.channels.iter().any(is_color))
+        else {
+            return;
+        };
+        self.channels.retain(|channel| !is_color(channel));
+        let values: Vec<Vec3> = colors.pixels.iter().map(|&rgb| stored.of(rgb)).collect();
+        match stored {
+            StoredColors::Luminance => self.add_float("Y", values.iter().map(|value| value.y).collect()),
+            StoredColors::Rgb | StoredColors::Xyz => self.add_xyz("", &values),
+        }
+    }
+
     /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Cryptomattes (`Crypto*`), whose floats are identifiers, and variances
     /// (`Variance*`), which are too small for 16 bits, stay as they are, and so do vectors and depths.
     pub fn store_colors_as_half(&mut self) {
         for channel in &mut self.channels {
             let (layer, last) = split_name(&channel.name);
+            let is_color =
+                ["R", "G", "B", "A"].contains(&last) || (layer.is_empty() && ["X", "Y", "Z"].contains(&last));
             let is_exact = is_cryptomatte(layer) || layer.starts_with("Variance");
             if let Samples::Float(samples) = &mut channel.samples
-                && ["R", "G", "B", "A"].contains(&last)
+                && is_color
                 && !is_exact
             {
                 channel.samples = Samples::Half(std::mem::take(samples));
@@ -285,6 +328,26 @@ mod tests {
         let halves = image.channels.iter().filter(|c| matches!(c.samples, Samples::Half(_)));
         let names: Vec<&str> = halves.map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["R", "G", "B", "A", "Light.Key.R", "Light.Key.G", "Light.Key.B"]);
+    }
+
+    #[test]
+    fn colours_become_luminances_or_xyz() {
+        let names = |stored| {
+            let mut image = layered();
+            image.convert_colors(stored);
+            let own = image.channels.iter().filter(|channel| !channel.name.contains('.'));
+            (own.map(|channel| channel.name.clone()).collect::<Vec<_>>(), image)
+        };
+        let (luminances, image) = names(StoredColors::Luminance);
+        assert_eq!(luminances, ["A", "Y"]);
+        let expected = luminance(Rgb::new(1.0, 2.0, 3.0));
+        assert_eq!(image.channel("Y").expect("luminance").samples.value(0), expected);
+        let (xyz, image) = names(StoredColors::Xyz);
+        assert_eq!(xyz, ["A", "X", "Y", "Z"]);
+        // White is the sum of the matrix's columns: D65.
+        assert!(xyz_from_rgb(Rgb::ONE).abs_diff_eq(Vec3::new(0.9505, 1.0, 1.0888), 2e-4));
+        assert_eq!(image.channel("Y").expect("luminance").samples.value(0), expected);
+        assert_eq!(names(StoredColors::Rgb).1, layered());
     }
 
     #[test]

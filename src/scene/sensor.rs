@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::{DocumentOrder, ToWorld};
+use super::{DocumentOrder, FilmStorage, ToWorld};
 
 /// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic picture, and else dropped.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -139,6 +139,8 @@ pub struct Film {
     pub filter: ReconstructionFilter,
     /// The samples per pixel to stop at.
     pub sample_count: u32,
+    /// How it is stored in files.
+    pub storage: FilmStorage,
 }
 
 /// A rectangle of pixels of a film, (x, y) its top left.
@@ -197,6 +199,7 @@ impl Default for Film {
             crop: None,
             filter: ReconstructionFilter::default(),
             sample_count: 16,
+            storage: FilmStorage::default(),
         }
     }
 }

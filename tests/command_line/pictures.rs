@@ -106,6 +106,39 @@ fn options_decide_how_files_hold_the_picture() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("piz"));
 }
 
+#[test]
+fn the_scene_says_how_its_film_is_stored() {
+    let shop = Workshop::new();
+    let storage = |pixels: &str, components: &str| {
+        let film = format!(
+            "<film type=\"hdrfilm\"><string name=\"pixel_format\" value=\"{pixels}\"/><string name=\"component_format\" value=\"{components}\"/>"
+        );
+        shop.scene(&SCENE.replace("<film type=\"hdrfilm\">", &film))
+    };
+    let outputs = ["a.exr", "a.pfm", "a.png"].map(|name| shop.path(name));
+    assert_success(&render(&storage("luminance", "float16"), &outputs, &[]));
+    let grey = exr(&outputs[0]);
+    let [channel] = &grey.channels[..] else {
+        panic!("{:?}", grey.layers())
+    };
+    assert!(channel.name == "Y" && matches!(channel.samples, Samples::Half(_)));
+    assert!(std::fs::read(&outputs[1]).expect("written").starts_with(b"Pf\n"));
+    // A picture of the display has its colours.
+    let png = image::open(&outputs[2]).expect("a PNG").to_rgb8();
+    assert!(png.pixels().any(|pixel| pixel.0[0] > pixel.0[2]));
+
+    assert_success(&render(&storage("xyz", "float16"), &outputs, &["--exr-type", "float"]));
+    let xyz = exr(&outputs[0]);
+    let mut names: Vec<&str> = xyz.channels.iter().map(|channel| channel.name.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["X", "Y", "Z"]);
+    assert!(
+        xyz.channels
+            .iter()
+            .all(|channel| matches!(channel.samples, Samples::Float(_)))
+    );
+}
+
 /// The painter of the viewport encodes with the same [`Display`] (`picture/painter.rs`).
 #[test]
 fn png_has_the_bytes_that_the_viewport_shows() {

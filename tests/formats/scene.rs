@@ -162,7 +162,11 @@ fn parameters_are_read() {
             height: 200,
             crop: None,
             filter: ReconstructionFilter::Box,
-            sample_count: 64
+            sample_count: 64,
+            storage: FilmStorage {
+                pixels: Some(PixelFormat::Rgb),
+                components: None,
+            },
         }
     );
     assert!(

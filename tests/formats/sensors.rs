@@ -242,6 +242,41 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
+fn films_say_how_they_are_stored() {
+    for pixels in PixelFormat::ALL {
+        for components in ComponentFormat::ALL {
+            let content = format!(
+                "<string name='pixel_format' value='{}'/><string name='component_format' value='{}'/>",
+                pixels.name(),
+                components.name()
+            );
+            let mut scene = clean(&format!("<sensor type='perspective'>{}</sensor>", film(&content)));
+            let storage = FilmStorage {
+                pixels: Some(pixels),
+                components: Some(components),
+            };
+            assert_eq!(scene.sensors[0].film.storage, storage);
+            // Written as if it had been made in the editor.
+            scene.sensors[0].identity = Default::default();
+            let text = document::to_xml(&to_document(&scene, Path::new("/there/scene.xml"))).expect("can be written");
+            assert!(
+                text.contains(pixels.name()) && text.contains(components.name()),
+                "{text}"
+            );
+        }
+    }
+    let unknown = film("<string name='component_format' value='uint32'/>");
+    let (scene, complaints) = describe(&format!("<sensor type='perspective'>{unknown}</sensor>"));
+    assert_eq!(scene.sensors[0].film.storage, FilmStorage::default());
+    assert!(
+        complaints.len() == 1
+            && complaints[0].contains("`uint32` is not supported")
+            && complaints[0].contains("`float16`"),
+        "{complaints:?}"
+    );
+}
+
+#[test]
 fn what_cannot_be_is_an_error() {
     let table = [
         ("<integer name='crop_width' value='41'/>", "reaches out of the film"),

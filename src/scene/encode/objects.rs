@@ -149,6 +149,12 @@ fn film_object(film: &Film) -> Object {
         object = with_integer(object, "crop_width", crop.width);
         object = with_integer(object, "crop_height", crop.height);
     }
+    if let Some(pixels) = film.storage.pixels {
+        object = with_string(object, "pixel_format", pixels.name());
+    }
+    if let Some(components) = film.storage.components {
+        object = with_string(object, "component_format", components.name());
+    }
     with_child(object, filter)
 }
 

@@ -7,7 +7,9 @@ use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::SensorDescription;
 use crate::scene::encode::objects;
-use crate::scene::{Crop, Film, FovAxis, Lens, ReconstructionFilter, Sensor};
+use crate::scene::{
+    ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PixelFormat, ReconstructionFilter, Sensor,
+};
 
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 
@@ -103,9 +105,16 @@ impl<'a> SceneReader<'a> {
             reader.error_at("width", message);
         }
         film.crop = read_crop(&mut reader, film.width, film.height);
+        film.storage = FilmStorage {
+            pixels: chosen(&mut reader, "pixel_format", &PixelFormat::ALL, PixelFormat::name),
+            components: chosen(
+                &mut reader,
+                "component_format",
+                &ComponentFormat::ALL,
+                ComponentFormat::name,
+            ),
+        };
         reader.ignore(&[
-            "pixel_format",
-            "component_format",
             "file_format",
             "banner",
             "high_quality_edges",
@@ -123,6 +132,25 @@ impl<'a> SceneReader<'a> {
             film.filter = read_filter(self.reader(filter));
         }
     }
+}
+
+/// The value of this name. What is not known is left out, with a warning.
+fn chosen<T: Copy>(reader: &mut Reader, parameter: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
+    let text = reader.string(parameter)?;
+    let found = all
+        .iter()
+        .copied()
+        .find(|&value| name(value).eq_ignore_ascii_case(text));
+    if found.is_none() {
+        let names: Vec<String> = all.iter().map(|&value| format!("`{}`", name(value))).collect();
+        let message = format!(
+            "`{parameter}` `{text}` is not supported and has no effect: expected {}",
+            names.join(", ")
+        );
+        let span = reader.object().span;
+        reader.diagnostics().warn(span, message);
+    }
+    found
 }
 
 /// The crop; None if there is none, or if it is not within the film.

@@ -1,0 +1,80 @@
+//! How a film asks to be stored in files.
+
+use bevy::prelude::*;
+
+/// The settings of `hdrfilm` about files. None where the scene does not say.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FilmStorage {
+    /// `pixel_format`.
+    pub pixels: Option<PixelFormat>,
+    /// `component_format`.
+    pub components: Option<ComponentFormat>,
+}
+
+/// The channels of a pixel.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelFormat {
+    /// The luminance alone.
+    Luminance,
+    /// Luminance and opacity.
+    LuminanceAlpha,
+    /// Linear Rec. 709.
+    Rgb,
+    /// Linear Rec. 709 and opacity.
+    Rgba,
+    /// CIE XYZ.
+    Xyz,
+    /// CIE XYZ and opacity.
+    Xyza,
+}
+
+impl PixelFormat {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Luminance,
+        Self::LuminanceAlpha,
+        Self::Rgb,
+        Self::Rgba,
+        Self::Xyz,
+        Self::Xyza,
+    ];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Luminance => "luminance",
+            Self::LuminanceAlpha => "luminance_alpha",
+            Self::Rgb => "rgb",
+            Self::Rgba => "rgba",
+            Self::Xyz => "xyz",
+            Self::Xyza => "xyza",
+        }
+    }
+
+    /// Whether pixels have an opacity.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::LuminanceAlpha | Self::Rgba | Self::Xyza)
+    }
+}
+
+/// The precision of a channel.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ComponentFormat {
+    /// Half precision.
+    Float16,
+    /// Single precision.
+    Float32,
+}
+
+impl ComponentFormat {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Float16, Self::Float32];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Float16 => "float16",
+            Self::Float32 => "float32",
+        }
+    }
+}
