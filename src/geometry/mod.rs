@@ -18,6 +18,7 @@ mod ply_attributes;
 mod ply_header;
 mod ply_records;
 mod ply_source;
+pub mod ply_write;
 mod polygon;
 pub mod primitives;
 pub mod rectangle;

@@ -3,7 +3,6 @@
 pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
-pub(crate) mod mesh_ply;
 pub mod parts_cache;
 pub mod scene_asset;
 pub(crate) mod shape_mesh;

@@ -1,8 +1,8 @@
 //! Writes meshes as binary PLY files, with all that the reader of this program and that of Mitsuba take from one.
 
+use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
+use super::mesh::MeshData;
 use crate::color::linear_from_srgb8;
-use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
-use crate::geometry::mesh::MeshData;
 
 /// The mesh with its normals, texture coordinates and attributes. Materials of its file are left out: PLY has none.
 pub fn binary_ply(mesh: &MeshData) -> Vec<u8> {
@@ -62,24 +62,21 @@ pub fn binary_ply(mesh: &MeshData) -> Vec<u8> {
     bytes
 }
 
-/// The declarations of attributes. The endings tell the reader which belong together.
+/// The declarations of attributes. Colours have the names that other programs know; the endings of others tell the reader which belong together.
 fn attribute_properties(attributes: &[&MeshAttribute]) -> String {
-    let channel = |attribute: &MeshAttribute, ending: &str| {
+    let declared = |attribute: &&MeshAttribute| {
         let name = attribute
             .name
             .split_once('_')
-            .map_or(attribute.name.as_str(), |(_, name)| name);
-        format!("property float {name}_{ending}\n")
+            .map_or(&*attribute.name, |(_, name)| name);
+        let names = match (name, attribute.channels) {
+            ("color", 3) => ["r", "g", "b"].map(str::to_owned),
+            _ => ["x", "y", "z"].map(|ending| format!("{name}_{ending}")),
+        };
+        names.into_iter().take(attribute.channels)
     };
-    let endings = ["x", "y", "z"];
-    attributes
-        .iter()
-        .flat_map(|attribute| {
-            endings[..attribute.channels.min(3)]
-                .iter()
-                .map(|ending| channel(attribute, ending))
-        })
-        .collect()
+    let names = attributes.iter().flat_map(declared);
+    names.map(|name| format!("property float {name}\n")).collect()
 }
 
 fn put_values(bytes: &mut Vec<u8>, attributes: &[&MeshAttribute], element: usize) {
