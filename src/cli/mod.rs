@@ -21,6 +21,7 @@ mod picture_args;
 mod progress;
 mod render;
 mod report;
+mod sequence;
 mod stats;
 mod tev;
 

@@ -2,7 +2,8 @@
 //! some seconds without a line, and one at the end. If the render is quiet, nothing is shown.
 
 use std::io::IsTerminal;
-use std::time::Duration;
+use std::ops::RangeInclusive;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sunroom::engine::RenderStatus;
@@ -13,6 +14,46 @@ pub struct Progress {
     form: Form,
     /// The time limit, which ends the render if its samples do not.
     time: Option<Duration>,
+    sequence: Option<InSequence>,
+}
+
+/// The place of a picture in a sequence of frames.
+#[derive(Clone)]
+pub struct InSequence {
+    frame: u32,
+    /// The number of frames before it.
+    done: u32,
+    count: u32,
+    began: Instant,
+}
+
+impl InSequence {
+    /// The first frame, which begins now.
+    pub fn begin(frames: &RangeInclusive<u32>) -> Self {
+        Self {
+            frame: *frames.start(),
+            done: 0,
+            count: frames.end() - frames.start() + 1,
+            began: Instant::now(),
+        }
+    }
+
+    /// Goes on to the next frame.
+    pub fn next(&mut self) {
+        self.frame += 1;
+        self.done += 1;
+    }
+
+    /// The frame, and the time left for all of them once a share of this one is done.
+    fn message(&self, done: f64) -> String {
+        let (frame, number, count) = (self.frame, self.done + 1, self.count);
+        let share = (f64::from(self.done) + done) / f64::from(count);
+        let left = self.began.elapsed().as_secs_f64() * (1.0 / share.max(1e-9) - 1.0);
+        match self.done == 0 && done < 0.05 {
+            true => format!("frame {frame} ({number} of {count})"),
+            false => format!("frame {frame} ({number} of {count}, {left:.0} s to go)"),
+        }
+    }
 }
 
 enum Form {
@@ -50,20 +91,33 @@ impl Progress {
         } else {
             Form::Lines(Lines::default())
         };
-        Self { form, time }
+        Self {
+            form,
+            time,
+            sequence: None,
+        }
+    }
+
+    /// The progress of a frame, with that of the whole sequence.
+    pub fn within(self, sequence: InSequence) -> Self {
+        Self {
+            sequence: Some(sequence),
+            ..self
+        }
     }
 
     pub fn update(&mut self, status: &RenderStatus) {
         let done = self.done(status);
+        let message = self.message(done, status);
         match &mut self.form {
             Form::Quiet => {}
             Form::Bar(bar) => {
                 bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(message(status, self.time));
+                bar.set_message(message);
             }
             Form::Lines(lines) => {
                 if lines.is_due(done, status) {
-                    print(done, status, self.time);
+                    print(done, status, &message);
                 }
             }
         }
@@ -77,9 +131,17 @@ impl Progress {
             Form::Bar(bar) => bar.finish_and_clear(),
             Form::Lines(lines) => {
                 if lines.lack_the_end(status) {
-                    print(done, status, self.time);
+                    print(done, status, &self.message(done, status));
                 }
             }
+        }
+    }
+
+    fn message(&self, done: f64, status: &RenderStatus) -> String {
+        let picture = message(status, self.time);
+        match &self.sequence {
+            Some(sequence) => format!("{}  {picture}", sequence.message(done)),
+            None => picture,
         }
     }
 
@@ -99,9 +161,9 @@ fn message(status: &RenderStatus, time: Option<Duration>) -> String {
     format!("{samples}  {:.2} Msamples/s", status.msamples_per_s)
 }
 
-fn print(done: f64, status: &RenderStatus, time: Option<Duration>) {
+fn print(done: f64, status: &RenderStatus, message: &str) {
     let percent = (100.0 * done) as u32;
-    let (message, seconds) = (message(status, time), status.seconds);
+    let seconds = status.seconds;
     let left = seconds * (1.0 / done - 1.0);
     report::line(format_args!(
         "{percent:3} %  {message}  {seconds:.1} s, {left:.1} s to go"

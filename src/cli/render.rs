@@ -11,12 +11,13 @@ use clap::{Args, ValueEnum};
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::engine::{load_to_completion, render_to_completion};
+use sunroom::engine::{load_to_completion, open_shutter, render_to_completion};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, Crop, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence, find_camera,
+    AccelMethod, ActiveSensor, Crop, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile,
+    SceneStatus, Sequence, find_camera,
 };
 use sunroom::scene::{Film as SensorFilm, Strategy};
 
@@ -25,8 +26,9 @@ use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
 use super::ending::{Ending, INTERRUPTED};
 use super::picture_args::{DisplayArgs, FileArgs};
-use super::progress::Progress;
+use super::progress::{InSequence, Progress};
 use super::report::Failure;
+use super::sequence::{SequenceArgs, Turntable, frame_path};
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
 use super::{outputs, parse, report};
 
@@ -55,6 +57,8 @@ pub struct RenderArgs {
     /// Height in pixels
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
     height: Option<u32>,
+    #[command(flatten)]
+    sequence: SequenceArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     #[command(flatten)]
@@ -87,7 +91,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     file: FileArgs,
     /// Show the picture in tev while it is rendered, at this address (tev listens to localhost:14158)
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "frames")]
     display_server: Option<String>,
     /// Print the figures of the render on standard output
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
@@ -132,7 +136,8 @@ pub fn run(args: RenderArgs) -> ExitCode {
 type Error = Box<dyn std::error::Error>;
 
 fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
-    outputs::check_pictures(&args.output)?;
+    let first_outputs = args.sequence.first_outputs(&args.output)?;
+    outputs::check_pictures(&first_outputs)?;
     if args.denoise && !cfg!(feature = "denoise") {
         return Err(DenoiseError::NotBuilt.into());
     }
@@ -147,6 +152,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         },
         args.threads.threads,
     );
+    // Other moments are read of the same text.
+    app.world().resource::<KeepSource>().set(args.sequence.frames.is_some());
     app.insert_resource(trust);
     app.insert_resource(match args.accel {
         Accel::Linear => AccelMethod::Linear,
@@ -186,8 +193,64 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     if let Some(address) = &args.display_server {
         display_server::show(&mut app, address, &args.scene.scene);
     }
-    let mut progress = Progress::new(args.quiet, args.time);
-    let rendered = render_to_completion(&mut app, &limits, |status| progress.update(status));
+    let Some(frames) = args.sequence.frames.clone() else {
+        let progress = Progress::new(args.quiet, args.time);
+        return picture(&mut app, args, &args.output, &limits, progress, load_ms);
+    };
+    let mut sequence = InSequence::begin(&frames);
+    let seed = app.world().resource::<SamplerSettings>().seed;
+    // The frames are of the file as it is now.
+    app.world_mut().resource_mut::<SceneFile>().hold(true);
+    let turntable = args.sequence.turntable.then(|| Turntable::of(app.world())).flatten();
+    let mut code = ExitCode::SUCCESS;
+    for frame in frames {
+        let began = Instant::now();
+        let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
+        let moments = args.sequence.moments(app.world(), frame, samples);
+        let show = |world: &mut World, frame| args.sequence.show(world, frame, turntable.as_ref());
+        // Every frame has noise of its own.
+        app.world_mut().resource_mut::<SamplerSettings>().seed = seed.wrapping_add(frame);
+        if !open_shutter(&mut app, moments, &limits, show)? {
+            break;
+        }
+        let outputs: Vec<PathBuf> = args.output.iter().map(|path| frame_path(path, frame)).collect();
+        let progress = Progress::new(args.quiet, args.time).within(sequence.clone());
+        let this = picture(
+            &mut app,
+            args,
+            &outputs,
+            &limits,
+            progress,
+            milliseconds(began.elapsed()),
+        )?;
+        if this != ExitCode::SUCCESS {
+            code = this;
+        }
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
+        sequence.next();
+    }
+    Ok(code)
+}
+
+/// The samples per pixel that the active camera asks for.
+fn samples_of_film(world: &World) -> u32 {
+    let sensor = world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
+    film.map_or(1, |film| film.sample_count)
+}
+
+/// Renders the scene as it is and writes the picture.
+fn picture(
+    app: &mut App,
+    args: &RenderArgs,
+    outputs: &[PathBuf],
+    limits: &Limits,
+    mut progress: Progress,
+    load_ms: f64,
+) -> Result<ExitCode, Failure> {
+    let rendered = render_to_completion(app, limits, |status| progress.update(status));
     progress.finish(app.world().resource::<RenderStatus>());
 
     let film = &app.world().resource::<RenderFilm>().film;
@@ -218,7 +281,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let storage = sensor.and_then(|sensor| app.world().get::<SensorFilm>(sensor));
     let storage = storage.map(|film| film.storage).unwrap_or_default();
     let options = args.file.options(args.display.display(), storage);
-    let written = outputs::write_pictures(&args.output, &picture, &options);
+    let written = outputs::write_pictures(outputs, &picture, &options);
 
     ending.report(status.samples, args.quiet, args.denoise, &written);
     if let Some(error) = &denoise_failure {
@@ -249,7 +312,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
             msamples_per_s: status.msamples_per_s,
             invalid_samples: status.invalid_samples,
             peak_memory_bytes: peak_memory_bytes(),
-            outputs: args.output.clone(),
+            outputs: outputs.to_vec(),
         };
         let text = match format {
             StatsFormat::Text => stats.text(),
@@ -257,7 +320,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         };
         outputs::print(format!("{text}\n").as_bytes())?;
     }
-    let all_written = written.len() == args.output.len();
+    let all_written = written.len() == outputs.len();
     Ok(match all_written && denoise_failure.is_none() {
         true => ending.exit_code(),
         false => ExitCode::FAILURE,

@@ -123,7 +123,7 @@ pub(super) fn places(run: &[Child]) -> Vec<Affine3> {
         .collect()
 }
 
-/// An instance of which nothing is said but its group and its place.
+/// An instance of which nothing is said but its group and its place, and which does not move.
 pub(super) struct BareInstance<'a> {
     pub group: &'a SmolStr,
     pub steps: &'a [TransformOp],
@@ -134,7 +134,9 @@ impl<'a> BareInstance<'a> {
         let Child::Object(object) = child else { return None };
         let is_instance = object.category == Category::Shape && object.plugin == "instance" && object.id.is_none();
         match (&*object.properties, &*object.children) {
-            ([place], [Child::Reference { name: None, id, .. }]) if is_instance && place.name == "to_world" => {
+            ([place], [Child::Reference { name: None, id, .. }])
+                if is_instance && place.name == "to_world" && place.keys.is_none() =>
+            {
                 match &place.value {
                     Value::Transform(steps) => Some(Self { group: id, steps }),
                     _ => None,

@@ -3,6 +3,7 @@
 //! This layer knows syntax and value types (`<float>`, `<transform>`, `<default>`, `$name`, `<include>`, `<ref>`) and where each thing
 //! stands in its file; which plugins and parameters exist is `scene`'s knowledge, read through [`Reader`].
 
+pub mod animation;
 mod cie;
 mod crowd;
 mod define;
@@ -29,6 +30,7 @@ mod unpack;
 pub mod value;
 pub mod write;
 
+pub use animation::{Interpolation, Key, Track};
 pub use crowd::Crowd;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};
 pub use index::Index;

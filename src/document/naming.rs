@@ -81,11 +81,10 @@ fn texture_offset_and_scale(object: &mut Object, diagnostics: &mut Diagnostics) 
         let message = "offset and scale of a texture are given both as `to_uv` and as numbers of their own";
         diagnostics.error(span, message);
     } else {
-        object.properties.push(Property {
-            name: "to_uv".into(),
-            value: Value::Transform(vec![TransformOp::Translate(offset), TransformOp::Scale(scale)]),
-            span,
-        });
+        let steps = vec![TransformOp::Translate(offset), TransformOp::Scale(scale)];
+        object
+            .properties
+            .push(Property::new("to_uv", Value::Transform(steps), span));
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use smol_str::SmolStr;
 
-use super::{Span, TransformOp};
+use super::{Span, Track, TransformOp};
 
 /// The most objects that may lie inside each other, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
@@ -130,8 +130,22 @@ pub struct Property {
     pub name: SmolStr,
     /// The value, of the type that the tag names.
     pub value: Value,
+    /// The values at other times, if it moves. `value` is that of the moment which the document shows.
+    pub keys: Option<Arc<Track>>,
     /// The span of the whole tag; what a message about the value points at.
     pub span: Span,
+}
+
+impl Property {
+    /// A property that does not move, at a place in a file.
+    pub fn new(name: impl Into<SmolStr>, value: Value, span: Span) -> Self {
+        Self {
+            name: name.into(),
+            value,
+            keys: None,
+            span,
+        }
+    }
 }
 
 /// A plugin inside a plugin, in place or by reference.
@@ -222,11 +236,7 @@ impl Object {
 
     /// The object with another property, which has the object's place.
     pub fn with(mut self, name: &str, value: Value) -> Self {
-        self.properties.push(Property {
-            name: name.into(),
-            value,
-            span: self.span,
-        });
+        self.properties.push(Property::new(name, value, self.span));
         self
     }
 

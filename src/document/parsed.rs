@@ -25,6 +25,8 @@ pub struct Document {
     pub root: Arc<Object>,
     /// The crowds in the order of their positions among the children of the root. An imported document has none.
     pub crowds: Vec<Crowd>,
+    /// The moment in seconds whose values the properties have.
+    pub time: f64,
     /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
@@ -47,6 +49,7 @@ impl Document {
             path: path.into(),
             root: Arc::new(root),
             crowds: Vec::new(),
+            time: 0.0,
             search_folders: Vec::new(),
             includes: Vec::new(),
             uses_unit_name: false,

@@ -12,7 +12,7 @@ use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
 use super::unit::is_unit;
 use super::value::format_float;
-use super::{Category, Child, Document, Object, Property, TransformOp, Value};
+use super::{Category, Child, Document, Interpolation, Object, Property, Track, TransformOp, Value};
 
 const VERSION: &str = "3.0.0";
 
@@ -62,7 +62,7 @@ pub(super) fn property_to_block(
     layout: &Layout,
 ) -> Result<String, WriteError> {
     let mut writer = Writer::new(margin, layout);
-    writer.property(&property.name, &property.value, owner)?;
+    writer.property(property, owner)?;
     Ok(writer.into_block())
 }
 
@@ -134,7 +134,7 @@ impl<'l> Writer<'l> {
             self.tag("path", &[("value", folder)], true)?;
         }
         for property in &object.properties {
-            self.property(&property.name, &property.value, object)?;
+            self.property(property, object)?;
         }
         for child in &object.children {
             self.child(child)?;
@@ -143,7 +143,32 @@ impl<'l> Writer<'l> {
         Ok(())
     }
 
-    fn property(&mut self, name: &str, value: &Value, owner: &Object) -> Result<(), WriteError> {
+    fn animation(&mut self, name: &str, track: &Track, owner: &Object) -> Result<(), WriteError> {
+        let mut attributes = vec![("name", name)];
+        if track.interpolation != Interpolation::default() {
+            attributes.push(("interpolation", track.interpolation.name()));
+        }
+        self.tag("animation", &attributes, false)?;
+        self.depth += 1;
+        for key in &track.keys {
+            let time = format_float(key.time as f32);
+            self.value("time", &time, &key.value, (name, owner))?;
+        }
+        self.close("animation");
+        Ok(())
+    }
+
+    fn property(&mut self, property: &Property, owner: &Object) -> Result<(), WriteError> {
+        let name = &*property.name;
+        match &property.keys {
+            Some(track) => self.animation(name, track, owner),
+            None => self.value("name", name, &property.value, (name, owner)),
+        }
+    }
+
+    /// A value tag, which its first attribute tells from others. `of` is the property and its object, for messages.
+    fn value(&mut self, key: &str, key_value: &str, value: &Value, of: (&str, &Object)) -> Result<(), WriteError> {
+        let (name, owner) = of;
         let numbers = |numbers: &[f32]| list(numbers, name, owner);
         let (tag, text) = match value {
             Value::Float(number) => ("float", numbers(&[*number])?),
@@ -156,7 +181,7 @@ impl<'l> Writer<'l> {
             Value::String(text) if is_unit(owner, name, text) => ("default", text.clone()),
             Value::String(text) => ("string", text.clone()),
             Value::Transform(ops) => {
-                self.tag("transform", &[("name", name)], ops.is_empty())?;
+                self.tag("transform", &[(key, key_value)], ops.is_empty())?;
                 if !ops.is_empty() {
                     self.depth += 1;
                     for op in ops {
@@ -167,7 +192,7 @@ impl<'l> Writer<'l> {
                 return Ok(());
             }
         };
-        self.tag(tag, &[("name", name), ("value", &text)], true)
+        self.tag(tag, &[(key, key_value), ("value", &text)], true)
     }
 
     fn transform_op(&mut self, op: &TransformOp, name: &str, owner: &Object) -> Result<(), WriteError> {

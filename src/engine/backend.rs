@@ -8,6 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use super::priority;
 use super::schedule::WorkItem;
 use crate::render::scene::RenderScene;
+use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile};
 use crate::render::view::View;
 
@@ -66,15 +67,19 @@ impl Backend {
         }
     }
 
-    /// Returns what its workers do with each item of a picture.
-    pub fn work(&self, scene: RenderScene, view: View, tiles: Arc<[Tile]>) -> Box<Work> {
+    /// Returns what its workers do with each item of a picture. With a shutter, samples see its moments.
+    pub fn work(&self, scene: RenderScene, view: View, shutter: Option<Shutter>, tiles: Arc<[Tile]>) -> Box<Work> {
         match self {
             Self::Cpu(_) => Box::new(move |item, cancel| match item {
                 WorkItem::Preview { index, step } => {
                     render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
                 }
                 WorkItem::Samples { index, samples } => {
-                    let samples = render_tile(&scene, &view, tiles[*index], samples.clone(), cancel)?;
+                    let (tile, samples) = (tiles[*index], samples.clone());
+                    let samples = match &shutter {
+                        Some(shutter) => shutter.render_tile(tile, samples, cancel)?,
+                        None => render_tile(&scene, &view, tile, samples, cancel)?,
+                    };
                     Some(TileResult::Samples { index: *index, samples })
                 }
             }),

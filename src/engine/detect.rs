@@ -91,6 +91,11 @@ impl Dirty {
         }
     }
 
+    /// All shapes have to be packed again.
+    pub fn all_shapes(&mut self) {
+        self.instances = Touched::All;
+    }
+
     pub fn any(&self) -> bool {
         self.instances.any() || self.surfaces.any() || self.materials || self.lights || self.view
     }

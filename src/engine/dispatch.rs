@@ -10,6 +10,7 @@ use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::job::{Beginning, Job};
 use super::renderer::Renderer;
+use super::shutter::OpenShutter;
 use super::status::RenderStatus;
 use super::stop_condition::StopCondition;
 use crate::scene::{SceneState, SceneStatus};
@@ -17,6 +18,7 @@ use crate::scene::{SceneState, SceneStatus};
 #[derive(bevy::ecs::system::SystemParam)]
 pub(super) struct Demand<'w> {
     extracted: ResMut<'w, Extracted>,
+    shutter: Res<'w, OpenShutter>,
     cache: Res<'w, BlasCache>,
     scene_status: Res<'w, SceneStatus>,
     wake_up: Res<'w, WakeUp>,
@@ -53,9 +55,10 @@ pub(super) fn dispatch_job(
     else {
         return;
     };
-    let current = job
-        .as_ref()
-        .is_some_and(|job| job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups));
+    let current = job.as_ref().is_some_and(|job| {
+        job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups)
+            && job.has_shutter(demand.shutter.0.as_ref())
+    });
     let stop = StopCondition::new(&control, demand.extracted.sample_count);
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
@@ -80,6 +83,7 @@ pub(super) fn dispatch_job(
         let mut new = Job::new(
             demand.extracted.scene.clone(),
             view,
+            demand.shutter.0.clone(),
             demand.extracted.light_groups.clone(),
             begins,
             control.motion_scale < 1.0,

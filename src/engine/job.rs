@@ -19,6 +19,7 @@ use super::schedule::{WorkQueue, pass_end, sort_from_center, tiles_in};
 use super::stop_condition::{StopCondition, StopReason};
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
+use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
 use crate::render::view::View;
 
@@ -56,6 +57,7 @@ struct Spent {
 pub(super) struct Job {
     pub scene: RenderScene,
     pub view: View,
+    shutter: Option<Shutter>,
     /// The lights of each group of the view.
     pub light_groups: Arc<[LightGroup]>,
     pub begun: Instant,
@@ -95,6 +97,7 @@ impl Job {
     pub fn new(
         scene: RenderScene,
         view: View,
+        shutter: Option<Shutter>,
         light_groups: Arc<[LightGroup]>,
         beginning: Beginning,
         is_coarse: bool,
@@ -105,6 +108,7 @@ impl Job {
         Self {
             scene,
             view,
+            shutter,
             light_groups,
             begun: Instant::now(),
             since,
@@ -133,6 +137,14 @@ impl Job {
     /// Whether it makes the picture of exactly this.
     pub fn is_of(&self, scene: &RenderScene, view: &View, light_groups: &[LightGroup]) -> bool {
         self.view == *view && *self.light_groups == *light_groups && self.is_of_scene(scene)
+    }
+
+    /// Whether its samples see these moments.
+    pub fn has_shutter(&self, shutter: Option<&Shutter>) -> bool {
+        match (&self.shutter, shutter) {
+            (Some(own), Some(other)) => own.is_same(other),
+            (own, other) => own.is_none() && other.is_none(),
+        }
     }
 
     fn is_of_scene(&self, scene: &RenderScene) -> bool {
@@ -223,7 +235,12 @@ impl Job {
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
         let queue = WorkQueue::new(&tiles, stop.samples, &previews, step);
         self.running_since = Some(Instant::now());
-        let work = backend.work(self.scene.clone(), self.view.clone(), self.tiles.clone());
+        let work = backend.work(
+            self.scene.clone(),
+            self.view.clone(),
+            self.shutter.clone(),
+            self.tiles.clone(),
+        );
         self.run = Some(Run::start(backend, queue, self.preview_left, work, waker));
     }
 

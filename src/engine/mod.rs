@@ -29,6 +29,7 @@ mod resolution;
 mod run;
 mod schedule;
 mod shapes;
+pub mod shutter;
 mod sight;
 mod solid_meshes;
 pub mod status;
@@ -45,6 +46,7 @@ pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_window};
 pub use resolution::{fit, full_size};
+pub use shutter::{OpenShutter, open_shutter};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 
@@ -66,6 +68,13 @@ pub enum EngineSystems {
     Report,
 }
 
+/// Lets all shapes be packed again, as when their scene was opened. A hierarchy that has followed edits may give a picture other last bits.
+pub(crate) fn pack_anew(world: &mut World) {
+    if let Some(mut dirty) = world.get_resource_mut::<detect::Dirty>() {
+        dirty.all_shapes();
+    }
+}
+
 /// Adds the engine's resources and systems to an app that has [`crate::scene::ScenePlugin`].
 pub struct EnginePlugin;
 
@@ -76,6 +85,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<RenderFilm>()
             .init_resource::<PackedScene>()
             .init_resource::<InputStamp>()
+            .init_resource::<OpenShutter>()
             .init_resource::<WakeUp>()
             .init_resource::<detect::Dirty>()
             .init_resource::<deferred_drop::DeferredDrop>()

@@ -380,11 +380,7 @@ pub(super) fn object(category: Category, plugin: &str) -> Object {
 }
 
 pub(super) fn with(mut object: Object, name: &str, value: Value) -> Object {
-    object.properties.push(Property {
-        name: name.into(),
-        value,
-        span: Span::default(),
-    });
+    object.properties.push(Property::new(name, value, Span::default()));
     object
 }
 

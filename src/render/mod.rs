@@ -20,6 +20,7 @@ pub mod path;
 mod path_state;
 mod roulette;
 pub mod scene;
+pub mod shutter;
 pub mod sight;
 pub mod silhouette;
 pub mod splats;

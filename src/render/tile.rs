@@ -106,6 +106,23 @@ pub struct TileSamples {
     pub invalid: u32,
 }
 
+impl TileSamples {
+    /// Adds the samples of the same tile that follow these.
+    pub fn append(&mut self, next: Self) {
+        debug_assert_eq!((self.tile, self.samples.end), (next.tile, next.samples.start));
+        self.samples.end = next.samples.end;
+        let pixels = self.pixels.iter_mut().zip(&next.pixels);
+        pixels.for_each(|(sum, new)| sum.add(new));
+        self.layers.append(&next.layers);
+        if self.first_hits.is_empty() {
+            self.first_hits = next.first_hits;
+        }
+        self.splats.extend(next.splats);
+        self.rays += next.rays;
+        self.invalid += next.invalid;
+    }
+}
+
 /// A coarse picture of a tile: one sample per block of `step` x `step` pixels. Shown, never accumulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TilePreview {

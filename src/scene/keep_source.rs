@@ -9,7 +9,7 @@ use bevy::prelude::*;
 /// without most of the memory that a scene of many things takes; later changes of the file are then left alone. Shared with the loader, which runs
 /// on other threads.
 #[derive(Resource, Clone, Debug)]
-pub(crate) struct KeepSource(Arc<AtomicBool>);
+pub struct KeepSource(Arc<AtomicBool>);
 
 impl Default for KeepSource {
     fn default() -> Self {
@@ -18,6 +18,7 @@ impl Default for KeepSource {
 }
 
 impl KeepSource {
+    /// Whether the source is kept.
     pub fn get(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

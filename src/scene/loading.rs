@@ -13,6 +13,7 @@ use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::file_base::FileBase;
+use super::moment::{show_moment, shown_time};
 use super::opening::{Arrived, Opening};
 use super::read::settle;
 use super::scene_file::{Asked, SceneFile};
@@ -211,7 +212,9 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
         let opening = Opening::new(spawning, (id, asset, asked));
         go_on_opening(world, opening);
     } else {
+        let time = shown_time(world);
         let reload = spawn::update(world, &asset.description);
+        show_moment(world, time);
         taken_in(world, (id, asset, asked), None, reload);
     }
 }

@@ -26,6 +26,7 @@ mod loading;
 pub mod material;
 pub mod mesh_check;
 mod meshes;
+mod moment;
 pub(crate) mod names;
 pub mod object_change;
 mod object_state;
@@ -67,12 +68,13 @@ pub use framing::world_bounds;
 pub use group::Placements;
 pub(crate) use group::{InstanceOf, MemberOf, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
-pub(crate) use keep_source::KeepSource;
+pub use keep_source::KeepSource;
 pub(crate) use loading::{ask_for, new_scene};
 pub use material::{
     FirstNested, FirstNestedIn, Material, MaterialUsers, Principled, PrincipledThin, SecondNested, SecondNestedIn,
     UsesMaterial,
 };
+pub use moment::{animated_span, show_moment, shown_time};
 pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
 pub use opening::OpeningPace;

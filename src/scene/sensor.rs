@@ -22,6 +22,10 @@ pub struct Sensor {
     pub far_clip: f32,
     /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
+    /// The time at which the shutter opens in seconds after that of the picture; what moves while it is open is blurred.
+    pub shutter_open: f32,
+    /// The time at which it closes in seconds, not before it opens.
+    pub shutter_close: f32,
 }
 
 impl Default for Sensor {
@@ -33,6 +37,8 @@ impl Default for Sensor {
             near_clip: 1e-2,
             far_clip: 1e4,
             principal_point_offset: Vec2::ZERO,
+            shutter_open: 0.0,
+            shutter_close: 0.0,
         }
     }
 }

@@ -7,4 +7,5 @@ mod foreign_files;
 #[cfg(feature = "window")]
 mod monkey;
 mod pictures;
+mod sequences;
 mod workshop;

@@ -29,6 +29,7 @@ mod wavy_sphere;
 mod accel;
 mod accel_surface;
 mod accel_together;
+mod animation;
 mod bsdf;
 mod bsdf_delta;
 mod bsdf_hair;

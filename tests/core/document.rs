@@ -1006,11 +1006,7 @@ impl Random {
         }
         object.name = (self.below(3) == 0).then(|| format!("name_{}", self.below(5)).into());
         object.properties = (0..self.below(5))
-            .map(|i| Property {
-                name: format!("p{i}_{}", self.text()).into(),
-                value: self.value(),
-                span: Span::default(),
-            })
+            .map(|i| Property::new(format!("p{i}_{}", self.text()), self.value(), Span::default()))
             .collect();
         if depth < 4 {
             let inner = (0..self.below(4)).map(|_| self.object(depth + 1, ids).into());
@@ -1055,11 +1051,9 @@ fn made_up_scenes_survive_writing() {
 #[test]
 fn what_xml_cannot_carry_is_refused() {
     let mut object = Object::new(Category::Bsdf, "diffuse");
-    object.properties.push(Property {
-        name: "alpha".into(),
-        value: Value::Float(f32::NAN),
-        span: Span::default(),
-    });
+    object
+        .properties
+        .push(Property::new("alpha", Value::Float(f32::NAN), Span::default()));
     let mut root = Object::new(Category::Scene, "");
     root.children.push(object.into());
     let error = to_xml(&Document::new("a.xml", root)).unwrap_err();

@@ -137,9 +137,11 @@ impl Parser {
             "spectrum" => Some(self.object_frame(tag, Category::Texture)),
             "transform" => Some(Frame::Transform {
                 name: self.property_name(tag),
+                time: None,
                 ops: self.spare.steps.take(),
                 span: tag.span,
             }),
+            "animation" => self.open_animation(tag, object.category).map(Frame::Animation),
             "ref" => {
                 let id = tag.need("id", &mut self.diagnostics);
                 let name = self.name_of(tag);
@@ -161,7 +163,7 @@ impl Parser {
                         // If there are several, the first one counts, as for all names.
                         if is_unit(object, &name, &value) && !names.contain(UNIT, &object.properties) {
                             let value = Value::String(value.into_owned());
-                            self.add_property(object, names, UNIT.into(), value, tag.span);
+                            self.add_property(object, names, Property::new(UNIT, value, tag.span));
                         }
                     }
                     (_, None) if !given => self
@@ -204,7 +206,7 @@ impl Parser {
             name => match Category::from_tag(name) {
                 Some(category) => Some(self.object_frame(tag, category)),
                 None => {
-                    let structure = ["transform", "ref", "default", "include", "path", "alias"];
+                    let structure = ["transform", "animation", "ref", "default", "include", "path", "alias"];
                     let categories = Category::ALL.map(Category::tag);
                     let known = VALUE_TAGS.into_iter().chain(structure).chain(categories);
                     let help = did_you_mean(name, known);
@@ -216,7 +218,7 @@ impl Parser {
         }
     }
 
-    fn property_name(&mut self, tag: &mut Tag) -> Option<SmolStr> {
+    pub(super) fn property_name(&mut self, tag: &mut Tag) -> Option<SmolStr> {
         let (name, _) = tag.need("name", &mut self.diagnostics)?;
         Some(snake_case(&name))
     }
@@ -229,11 +231,11 @@ impl Parser {
             read_value(tag, &mut self.diagnostics)
         };
         if let (Some(name), Some(value)) = (name, value) {
-            self.add_property(object, names, name, value, tag.span);
+            self.add_property(object, names, Property::new(name, value, tag.span));
         }
     }
 
-    fn read_spectrum_tag(&mut self, tag: &mut Tag, category: Category, name: &str) -> Option<Value> {
+    pub(super) fn read_spectrum_tag(&mut self, tag: &mut Tag, category: Category, name: &str) -> Option<Value> {
         let role = Role::of(category, name);
         if let Some((file, span)) = tag.take("filename") {
             let path = self.find_file(&file, span)?;
@@ -261,29 +263,22 @@ impl Parser {
         read_spectrum(&text, span, role, &mut self.diagnostics)
     }
 
-    pub(super) fn add_property(
-        &mut self,
-        object: &mut Object,
-        names: &mut Names,
-        mut name: SmolStr,
-        value: Value,
-        span: Span,
-    ) {
-        rename(object, &mut name);
-        if !names.contain(&name, &object.properties) {
-            object.properties.push(Property { name, value, span });
+    pub(super) fn add_property(&mut self, object: &mut Object, names: &mut Names, mut property: Property) {
+        rename(object, &mut property.name);
+        if !names.contain(&property.name, &object.properties) {
+            object.properties.push(property);
         } else {
-            let message = format!("{} is given twice in {}", quote(&name), object.title());
-            self.diagnostics.error(span, message);
+            let message = format!("{} is given twice in {}", quote(&property.name), object.title());
+            self.diagnostics.error(property.span, message);
         }
     }
 }
 
-fn leaf(tag: &'static str, span: Span) -> Frame {
+pub(super) fn leaf(tag: &'static str, span: Span) -> Frame {
     Frame::Leaf { tag, span }
 }
 
 /// The one of these names that is `name`.
-fn known(names: &[&'static str], name: &str) -> Option<&'static str> {
+pub(super) fn known(names: &[&'static str], name: &str) -> Option<&'static str> {
     names.iter().copied().find(|known| *known == name)
 }

@@ -9,7 +9,7 @@ use super::parser::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Parser}
 use crate::document::paths::file_candidates;
 use crate::document::source::read_text_within;
 use crate::document::value::quote;
-use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
+use crate::document::{Category, Include, Object, Severity, SourceId, Span};
 use crate::files::FileError;
 
 /// The reason why a file is not included.
@@ -100,8 +100,8 @@ impl Parser {
         self.open_files.pop();
         match root {
             Some(root) if root.category == Category::Scene => {
-                for Property { name, value, span } in root.properties {
-                    self.add_property(object, names, name, value, span);
+                for property in root.properties {
+                    self.add_property(object, names, property);
                 }
                 object.children.extend(root.children);
             }

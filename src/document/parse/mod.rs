@@ -3,6 +3,7 @@
 //! After a bad value the parser goes on, so that one run tells of all of them; after broken XML the rest of that file is not looked at.
 //! Whatever was understood by then is in the document, next to the errors.
 
+mod animation;
 mod element;
 mod include;
 mod names;
@@ -87,6 +88,7 @@ impl Parser {
             path: path.to_owned(),
             root: Arc::new(root),
             crowds,
+            time: 0.0,
             search_folders: self.search_folders,
             includes: self.includes,
             uses_unit_name,

@@ -9,6 +9,7 @@ use quick_xml::Reader as XmlReader;
 use quick_xml::events::{BytesStart, Event};
 use smol_str::SmolStr;
 
+use super::animation::OpenAnimation;
 use super::names::Names;
 use super::spare::Spare;
 use crate::document::crowd::Packer;
@@ -19,7 +20,8 @@ use crate::document::object::MAX_DEPTH;
 use crate::document::source::MAX_FILE_BYTES;
 use crate::document::tag::Tag;
 use crate::document::{
-    Category, Child, Crowd, Diagnostics, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value,
+    Category, Child, Crowd, Diagnostics, Include, Object, Property, Severity, SourceFile, SourceId, Span, TransformOp,
+    Value,
 };
 use crate::files::Access;
 
@@ -59,10 +61,15 @@ pub(super) enum Frame {
         names: Names,
     },
     Transform {
+        /// The name of the property; none inside of an animation.
         name: Option<SmolStr>,
+        /// The time of the key inside of an animation.
+        time: Option<f64>,
         ops: Vec<TransformOp>,
         span: Span,
     },
+    /// The keys of a property.
+    Animation(OpenAnimation),
     /// A value or a step: nothing may stand inside.
     Leaf {
         tag: &'static str,
@@ -74,6 +81,7 @@ impl Frame {
     fn span(&self) -> Span {
         match self {
             Self::Object { object, .. } => object.span,
+            Self::Animation(animation) => animation.span,
             Self::Transform { span, .. } | Self::Leaf { span, .. } => *span,
         }
     }
@@ -82,6 +90,7 @@ impl Frame {
         match self {
             Self::Object { object, .. } => object.category.tag(),
             Self::Transform { .. } => "transform",
+            Self::Animation(_) => "animation",
             Self::Leaf { tag, .. } => tag,
         }
     }
@@ -282,6 +291,7 @@ impl Parser {
                 None
             }
             Some(Frame::Transform { ops, .. }) => self.enter_transform_op(&mut tag, ops),
+            Some(Frame::Animation(animation)) => self.enter_in_animation(&mut tag, animation),
             Some(Frame::Object { object, names }) => self.enter_in_object(&mut tag, object, names, depth),
         };
         let Some(frame) = frame else {
@@ -318,13 +328,30 @@ impl Parser {
                 name: Some(name),
                 ops,
                 span,
+                ..
             }) => {
                 let ops = self.spare.steps.fitted(ops);
                 if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
-                    self.add_property(object, names, name, Value::Transform(ops), span);
+                    self.add_property(object, names, Property::new(name, Value::Transform(ops), span));
                 }
             }
-            Some(Frame::Transform { name: None, .. } | Frame::Leaf { .. }) | None => {}
+            Some(Frame::Transform {
+                time: Some(time),
+                ops,
+                span,
+                ..
+            }) => {
+                let ops = self.spare.steps.fitted(ops);
+                if let Some(Frame::Animation(animation)) = level.stack.last_mut() {
+                    self.add_key(animation, time, Value::Transform(ops), span);
+                }
+            }
+            Some(Frame::Animation(animation)) => {
+                if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
+                    self.close_animation(animation, object, names);
+                }
+            }
+            Some(Frame::Transform { .. } | Frame::Leaf { .. }) | None => {}
         }
     }
 }

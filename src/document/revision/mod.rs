@@ -215,7 +215,7 @@ impl<'r> Reviser<'r> {
         let source = self.source(place.source);
         let element = source.elements.get(index);
         let now = self.names.property_at(now, owner.category, place.folder);
-        if now.value == old.value {
+        if (&now.value, &now.keys) == (&old.value, &old.keys) {
             // The value came from a file.
             return match element.name(source.text()) {
                 "spectrum" => self.names.revise_name(source, element, place, None),
@@ -223,7 +223,9 @@ impl<'r> Reviser<'r> {
             };
         }
         check_finite(&now.value, &now.name, owner)?;
-        if let Some(edits) = revise_value(source, index, &old.value, &now, owner)? {
+        if now.keys.is_none()
+            && let Some(edits) = revise_value(source, index, &old.value, &now, owner)?
+        {
             return Ok(edits);
         }
         let margin = edits::margin_of_line(source.text(), element.tag.start);

@@ -167,6 +167,14 @@ impl LayerSums {
         values[..3 * kept.groups].chunks_exact(3).map(Rgb::from_slice)
     }
 
+    /// Adds further samples of the same pixels.
+    pub(in crate::render) fn append(&mut self, next: &Self) {
+        let values = self.values.iter_mut().zip(&next.values);
+        values.for_each(|(sum, new)| *sum += new);
+        let mattes = self.mattes.iter_mut().zip(&next.mattes);
+        mattes.for_each(|(sum, new)| sum.merge(new));
+    }
+
     /// Adds to the pixels from `first` on what `new` has of its pixels from `from` on, one for each of `counts`: the numbers of samples that are in
     /// the sums so far.
     pub(in crate::render) fn add(&mut self, kept: FilmLayers, first: usize, new: &Self, from: usize, counts: &[u32]) {

@@ -116,11 +116,7 @@ fn scaled_and_moved(scale: Vec3, by: Vec3) -> Vec<TransformOp> {
 }
 
 fn property(name: &str, value: Value) -> Property {
-    Property {
-        name: name.into(),
-        value,
-        span: Span::default(),
-    }
+    Property::new(name, value, Span::default())
 }
 
 pub fn with(mut object: Object, name: &str, value: Value) -> Object {

@@ -120,6 +120,8 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let offset = sensor.principal_point_offset;
     let object = with_nonzero(object, "principal_point_offset_x", offset.x);
     let object = with_nonzero(object, "principal_point_offset_y", offset.y);
+    let object = with_nonzero(object, "shutter_open", sensor.shutter_open);
+    let object = with_nonzero(object, "shutter_close", sensor.shutter_close);
     let object = with_view(object, to_world);
     let sampler = Object::new(Category::Sampler, "independent");
     let sampler = with_integer(sampler, "sample_count", film.sample_count);

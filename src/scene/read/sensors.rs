@@ -47,7 +47,14 @@ impl<'a> SceneReader<'a> {
             offset(&mut reader, "principal_point_offset_x"),
             offset(&mut reader, "principal_point_offset_y"),
         );
-        reader.ignore(&["shutter_open", "shutter_close"]);
+        let shutter_open = reader.float_in("shutter_open", -1e9..=1e9).unwrap_or(0.0);
+        let mut shutter_close = reader.float_in("shutter_close", -1e9..=1e9).unwrap_or(shutter_open);
+        if shutter_close < shutter_open {
+            let message =
+                format!("`shutter_close` is {shutter_close}, but should not be below `shutter_open`, {shutter_open}");
+            reader.error_at("shutter_close", message);
+            shutter_close = shutter_open;
+        }
         let to_world = reader.to_world();
         let film = reader.children(Category::Film);
         let sampler = reader.children(Category::Sampler);
@@ -78,6 +85,8 @@ impl<'a> SceneReader<'a> {
             near_clip,
             far_clip,
             principal_point_offset,
+            shutter_open,
+            shutter_close,
         };
         let identity = self.identity(object, || objects::sensor(&sensor, &read_film, &to_world));
         self.description.sensors.push(SensorDescription {

@@ -19,6 +19,7 @@ use crate::document::{Severity, SourceError, SourceFile};
 use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
+use crate::scene::moment::shown_time;
 use crate::scene::read::{self, settle};
 use crate::scene::{AuthoredScene, SceneAccess, loading, spawn};
 
@@ -135,10 +136,11 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     let defines = world.get_resource::<SceneDefines>();
     let defines = defines.map_or_else(Vec::new, |all| all.get(target));
     let access = access(world, target);
-    let mut document = load_document(target, &defines, access).map_err(|error| SaveError::Broken {
+    let document = load_document(target, &defines, access).map_err(|error| SaveError::Broken {
         path: path.clone(),
         reason: error.to_string(),
     })?;
+    let mut document = document.at(shown_time(world));
     let scene = read::read(&mut document);
     let diagnostics = document.diagnostics;
     let mut errors = diagnostics.list.iter();

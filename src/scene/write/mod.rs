@@ -35,6 +35,7 @@ use super::assets::gltf_scene::is_called_gltf;
 use super::description::SceneDescription;
 use super::read::mesh_search::MeshSearch;
 use super::read::settle;
+use crate::document::animation::{key_changes, stand_still};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Document, SourceFile};
 use crate::files::{self, Access, LARGEST_DATA, write_atomically};
@@ -83,6 +84,10 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     let target = settle(path);
     keep_foreign(scene, &target)?;
     let (mut document, moves) = whole(scene, &target);
+    if extensions == Extensions::Approximate {
+        // Mitsuba knows no keys: the moment that is shown remains.
+        stand_still(Arc::make_mut(&mut document.root));
+    }
     copy_parts(&moves)?;
     // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());
@@ -160,9 +165,12 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
 /// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and others are
 /// relative to the scene's folder. `target`: where it will be written.
 fn in_place(scene: &SceneDescription, target: &Path) -> Document {
-    let root = Writer::new(scene, folder(&home(scene, target))).root();
+    let mut root = Writer::new(scene, folder(&home(scene, target))).root();
+    let time = scene.remains.origin.as_ref().map_or(0.0, |origin| origin.time);
+    key_changes(&mut root, time);
     Document {
         search_folders: scene.remains.search_folders.clone(),
+        time,
         ..Document::new(target, root)
     }
 }

@@ -118,13 +118,16 @@ impl Draft {
             .find(|known| known.name == property.name)
         {
             Some(known) => {
-                *known = match (&known.value, &property.value) {
-                    (Value::Transform(old), Value::Transform(now)) => Property {
-                        value: Value::Transform(steps::revised(old, now)),
-                        ..property.clone()
-                    },
-                    _ => property.clone(),
-                }
+                let keys = known.keys.take();
+                let value = match (&known.value, &property.value) {
+                    (Value::Transform(old), Value::Transform(now)) => Value::Transform(steps::revised(old, now)),
+                    (_, now) => now.clone(),
+                };
+                *known = Property {
+                    value,
+                    keys,
+                    ..property.clone()
+                };
             }
             None => self.object.properties.push(property.clone()),
         }
@@ -144,11 +147,11 @@ impl Draft {
             }
             _ => return None,
         };
-        Some(Property {
-            name: "to_world".into(),
-            value: Value::Transform(as_steps(&map)),
-            span: Span::default(),
-        })
+        Some(Property::new(
+            "to_world",
+            Value::Transform(as_steps(&map)),
+            Span::default(),
+        ))
     }
 
     fn complete(&mut self, name: &str, now: &Object) {

@@ -106,13 +106,14 @@ impl Save {
             return Ok(None);
         };
         let (scene, entities) = self.scene.describe();
+        let time = scene.remains.origin.as_ref().map_or(0.0, |origin| origin.time);
         let (files, moves) = plan(&scene, &target)?;
         copy_parts(&moves)?;
         let Some(files) = replace_files(&rest.expected, files, self.overwrites)? else {
             return Ok(None);
         };
         let defines = rest.defines.as_deref().unwrap_or_default();
-        let reading = read_again(&target, defines, rest.access).map(|(read, diagnostics)| {
+        let reading = read_again(&target, defines, rest.access, time).map(|(read, diagnostics)| {
             let pairing = Pairing::new(scene, entities, rest.marks, read);
             (pairing.rebase(), Arc::new(diagnostics))
         });
@@ -126,13 +127,15 @@ impl Save {
     }
 }
 
-/// Reads what was written. The error is that it cannot be read.
+/// Reads what was written, at the moment that is shown. The error is that it cannot be read.
 fn read_again(
     target: &Path,
     defines: &[(String, String)],
     access: Access,
+    time: f64,
 ) -> Result<(SceneDescription, Diagnostics), String> {
-    let mut document = load_document(target, defines, access).map_err(|error| error.to_string())?;
+    let document = load_document(target, defines, access).map_err(|error| error.to_string())?;
+    let mut document = document.at(time);
     let read = read::read(&mut document);
     let diagnostics = document.diagnostics;
     let is_error = |diagnostic: &&document::Diagnostic| diagnostic.severity == document::Severity::Error;

@@ -275,11 +275,7 @@ fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>)
         (Some(known), _) => properties[known].value = value,
         (None, LengthUnit::None) => {}
         (None, _) if uses_name => {}
-        (None, _) => properties.push(Property {
-            name: UNIT.into(),
-            value,
-            span: Span::default(),
-        }),
+        (None, _) => properties.push(Property::new(UNIT, value, Span::default())),
     }
 }
 

@@ -23,8 +23,8 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::geometry::mesh::MeshData;
+use crate::geometry::ply_write::binary_ply;
 use crate::math::Aabb;
-use crate::scene::assets::mesh_ply::binary_ply;
 use crate::scene::assets::parts_cache::{CACHE, allow_parts};
 use crate::scene::assets::shape_mesh::shape_mesh;
 use crate::scene::{

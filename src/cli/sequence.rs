@@ -1,0 +1,196 @@
+//! The frames of an animation: their numbers, their times, and the names of their files.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use bevy::math::{Affine3A, Quat, Vec3};
+use bevy::prelude::*;
+use clap::Args;
+use sunroom::document::{TransformOp, Value};
+use sunroom::engine::PackedScene;
+use sunroom::render::shutter::Shutter;
+use sunroom::scene::{ActiveSensor, Authored, Sensor, ToWorld, show_moment};
+
+use super::outputs::is_stdout;
+use super::report::Failure;
+
+/// The most frames of a sequence: a day at 24 frames a second has fewer.
+const MOST_FRAMES: u32 = 10_000_000;
+
+/// The digits of a frame's number where the name of the file does not say how many.
+const DIGITS: usize = 4;
+
+#[derive(Args)]
+pub struct SequenceArgs {
+    /// Render frames, such as 17 or 1..120 (the last one included): frame n is the scene at n / fps seconds, and `####` in an output stands for n
+    #[arg(long, value_name = "FIRST..LAST", value_parser = frames)]
+    pub frames: Option<RangeInclusive<u32>>,
+    /// Frames per second
+    #[arg(long, default_value_t = 24.0, value_parser = frame_rate, requires = "frames")]
+    pub fps: f64,
+    /// Part of the time of a frame for which the shutter is open, such as 0.5: what moves is blurred [default: the camera's shutter times]
+    #[arg(long, value_name = "PART", value_parser = part_of_frame, requires = "frames")]
+    pub shutter: Option<f64>,
+    /// Turn the camera once around the middle of the scene in the course of the frames
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+}
+
+/// `17` or `1..120`
+fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let last = last.strip_prefix('=').unwrap_or(last);
+    match (number(first), number(last)) {
+        (Some(first), Some(last)) if first <= last && last < MOST_FRAMES => Ok(first..=last),
+        _ => Err(format!(
+            "expected a frame such as 17, or the first and the last such as 1..120, below {MOST_FRAMES}"
+        )),
+    }
+}
+
+fn frame_rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse::<f64>().ok();
+    rate.filter(|rate| (0.001..=100_000.0).contains(rate))
+        .ok_or_else(|| "expected frames per second, from 0.001 to 100000".to_owned())
+}
+
+fn part_of_frame(text: &str) -> Result<f64, String> {
+    let part = text.trim().parse::<f64>().ok();
+    part.filter(|part| (0.0..=1.0).contains(part))
+        .ok_or_else(|| "expected a part of a frame's time from 0 to 1".to_owned())
+}
+
+/// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the extension.
+pub fn frame_path(path: &Path, frame: u32) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let numbered = match name.rfind('#') {
+        Some(end) => {
+            let start = name[..end].trim_end_matches('#').len();
+            let digits = end + 1 - start;
+            format!("{}{frame:0digits$}{}", &name[..start], &name[end + 1..])
+        }
+        None => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let extension = path.extension().unwrap_or_default().to_string_lossy();
+            format!("{stem}-{frame:0DIGITS$}.{extension}")
+        }
+    };
+    path.with_file_name(numbered)
+}
+
+impl SequenceArgs {
+    /// The files of the first picture. An error if the frames cannot all have a place.
+    pub fn first_outputs(&self, outputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+        let Some(frames) = &self.frames else {
+            return Ok(outputs.to_vec());
+        };
+        if outputs.iter().any(|path| is_stdout(path)) {
+            return Err(Failure::Usage("frames cannot go to standard output".to_owned()));
+        }
+        Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
+    }
+
+    /// Brings the scene to the time of a frame, or to one between two frames.
+    pub fn show(&self, world: &mut World, frame: f64, turntable: Option<&Turntable>) {
+        show_moment(world, frame / self.fps);
+        if let (Some(turntable), Some(frames)) = (turntable, &self.frames) {
+            let count = f64::from(frames.end() - frames.start()) + 1.0;
+            turntable.turn(world, (frame - f64::from(*frames.start())) / count);
+        }
+    }
+
+    /// The moments that `samples` per pixel of a frame see, in frames.
+    pub fn moments(&self, world: &World, frame: u32, samples: u32) -> Vec<f64> {
+        let frame = f64::from(frame);
+        let sensor = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
+        let sensor = sensor.and_then(|sensor| world.get::<Sensor>(sensor));
+        let of_sensor = sensor.map_or([0.0; 2], |sensor| {
+            [sensor.shutter_open, sensor.shutter_close].map(|time| f64::from(time) * self.fps)
+        });
+        let [open, close] = self.shutter.map_or(of_sensor, |share| [0.0, share]);
+        if close <= open {
+            return vec![frame + open];
+        }
+        Shutter::times(frame + open, frame + close, Shutter::moments_for(samples)).collect()
+    }
+}
+
+/// A camera that goes around the scene.
+pub struct Turntable {
+    camera: Entity,
+    start: Affine3A,
+    middle: Vec3,
+    axis: Vec3,
+}
+
+impl Turntable {
+    /// Around the point that the file lets the active camera look at, or else the middle of all shapes, about the axis of the world that is nearest
+    /// to upwards in its picture. None without a camera.
+    pub fn of(world: &World) -> Option<Self> {
+        let camera = world.get_resource::<ActiveSensor>()?.0?;
+        let start = world.get::<ToWorld>(camera)?.0;
+        let target = world.get::<Authored>(camera).and_then(|authored| {
+            let mut properties = authored.object.properties.iter();
+            match &properties.find(|property| property.name == "to_world")?.value {
+                Value::Transform(steps) => match steps[..] {
+                    [TransformOp::LookAt { target, .. }] => Some(target),
+                    _ => None,
+                },
+                _ => None,
+            }
+        });
+        let middle = target.or_else(|| {
+            let scene = world.get_resource::<PackedScene>()?.scene.as_ref()?;
+            Some(scene.geometry.bounds().center())
+        })?;
+        let up = Vec3::from(start.matrix3.y_axis);
+        Some(Self {
+            camera,
+            start,
+            middle,
+            axis: Vec3::AXES[up.abs().max_position()] * up[up.abs().max_position()].signum(),
+        })
+    }
+
+    /// Places the camera after this share of a whole turn.
+    fn turn(&self, world: &mut World, share: f64) {
+        let turn = Quat::from_axis_angle(self.axis, (share * std::f64::consts::TAU) as f32);
+        let about = Affine3A::from_translation(self.middle)
+            * Affine3A::from_quat(turn)
+            * Affine3A::from_translation(-self.middle);
+        if let Some(mut to_world) = world.get_mut::<ToWorld>(self.camera) {
+            to_world.0 = about * self.start;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_one_or_a_range_with_its_end() {
+        assert_eq!(frames("17"), Ok(17..=17));
+        assert_eq!(frames("0..47"), Ok(0..=47));
+        assert_eq!(frames("1..=120"), Ok(1..=120));
+        for bad in ["", "..", "5..", "..5", "5..4", "-1..4", "a..b", "0..10000000", "1.5"] {
+            assert!(frames(bad).is_err(), "{bad}");
+        }
+        assert_eq!(frame_rate("23.976"), Ok(23.976));
+        for bad in ["0", "-24", "inf", "NaN", "", "1e9"] {
+            assert!(frame_rate(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_number_stands_where_the_name_says_or_before_the_extension() {
+        let name = |path: &str, frame| frame_path(Path::new(path), frame).display().to_string();
+        assert_eq!(name("out/a-###.exr", 7), "out/a-007.exr");
+        assert_eq!(name("out/a-#.exr", 1234), "out/a-1234.exr");
+        assert_eq!(name("#x##y.png", 5), "#x05y.png");
+        assert_eq!(name("out/a.tar.exr", 17), "out/a.tar-0017.exr");
+        // Folders keep their names.
+        assert_eq!(name("##/a.png", 2), "##/a-0002.png");
+    }
+}

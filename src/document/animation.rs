@@ -1,0 +1,392 @@
+//! Key frames: `<animation name="...">` in place of a value, with a value tag for each key.
+//!
+//! ```xml
+//! <animation name="to_world" interpolation="ease">
+//!     <transform time="0"> <rotate y="1" angle="0"/> </transform>
+//!     <transform time="2"> <rotate y="1" angle="360"/> </transform>
+//! </animation>
+//! ```
+//!
+//! The element has the form that Mitsuba 0.6 read for transforms. Here every value may have keys. Times are in seconds. Before the first key and after
+//! the last one the value stays what it is there.
+//!
+//! A document always shows one moment: its properties have the values of that moment, and [`Document::at`] makes the document of another one.
+
+use std::mem::discriminant;
+use std::sync::Arc;
+
+use glam::{Affine3A, Mat4, Vec3};
+
+use super::{Child, Document, Object, TransformOp, Value};
+
+/// The way from one key to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// At constant speed.
+    #[default]
+    Linear,
+    /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
+    Ease,
+    /// The value of a key holds until the next key.
+    Step,
+}
+
+impl Interpolation {
+    /// The kinds in the order in which messages name them.
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Ease, Self::Step];
+
+    /// The word in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Ease => "ease",
+            Self::Step => "step",
+        }
+    }
+
+    /// The share of the way, in [0, 1], after this share of the time.
+    fn way(self, share: f64) -> f64 {
+        match self {
+            Self::Linear => share,
+            Self::Ease => share * share * (3.0 - 2.0 * share),
+            Self::Step => 0.0,
+        }
+    }
+}
+
+/// A value at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Seconds; finite.
+    pub time: f64,
+    /// The value at that time.
+    pub value: Value,
+}
+
+/// The keys of one property.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// The keys by rising time, at least one. All values are of one type.
+    pub keys: Vec<Key>,
+    /// The way between neighbouring keys.
+    pub interpolation: Interpolation,
+}
+
+impl Track {
+    /// The value at this time in seconds.
+    pub fn at(&self, time: f64) -> Value {
+        let after = self.keys.partition_point(|key| key.time <= time);
+        match (
+            after.checked_sub(1).map(|before| &self.keys[before]),
+            self.keys.get(after),
+        ) {
+            (Some(before), Some(after)) => {
+                let share = (time - before.time) / (after.time - before.time);
+                between(&before.value, &after.value, self.interpolation.way(share))
+            }
+            (Some(key), None) | (None, Some(key)) => key.value.clone(),
+            (None, None) => unreachable!("a track has a key"),
+        }
+    }
+
+    /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys are of another type.
+    pub fn with_key(&self, time: f64, value: Value) -> Option<Self> {
+        if discriminant(&self.keys[0].value) != discriminant(&value) {
+            return None;
+        }
+        let mut track = self.clone();
+        let place = track.keys.partition_point(|key| key.time < time);
+        match track.keys.get_mut(place).filter(|key| key.time == time) {
+            Some(key) => key.value = value,
+            None => track.keys.insert(place, Key { time, value }),
+        }
+        Some(track)
+    }
+
+    /// The times of the first and the last key in seconds.
+    pub fn span(&self) -> (f64, f64) {
+        (self.keys[0].time, self.keys[self.keys.len() - 1].time)
+    }
+}
+
+impl Document {
+    /// The document as it is at a time in seconds: every property with keys has the value of that time. Objects without keys are shared.
+    pub fn at(&self, time: f64) -> Self {
+        let mut document = Self { time, ..self.clone() };
+        if let Some(root) = posed(&self.root, time) {
+            document.root = root;
+        }
+        document
+    }
+
+    /// The times of the first and the last key in seconds; None if nothing moves.
+    pub fn animated_span(&self) -> Option<(f64, f64)> {
+        let mut spans = Vec::new();
+        let mut waiting = vec![&*self.root];
+        while let Some(object) = waiting.pop() {
+            let tracks = object.properties.iter().filter_map(|property| property.keys.as_ref());
+            spans.extend(tracks.map(|track| track.span()));
+            waiting.extend(object.objects());
+        }
+        let both = |(first, last): (f64, f64), (start, end)| (first.min(start), last.max(end));
+        spans.into_iter().reduce(both)
+    }
+}
+
+/// The object at a time; None if it has no keys and nothing in it has.
+fn posed(object: &Arc<Object>, time: f64) -> Option<Arc<Object>> {
+    let mut changed: Option<Object> = None;
+    for (index, property) in object.properties.iter().enumerate() {
+        if let Some(track) = &property.keys {
+            let posed = changed.get_or_insert_with(|| Object::clone(object));
+            posed.properties[index].value = track.at(time);
+        }
+    }
+    for (index, child) in object.children.iter().enumerate() {
+        if let Child::Object(inner) = child
+            && let Some(inner) = posed(inner, time)
+        {
+            changed.get_or_insert_with(|| Object::clone(object)).children[index] = Child::Object(inner);
+        }
+    }
+    changed.map(Arc::new)
+}
+
+/// Makes keys of the values that differ from those that the keys give at `time`: they were set at that moment. A value of another type stands still.
+pub fn key_changes(object: &mut Object, time: f64) {
+    for property in &mut object.properties {
+        if let Some(track) = &property.keys
+            && track.at(time) != property.value
+        {
+            property.keys = track.with_key(time, property.value.clone()).map(Arc::new);
+        }
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child
+            && moves(inner)
+        {
+            key_changes(Arc::make_mut(inner), time);
+        }
+    }
+}
+
+/// Whether a value of the object, or of one in it, has keys.
+fn moves(object: &Object) -> bool {
+    object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(moves)
+}
+
+/// Takes all keys away: the values of the moment remain.
+pub fn stand_still(object: &mut Object) {
+    for property in &mut object.properties {
+        property.keys = None;
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child
+            && moves(inner)
+        {
+            stand_still(Arc::make_mut(inner));
+        }
+    }
+}
+
+/// The value at this share of the way from one to another of the same type. Texts and truths have no values between: the first one holds.
+fn between(from: &Value, to: &Value, share: f64) -> Value {
+    let number = |from: f32, to: f32| mix(from, to, share);
+    let triple = |from: &Vec3, to: &Vec3| mix_triple(*from, *to, share);
+    match (from, to) {
+        (Value::Float(from), Value::Float(to)) => Value::Float(number(*from, *to)),
+        (Value::Spectrum(from), Value::Spectrum(to)) => Value::Spectrum(number(*from, *to)),
+        (Value::Integer(from), Value::Integer(to)) => {
+            Value::Integer((*from as f64 + share * (*to as f64 - *from as f64)).round() as i64)
+        }
+        (Value::Rgb(from), Value::Rgb(to)) => Value::Rgb(triple(from, to)),
+        (Value::Point(from), Value::Point(to)) => Value::Point(triple(from, to)),
+        (Value::Vector(from), Value::Vector(to)) => Value::Vector(triple(from, to)),
+        (Value::Transform(from), Value::Transform(to)) => Value::Transform(steps_between(from, to, share)),
+        _ => from.clone(),
+    }
+}
+
+fn mix(from: f32, to: f32, share: f64) -> f32 {
+    (f64::from(from) + share * (f64::from(to) - f64::from(from))) as f32
+}
+
+fn mix_triple(from: Vec3, to: Vec3, share: f64) -> Vec3 {
+    Vec3::from_array([0, 1, 2].map(|axis| mix(from[axis], to[axis], share)))
+}
+
+/// The steps between. Where both keys have the same kinds of steps, each step goes its own way, so that a turn by 360 degrees is a whole turn and a
+/// camera looks at a point between its targets. Otherwise place, turn and size go their ways: the turn along the shortest arc (Shoemake,
+/// "Animating rotation with quaternion curves", 1985).
+fn steps_between(from: &[TransformOp], to: &[TransformOp], share: f64) -> Vec<TransformOp> {
+    let step_by_step = || -> Option<Vec<TransformOp>> {
+        let pairs = from.iter().zip(to);
+        (from.len() == to.len())
+            .then(|| pairs.map(|(from, to)| step_between(from, to, share)).collect())
+            .flatten()
+    };
+    step_by_step().unwrap_or_else(|| {
+        let map = affine_between(&TransformOp::compose(from), &TransformOp::compose(to), share);
+        vec![TransformOp::Matrix(Mat4::from(map))]
+    })
+}
+
+/// The step between two of the same kind; None for others, and for rotations about different axes.
+fn step_between(from: &TransformOp, to: &TransformOp, share: f64) -> Option<TransformOp> {
+    Some(match (*from, *to) {
+        (TransformOp::Translate(from), TransformOp::Translate(to)) => {
+            TransformOp::Translate(mix_triple(from, to, share))
+        }
+        (TransformOp::Scale(from), TransformOp::Scale(to)) => TransformOp::Scale(mix_triple(from, to, share)),
+        (
+            TransformOp::Rotate { axis, degrees },
+            TransformOp::Rotate {
+                axis: other,
+                degrees: end,
+            },
+        ) if axis == other => TransformOp::Rotate {
+            axis,
+            degrees: mix(degrees, end, share),
+        },
+        (
+            TransformOp::LookAt { origin, target, up },
+            TransformOp::LookAt {
+                origin: end_origin,
+                target: end_target,
+                up: end_up,
+            },
+        ) => TransformOp::LookAt {
+            origin: mix_triple(origin, end_origin, share),
+            target: mix_triple(target, end_target, share),
+            up: mix_triple(up, end_up, share),
+        },
+        (TransformOp::Matrix(from), TransformOp::Matrix(to)) => {
+            let map = affine_between(&Affine3A::from_mat4(from), &Affine3A::from_mat4(to), share);
+            TransformOp::Matrix(Mat4::from(map))
+        }
+        _ => return None,
+    })
+}
+
+fn affine_between(from: &Affine3A, to: &Affine3A, share: f64) -> Affine3A {
+    let (size, turn, place) = from.to_scale_rotation_translation();
+    let (end_size, end_turn, end_place) = to.to_scale_rotation_translation();
+    Affine3A::from_scale_rotation_translation(
+        mix_triple(size, end_size, share),
+        turn.slerp(end_turn, share as f32),
+        mix_triple(place, end_place, share),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track(interpolation: Interpolation, keys: &[(f64, Value)]) -> Track {
+        let keys = keys.iter().cloned().map(|(time, value)| Key { time, value });
+        Track {
+            keys: keys.collect(),
+            interpolation,
+        }
+    }
+
+    #[test]
+    fn numbers_go_from_key_to_key_and_hold_at_the_ends() {
+        let keys = [
+            (1.0, Value::Float(2.0)),
+            (3.0, Value::Float(6.0)),
+            (4.0, Value::Float(0.0)),
+        ];
+        let value = |interpolation, time| match track(interpolation, &keys).at(time) {
+            Value::Float(value) => value,
+            other => panic!("{other:?}"),
+        };
+        let linear = [
+            (-5.0, 2.0),
+            (1.0, 2.0),
+            (2.0, 4.0),
+            (3.0, 6.0),
+            (3.25, 4.5),
+            (4.0, 0.0),
+            (9.0, 0.0),
+        ];
+        for (time, expected) in linear {
+            assert_eq!(value(Interpolation::Linear, time), expected, "{time}");
+        }
+        // A quarter of the time is 5/32 of the way.
+        assert_eq!(value(Interpolation::Ease, 1.5), 2.0 + 4.0 * 5.0 / 32.0);
+        assert_eq!(value(Interpolation::Step, 2.999), 2.0);
+        assert_eq!(value(Interpolation::Step, 3.0), 6.0);
+        assert_eq!(track(Interpolation::Linear, &keys).span(), (1.0, 4.0));
+    }
+
+    #[test]
+    fn a_key_replaces_the_one_of_its_time_or_comes_between() {
+        let track = track(
+            Interpolation::Ease,
+            &[(0.0, Value::Float(1.0)), (2.0, Value::Float(3.0))],
+        );
+        let times = |track: &Track| track.keys.iter().map(|key| key.time).collect::<Vec<_>>();
+        let between = track.with_key(0.5, Value::Float(7.0)).expect("a number");
+        assert_eq!(
+            (times(&between), between.at(0.5)),
+            (vec![0.0, 0.5, 2.0], Value::Float(7.0))
+        );
+        let replaced = track.with_key(2.0, Value::Float(7.0)).expect("a number");
+        assert_eq!(
+            (times(&replaced), replaced.at(9.0)),
+            (vec![0.0, 2.0], Value::Float(7.0))
+        );
+        assert_eq!(track.with_key(1.0, Value::Integer(1)), None);
+    }
+
+    #[test]
+    fn every_type_of_value_has_values_between_or_holds() {
+        let half = |from: Value, to: Value| between(&from, &to, 0.5);
+        let (low, high) = (Vec3::ZERO, Vec3::new(2.0, 4.0, -6.0));
+        let middle = Vec3::new(1.0, 2.0, -3.0);
+        assert_eq!(half(Value::Rgb(low), Value::Rgb(high)), Value::Rgb(middle));
+        assert_eq!(half(Value::Point(low), Value::Point(high)), Value::Point(middle));
+        assert_eq!(half(Value::Vector(low), Value::Vector(high)), Value::Vector(middle));
+        assert_eq!(half(Value::Integer(-3), Value::Integer(8)), Value::Integer(3));
+        assert_eq!(half(Value::Spectrum(1.0), Value::Spectrum(2.0)), Value::Spectrum(1.5));
+        let text = |text: &str| Value::String(text.to_owned());
+        assert_eq!(half(text("a"), text("b")), text("a"));
+        assert_eq!(half(Value::Boolean(true), Value::Boolean(false)), Value::Boolean(true));
+    }
+
+    #[test]
+    fn steps_of_the_same_kinds_go_their_own_ways() {
+        let rotate = |degrees| TransformOp::Rotate { axis: Vec3::Y, degrees };
+        let shift = |x| TransformOp::Translate(Vec3::new(x, 0.0, 0.0));
+        let from = [rotate(0.0), shift(1.0)];
+        let to = [rotate(720.0), shift(3.0)];
+        assert_eq!(steps_between(&from, &to, 0.25), [rotate(180.0), shift(1.5)]);
+        let look = |x| TransformOp::LookAt {
+            origin: Vec3::new(x, 1.0, 5.0),
+            target: Vec3::new(0.0, x, 0.0),
+            up: Vec3::Y,
+        };
+        assert_eq!(steps_between(&[look(0.0)], &[look(4.0)], 0.5), [look(2.0)]);
+    }
+
+    #[test]
+    fn other_steps_turn_along_the_shortest_arc() {
+        let from = [TransformOp::Scale(Vec3::splat(2.0))];
+        let to = [
+            TransformOp::Rotate {
+                axis: Vec3::Z,
+                degrees: 90.0,
+            },
+            TransformOp::Scale(Vec3::splat(4.0)),
+            TransformOp::Translate(Vec3::new(0.0, 6.0, 0.0)),
+        ];
+        let half = TransformOp::compose(&steps_between(&from, &to, 0.5));
+        let expected = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(3.0),
+            glam::Quat::from_rotation_z(std::f32::consts::FRAC_PI_4),
+            Vec3::new(0.0, 3.0, 0.0),
+        );
+        assert!(half.abs_diff_eq(expected, 1e-5), "{half} {expected}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Motion blur: the samples of a picture are spread over moments of the time in which the shutter is open.
+//!
+//! Each moment is a scene and a view of its own, and a sample sees one of them: the accumulation buffer of Haeberli and Akeley, "The Accumulation Buffer:
+//! Hardware Support for High-Quality Rendering", 1990. So everything can move, and rays through a moment cost what they cost in a still scene.
+//! The moments are the middles of equal parts of the time. What moves by more than a pixel from one to the next shows as many edges.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::scene::RenderScene;
+use super::tile::{Tile, TileSamples, render_tile};
+use super::view::View;
+
+/// The scene and the view at one moment.
+pub type Moment = (RenderScene, View);
+
+/// The moments that samples are spread over, so that any first few samples are spread well.
+#[derive(Clone, Debug)]
+pub struct Shutter(Arc<[Moment]>);
+
+impl Shutter {
+    /// The most moments: beyond, packing them would take longer than to trace their samples.
+    pub const MOST: u32 = 64;
+
+    /// The shutter over moments in the order of time; None if there are none.
+    pub fn new(moments: &[Moment]) -> Option<Self> {
+        let order = spread_order(moments.len());
+        let moments: Arc<[Moment]> = order.into_iter().map(|place| moments[place].clone()).collect();
+        (!moments.is_empty()).then_some(Self(moments))
+    }
+
+    /// The number of moments for this many samples per pixel: as many, or, beyond [`Self::MOST`], such that each gets about as many samples.
+    pub fn moments_for(samples: u32) -> u32 {
+        samples.div_ceil(samples.div_ceil(Self::MOST).max(1)).max(1)
+    }
+
+    /// The middles of as many equal parts of a time as there are moments.
+    pub fn times(open: f64, close: f64, moments: u32) -> impl Iterator<Item = f64> {
+        let part = (close - open) / f64::from(moments);
+        (0..moments).map(move |moment| open + (f64::from(moment) + 0.5) * part)
+    }
+
+    /// Whether these are the same moments.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Renders samples as [`render_tile`] does, each at its moment.
+    pub fn render_tile(&self, tile: Tile, samples: Range<u32>, cancel: &AtomicBool) -> Option<TileSamples> {
+        let mut whole: Option<TileSamples> = None;
+        for sample in samples {
+            let (scene, view) = &self.0[sample as usize % self.0.len()];
+            let one = render_tile(scene, view, tile, sample..sample + 1, cancel)?;
+            match &mut whole {
+                Some(whole) => whole.append(one),
+                None => whole = Some(one),
+            }
+        }
+        whole
+    }
+}
+
+/// The numbers below `count` in the order of the van der Corput sequence in base 2 (Niederreiter, "Random Number Generation and Quasi-Monte Carlo Methods",
+/// 1992, section 3.1), whose first members are always far apart.
+fn spread_order(count: usize) -> Vec<usize> {
+    let mut by_value: Vec<u32> = (0..count as u32).collect();
+    by_value.sort_unstable_by_key(|&index| index.reverse_bits());
+    let mut order = vec![0; count];
+    for (rank, index) in by_value.into_iter().enumerate() {
+        order[index as usize] = rank;
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_visits_every_moment_and_is_spread_from_the_start() {
+        assert_eq!(spread_order(8), [0, 4, 2, 6, 1, 5, 3, 7]);
+        for count in [1, 2, 5, 48, 63, 64] {
+            let mut all = spread_order(count);
+            // The first half leaves no gap of more than three moments.
+            let mut half = all[..count.div_ceil(2)].to_vec();
+            half.sort_unstable();
+            assert!(half.windows(2).all(|pair| pair[1] - pair[0] <= 3), "{count}: {half:?}");
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..count));
+        }
+    }
+
+    #[test]
+    fn moments_are_the_middles_of_equal_parts() {
+        let times: Vec<f64> = Shutter::times(1.0, 2.0, 4).collect();
+        assert_eq!(times, [1.125, 1.375, 1.625, 1.875]);
+        assert_eq!(
+            [1, 16, 64, 100, 256, 1000].map(Shutter::moments_for),
+            [1, 16, 64, 50, 64, 63]
+        );
+    }
+}
