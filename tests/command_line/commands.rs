@@ -816,12 +816,13 @@ fn help(command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "",
     "edit",
     "render",
     "check",
     "convert",
+    "diff",
     "bench",
     "bench rays",
     "completions",
