@@ -52,6 +52,15 @@ pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options:
     written
 }
 
+/// Says which of the outputs have no layers.
+pub fn report_without_layers(outputs: &[PathBuf]) {
+    let is_exr = |path: &Path| FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
+    for path in outputs.iter().filter(|path| !is_exr(path)) {
+        let name = path.display();
+        report::line(format_args!("warning: {name} has no layers: only EXR files have"));
+    }
+}
+
 /// Writes a picture to a file, or as PNG to standard output.
 pub fn write_picture(path: &Path, image: &LayeredImage, options: &FileOptions) -> Result<(), ImageIoError> {
     if !is_stdout(path) {

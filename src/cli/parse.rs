@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use sunroom::layer::Layers;
 use sunroom::render::white_balance::WhiteBalance;
 
 /// `NAME=VALUE`
@@ -11,6 +12,11 @@ pub fn define(text: &str) -> Result<(String, String), String> {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err("expected NAME=VALUE".to_owned()),
     }
+}
+
+/// `depth,normal`
+pub fn layers(text: &str) -> Result<Layers, String> {
+    Layers::parse(text).map_err(|error| error.to_string())
 }
 
 /// `1280x720`

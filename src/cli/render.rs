@@ -11,7 +11,8 @@ use clap::{Args, ValueEnum};
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::engine::{load_to_completion, open_shutter, render_to_completion};
+use sunroom::engine::{layered_picture, load_to_completion, open_shutter, render_to_completion};
+use sunroom::layer::{Layer, Layers, layer_names};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Attribute, LayeredImage};
@@ -74,6 +75,8 @@ pub struct RenderArgs {
     /// Remove the noise with Open Image Denoise
     #[arg(long)]
     denoise: bool,
+    #[arg(long, value_name = "NAME[,NAME...]", value_parser = parse::layers, help = layers_help())]
+    aov: Vec<Layers>,
     /// Acceleration structure
     #[arg(long, value_enum, default_value_t = Accel::Sah)]
     accel: Accel,
@@ -122,6 +125,12 @@ enum StrategyName {
 enum SamplerName {
     Sobol,
     Independent,
+}
+
+/// The text of `--help` about `--aov`.
+fn layers_help() -> String {
+    let names = layer_names().join(", ");
+    format!("Save layers with the picture in EXR files, besides those of the scene: {names}")
 }
 
 pub fn run(args: RenderArgs) -> ExitCode {
@@ -275,7 +284,23 @@ fn picture(
     };
     display_server::finish(app.world_mut(), &image.pixels);
     let status = app.world().resource::<RenderStatus>();
-    let mut picture = LayeredImage::from(&image);
+    let film = &app.world().resource::<RenderFilm>().film;
+    let chosen = film.layers().layers;
+    let denoised_layer = match (is_denoised, chosen.contains(Layer::Denoised) && ending.is_whole()) {
+        (true, _) => Some(image.pixels.clone()),
+        (false, true) => match denoise_film(film, Some(threads), &AtomicBool::new(false)) {
+            Ok(pixels) => Some(pixels),
+            Err(error) => {
+                report::line(format_args!("warning: {error}; the layer `denoised` is missing"));
+                None
+            }
+        },
+        (false, false) => None,
+    };
+    if !chosen.without(Layers::of(&[Layer::Alpha])).is_empty() {
+        outputs::report_without_layers(outputs);
+    }
+    let mut picture = layered_picture(app.world(), &image, denoised_layer.as_deref());
     describe(&mut picture, app.world(), args);
     let sensor = app.world().resource::<ActiveSensor>().0;
     let storage = sensor.and_then(|sensor| app.world().get::<SensorFilm>(sensor));
@@ -366,6 +391,7 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> 
         integrator.max_depth = u32::try_from(depth).ok();
     }
     integrator.schlick |= args.schlick;
+    integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
     match args.strategy {
         Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
         Some(StrategyName::Light) => integrator.strategy = Strategy::Light,

@@ -32,6 +32,7 @@ use super::resolution::{self, is_same_at_other_size};
 use super::sight::SeenAlone;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
+use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::render::light_layers::LightGroups;
@@ -217,7 +218,8 @@ pub(super) fn extract_scene(
     if dirty.view {
         extracted.update_view(&authored, &control);
     }
-    extracted.update_layers(control.light_layers);
+    let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
+    extracted.update_layers(keeps_groups);
     extracted.update_sight(&control.sight);
     let same_scene = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
@@ -227,7 +229,7 @@ pub(super) fn extract_scene(
     if control.full_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
         control.full_until_change = false;
         extracted.update_view(&authored, &control);
-        extracted.update_layers(control.light_layers);
+        extracted.update_layers(keeps_groups);
         extracted.update_sight(&control.sight);
     }
     extracted.update_clipping();

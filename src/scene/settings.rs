@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::layer::Layers;
+
 /// The path integrator.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, PartialEq)]
@@ -16,6 +18,9 @@ pub struct IntegratorSettings {
     pub strategy: Strategy,
     /// Whether Schlick's approximation is used for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
+    /// The layers that are kept and saved with the picture: the file's integrator `aov`.
+    #[reflect(ignore)]
+    pub layers: Layers,
 }
 
 impl Default for IntegratorSettings {
@@ -26,6 +31,7 @@ impl Default for IntegratorSettings {
             hide_emitters: false,
             strategy: Strategy::Mis,
             schlick: false,
+            layers: Layers::default(),
         }
     }
 }

@@ -3,7 +3,10 @@
 use std::path::Path;
 use std::process::Output;
 
+use sunroom::layer::Layer;
 use sunroom::render::image_io::ImageRgb;
+use sunroom::render::image_io::exr::decode_exr;
+use sunroom::render::layered_image::Attribute;
 use sunroom::texture::load_image;
 
 use crate::workshop::{Workshop, sunroom};
@@ -123,6 +126,99 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let one = bytes("1.exr", &["-t", "1", "--seed", "5", "--spp", "20"]);
     assert!(one == bytes("2.exr", &["-t", "4", "--seed", "5", "--spp", "20"]));
     assert!(one != bytes("3.exr", &["-t", "1", "--seed", "6", "--spp", "20"]));
+}
+
+#[test]
+fn layers_are_saved_in_exr_files() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let read = |name: &str, args: &[&str]| {
+        let output = shop.path(name);
+        assert_code(&render(&scene, &output, args), 0);
+        let bytes = std::fs::read(output).expect("written");
+        (decode_exr(&bytes).expect("an EXR file"), bytes)
+    };
+    let (plain, _) = read("plain.exr", &["--spp", "8"]);
+    assert_eq!(plain.layers(), [""]);
+    let all: Vec<&str> = Layer::ALL
+        .into_iter()
+        .map(Layer::name)
+        .filter(|name| *name != "denoised")
+        .collect();
+    let args = |threads| ["--spp", "8", "--aov", "depth", "-t", threads].map(str::to_owned);
+    let list = all.join(",");
+    let with_all = |threads| -> Vec<String> {
+        args(threads)
+            .into_iter()
+            .chain(["--aov".to_owned(), list.clone()])
+            .collect()
+    };
+    let [one, four] = ["1", "4"].map(|threads| {
+        let args = with_all(threads);
+        read(
+            &format!("{threads}.exr"),
+            &args.iter().map(String::as_str).collect::<Vec<_>>(),
+        )
+    });
+    assert!(one.1 == four.1, "the number of threads does not matter");
+    let image = one.0;
+    assert_eq!(
+        image.layer(""),
+        plain.layer(""),
+        "the same bits with and without layers"
+    );
+    let layers = image.layers();
+    for name in [
+        "Albedo",
+        "Normal",
+        "Depth",
+        "Position",
+        "UV",
+        "Samples",
+        "Direct",
+        "CryptoObject00",
+        "CryptoMaterial02",
+    ] {
+        assert!(layers.contains(&name), "{name} of {layers:?}");
+    }
+    assert!(layers.iter().any(|name| name.starts_with("LightGroup.")), "{layers:?}");
+    assert!(image.alpha().is_some() && layers.contains(&""));
+    assert!(
+        image
+            .layer("Samples")
+            .expect("one channel")
+            .pixels
+            .iter()
+            .all(|samples| samples.x == 8.0)
+    );
+    let light = ["Direct", "Indirect", "Emitted"].map(|name| image.layer(name).expect("a colour").pixels);
+    for (place, whole) in plain.layer("").expect("the picture").pixels.iter().enumerate() {
+        let sum = light[0][place] + light[1][place] + light[2][place];
+        assert!(
+            sum.abs_diff_eq(*whole, 1e-4 * (whole.max_element() + 0.1)),
+            "{sum} {whole}"
+        );
+    }
+    assert_eq!(image.attribute("sunroom:spp"), Some(&Attribute::Int(8)));
+    let manifests = image.attributes.iter().filter(|(name, _)| name.ends_with("/manifest"));
+    assert_eq!(manifests.count(), 2);
+}
+
+#[test]
+fn layers_need_exr_files_and_known_names() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let output = render(&scene, &shop.path("a.png"), &["--aov", "depth"]);
+    assert_code(&output, 0);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(text.contains("a.png has no layers: only EXR files have"), "{text}");
+    let output = render(&scene, &shop.path("a.exr"), &["--aov", "dept"]);
+    assert_code(&output, 2);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        text.contains("there is no layer `dept`; the layers are alpha, albedo"),
+        "{text}"
+    );
 }
 
 #[test]

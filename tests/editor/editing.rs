@@ -15,6 +15,7 @@ use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::engine::{LightGroup, RenderFilm};
+use sunroom::layer::{Layer, Layers};
 use sunroom::scene::write::{self, gather};
 use sunroom::scene::*;
 
@@ -196,6 +197,8 @@ fn lines_that_cannot_be_done_say_why() {
             "expected name=, at= or size=, found `colour=red`",
         ),
         ("limit-time -1", "expected at least 0"),
+        ("layers dept", "there is no layer `dept`; the layers are alpha, albedo"),
+        ("layers", "expected `none` or names of layers"),
         ("move ball", "usage: move NAME X,Y,Z"),
         ("select \"ball", "not closed"),
         ("duplicate", "nothing is selected"),
@@ -207,6 +210,22 @@ fn lines_that_cannot_be_done_say_why() {
         let error = parse::line(&mut world, line).expect_err(line).to_string();
         assert!(error.contains(part), "{line}: {error}");
     }
+}
+
+#[test]
+fn the_choice_of_layers_is_undone() {
+    let mut world = bare_world();
+    world.init_resource::<IntegratorSettings>();
+    let layers = |world: &World| world.resource::<IntegratorSettings>().layers;
+    assert!(say(&mut world, "layers depth cryptomatte"));
+    let chosen = Layers::of(&[Layer::Depth, Layer::CryptoObject, Layer::CryptoMaterial]);
+    assert_eq!(layers(&world), chosen);
+    assert!(say(&mut world, "layers none"));
+    assert_eq!(layers(&world), Layers::default());
+    say(&mut world, "undo");
+    assert_eq!(layers(&world), chosen);
+    say(&mut world, "undo");
+    assert_eq!(layers(&world), Layers::default());
 }
 
 #[test]

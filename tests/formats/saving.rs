@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, With, World};
 use sunroom::document;
+use sunroom::layer::{Layer, Layers};
 use sunroom::scene::description::{DeclarationPlace, Identity, MaterialDescription, ShapeDescription};
 use sunroom::scene::read::read;
 use sunroom::scene::spawn;
@@ -99,6 +100,42 @@ fn set_reflectance(material: &mut Material, color: Vec3) {
 
 fn coloured(color: Vec3) -> impl FnOnce(&mut SceneDescription) {
     move |scene| set_reflectance(&mut scene.materials[0].material, color)
+}
+
+#[test]
+fn layers_are_put_around_the_integrator_and_taken_away() {
+    let path = "  <integrator type=\"path\">\n    <integer name=\"max_depth\" value=\"7\"/>\n  </integrator>";
+    let (_, come) = changes(path, |scene| {
+        scene.integrator.layers = Layers::of(&[Layer::Depth, Layer::Direct])
+    });
+    let text = come.join("\n");
+    let aovs = "<string name=\"aovs\" value=\"Depth:depth,Direct:direct\"/>";
+    assert!(
+        text.contains("<integrator type=\"aov\">") && text.contains(aovs),
+        "{text}"
+    );
+
+    let aov = "  <integrator type=\"aov\">\n    <string name=\"aovs\" value=\"dd.y:depth\"/> <!-- far -->\n    \
+               <integrator type=\"path\">\n      <integer name=\"max_depth\" value=\"7\"/>\n    </integrator>\n  </integrator>";
+    // Another parameter leaves the list as it is.
+    let (gone, come) = changes(aov, |scene| scene.integrator.max_depth = Some(9));
+    assert_eq!(gone, lines(&["      <integer name=\"max_depth\" value=\"7\"/>"]));
+    assert_eq!(come, lines(&["      <integer name=\"max_depth\" value=\"9\"/>"]));
+    let (gone, come) = changes(aov, |scene| scene.integrator.layers = Layers::of(&[Layer::Uv]));
+    assert_eq!(
+        gone,
+        lines(&["    <string name=\"aovs\" value=\"dd.y:depth\"/> <!-- far -->"])
+    );
+    assert_eq!(
+        come,
+        lines(&["    <string name=\"aovs\" value=\"UV:uv\"/> <!-- far -->"])
+    );
+    let (_, come) = changes(aov, |scene| scene.integrator.layers = Layers::default());
+    let text = come.join("\n");
+    assert!(
+        text.contains("<integrator type=\"path\">") && !text.contains("aov"),
+        "{text}"
+    );
 }
 
 #[test]

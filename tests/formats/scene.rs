@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::document::{self, Diagnostics, Severity, TransformOp};
+use sunroom::layer::{Layer, Layers};
 use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;
 use sunroom::scene::write::{gather, save_description, to_document};
@@ -287,6 +288,18 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
         (
             "<integrator type='bdpt'/>",
             "2: warning: integrator `bdpt` is not supported: `path` takes its place",
+        ),
+        (
+            "<integrator type='aov'>\n<string name='aovs' value='a:dp_du'/></integrator>",
+            "3: warning: the layer `dp_du` is not supported: it is left out",
+        ),
+        (
+            "<integrator type='aov'>\n<string name='aovs' value='a:dept'/></integrator>",
+            "3: warning: there is no layer `dept`: it is left out",
+        ),
+        (
+            "<integrator type='aov'/>",
+            "2: warning: an `aov` without `aovs`, a list of layers such as `dd:depth,nn:sh_normal`, has none",
         ),
         (
             "<bsdf type='diffuse'>\n<texture type='noise' name='reflectance'/></bsdf>",
@@ -625,6 +638,20 @@ fn round_trip(scene: &SceneDescription, target: &Path) -> String {
     // Written once more, nothing moves any more.
     assert_eq!(document::to_xml(&to_document(&again, target)).unwrap(), text);
     text
+}
+
+#[test]
+fn layers_are_those_of_mitsuba_and_our_own() {
+    let (scene, diagnostics) = describe(
+        "<integrator type='aov'><string name='aovs' value='dd.y:depth, nn:sh_normal,x:light_groups'/>
+           <integrator type='path'><integer name='max_depth' value='7'/></integrator></integrator>
+         <sensor type='perspective'/>",
+    );
+    assert_eq!(diagnostics.list.len(), 0, "{diagnostics}");
+    let layers = Layers::of(&[Layer::Depth, Layer::Normal, Layer::LightGroups]);
+    assert_eq!((scene.integrator.layers, scene.integrator.max_depth), (layers, Some(7)));
+    let (scene, _) = describe("<sensor type='perspective'/>");
+    assert!(scene.integrator.layers.is_empty());
 }
 
 const EVERYTHING: &str = "<integrator type='path'><integer name='max_depth' value='7'/></integrator>

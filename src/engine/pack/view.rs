@@ -5,7 +5,7 @@ use bevy::math::{Affine3A, UVec2, Vec2, Vec3};
 use super::super::control::{RenderControl, ViewMode};
 use super::super::resolution;
 use super::Checker;
-use crate::layer::Layers;
+use crate::layer::{Layer, Layers};
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
@@ -13,7 +13,9 @@ use crate::render::sight::Sight;
 use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::parameters::FOV;
-use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
+use crate::scene::{
+    self, Film, IntegratorSettings, Lens, PixelFormat, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
+};
 
 /// Packs the view of a sensor. None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
@@ -100,7 +102,10 @@ pub(in crate::engine) fn pack_view(
         // The sight depends on the geometry as well.
         sight: Sight::default(),
         light_groups: LightGroups::default(),
-        layers: Layers::default(),
+        layers: match film.storage.pixels.is_some_and(PixelFormat::has_alpha) {
+            true => integrator.layers.and(Layers::of(&[Layer::Alpha])),
+            false => integrator.layers,
+        },
         sequence: match sampler.sequence {
             Sequence::Sobol => SequenceKind::Sobol,
             Sequence::Independent => SequenceKind::Independent,

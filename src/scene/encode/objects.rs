@@ -11,6 +11,7 @@ use super::into_object::{
 use super::lights::area_light;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Value};
+use crate::layer::Layer;
 use crate::scene::solid::openings_text;
 use crate::scene::{
     AreaLight, Film, IntegratorSettings, Lens, Material, MeshFormat, ReconstructionFilter, Sensor, Shape, ShapeKind,
@@ -169,5 +170,12 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
         Value::Integer(depth),
     );
     let object = with_integer(object, "rr_depth", settings.rr_depth);
-    with_flag(object, "hide_emitters", settings.hide_emitters)
+    let path = with_flag(object, "hide_emitters", settings.hide_emitters);
+    if settings.layers.is_empty() {
+        return path;
+    }
+    let entry = |layer: Layer| format!("{}:{}", layer.name_in_pictures(), layer.name_in_file());
+    let entries: Vec<String> = settings.layers.iter().map(entry).collect();
+    let object = with_string(Object::new(Category::Integrator, "aov"), "aovs", &entries.join(","));
+    with_child(object, path)
 }

@@ -1,8 +1,9 @@
-//! Integrators: `path`; every other one is taken for it.
+//! Integrators: `path`, and `aov` around it; every other one is taken for it.
 
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
-use crate::document::{Category, Object, Severity};
+use crate::document::{Category, Object, Reader, Severity};
+use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
 use crate::scene::{AuthoredScene, IntegratorSettings};
 
@@ -28,9 +29,9 @@ impl<'a> SceneReader<'a> {
         let mut reader = self.reader(object);
         let mut settings = IntegratorSettings::default();
         let plugin = object.plugin.as_str();
-        if plugin != "path" {
+        if !["path", "aov"].contains(&plugin) {
             let message = format!("integrator `{plugin}` is not supported: `path` takes its place");
-            let help = did_you_mean(plugin, ["path", "direct"]);
+            let help = did_you_mean(plugin, ["path", "direct", "aov"]);
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }
@@ -52,9 +53,55 @@ impl<'a> SceneReader<'a> {
         }
         // `aov` and the like hold the integrator that makes the picture.
         let inner = reader.children(Category::Integrator).first().map(|(_, inner)| *inner);
-        match inner {
+        let layers = match plugin {
+            "aov" => {
+                let layers = read_layers(&mut reader);
+                reader.finish();
+                layers
+            }
+            _ => Layers::default(),
+        };
+        let settings = match inner {
             Some(inner) if depth < 8 => self.read_integrator_settings(inner, depth + 1),
             _ => settings,
+        };
+        IntegratorSettings {
+            layers: layers.and(settings.layers),
+            ..settings
         }
     }
 }
+
+/// The layers of an integrator `aov`, whose parameter `aovs` is a list of names and kinds: `dd:depth,nn:sh_normal`. The names are those of channels in
+/// Mitsuba's files; ours have names of their own.
+fn read_layers(reader: &mut Reader) -> Layers {
+    let known = Layer::ALL.map(Layer::name_in_file);
+    let Some(list) = reader.string("aovs") else {
+        let span = reader.object().span;
+        reader.diagnostics().warn(
+            span,
+            "an `aov` without `aovs`, a list of layers such as `dd:depth,nn:sh_normal`, has none",
+        );
+        return Layers::default();
+    };
+    let mut layers = Vec::new();
+    for entry in list.split(',').map(str::trim).filter(|entry| !entry.is_empty()) {
+        let kind = entry.rsplit(':').next().unwrap_or(entry).trim();
+        let span = Some(reader.span_of("aovs"));
+        if let Some(layer) = Layer::from_name_in_file(kind) {
+            layers.push(layer);
+        } else if UNSUPPORTED.contains(&kind) {
+            let message = format!("the layer `{kind}` is not supported: it is left out");
+            reader.diagnostics().push(Severity::Warning, span, message, None);
+        } else {
+            let message = format!("there is no layer `{kind}`: it is left out");
+            let nearest = did_you_mean(kind, known.iter().map(String::as_str));
+            let help = nearest.or_else(|| Some(format!("the layers are {}", known.join(", "))));
+            reader.diagnostics().push(Severity::Warning, span, message, help);
+        }
+    }
+    layers.into_iter().collect()
+}
+
+/// Layers that Mitsuba has and we have not.
+const UNSUPPORTED: [&str; 6] = ["dp_du", "dp_dv", "duv_dx", "duv_dy", "prim_index", "boundary_test"];

@@ -93,6 +93,7 @@ impl Draft {
             }
         }
         for category in [
+            Category::Integrator,
             Category::Film,
             Category::Sampler,
             Category::ReconstructionFilter,

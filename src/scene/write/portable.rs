@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::document::{Category, Child, Object, TransformOp, Value};
+use crate::layer::Layer;
 use crate::scene::assets::solid_mesh::solid_ply;
 use crate::scene::read::is_frame;
 use crate::scene::solid::parse_openings;
@@ -63,6 +64,23 @@ impl BesideFiles<'_> {
     }
 }
 
+/// Leaves out the layers that only this program has.
+fn keep_layers_of_mitsuba(integrator: &mut Object) {
+    for property in &mut integrator.properties {
+        if let ("aovs", Value::String(list)) = (property.name.as_str(), &mut property.value) {
+            let is_ours_alone = |entry: &&str| {
+                let layer = entry
+                    .rsplit(':')
+                    .next()
+                    .and_then(|kind| Layer::from_name_in_file(kind.trim()));
+                layer.is_some_and(|layer| layer.name_in_mitsuba().is_none())
+            };
+            let kept: Vec<&str> = list.split(',').filter(|entry| !is_ours_alone(entry)).collect();
+            *list = kept.join(",");
+        }
+    }
+}
+
 fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Extensions) {
     object.children.retain_mut(|child| {
         let Child::Object(inner) = child else { return true };
@@ -75,6 +93,7 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     .properties
                     .retain(|property| property.name != "multiple_scattering");
             }
+            (Category::Integrator, "aov") if extensions == Extensions::Approximate => keep_layers_of_mitsuba(inner),
             (Category::Sensor, "thinlens") if extensions == Extensions::Approximate => inner
                 .properties
                 .retain(|property| !matches!(property.name.as_str(), "blades" | "blade_rotation")),

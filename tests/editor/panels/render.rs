@@ -9,6 +9,7 @@ use sunroom::app::editor::command::light_mix::{Channel, LightMix};
 use sunroom::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::render;
+use sunroom::layer::{Layer, Layers};
 use sunroom::scene::{IntegratorSettings, Strategy};
 
 use super::{Shown, click, entity, show, slide};
@@ -72,6 +73,13 @@ fn the_render_panel_sets_what_it_shows() {
     click(&mut harness, "Render full film");
     let asked = Command::RenderFull(FullFilm::default());
     assert_eq!(harness.state().commands.last(), Some(&asked));
+    click(&mut harness, "Layers");
+    click(&mut harness, "Texture coordinates");
+    let of = |command: Option<&Command>| match command {
+        Some(Command::SetIntegrator(settings)) => settings.layers,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(of(harness.state().commands.last()), Layers::of(&[Layer::Uv]));
     click(&mut harness, "Start again");
     assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
 }

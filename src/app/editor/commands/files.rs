@@ -16,9 +16,12 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::{FileFormat, ImageIoError, write_displayed, write_image, write_to_temporary_folder};
+use crate::render::image_io::exr::write_exr;
+use crate::render::image_io::{
+    ExrCompression, FileFormat, ImageIoError, write_displayed, write_image, write_to_temporary_folder,
+};
 use crate::scene::write::{self, OnChange, SaveError};
-use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
+use crate::scene::{self, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
 
 /// The path of texts of the clipboard: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
@@ -132,12 +135,13 @@ pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandErr
     Ok(())
 }
 
-/// Saves the picture with the pixels that it has.
+/// Saves the picture with the pixels that it has, to an EXR file with its layers.
 pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err(CommandError::file("There is no picture to save."));
     }
     let display = world.resource::<ViewSettings>().display;
+    let is_exr = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
     let is_displayed = FileFormat::from_path(path).is_ok_and(FileFormat::is_displayed);
     let written = if is_displayed && !display.mode.is_light() {
         let (size, rgb) = finished::painted(world);
@@ -150,13 +154,19 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         } else {
             picture
         };
-        write_image(path, &picture, &display.tone())
+        match is_exr {
+            true => write_exr(path, &finished::layered(world, &picture), ExrCompression::default()),
+            false => write_image(path, &picture, &display.tone()),
+        }
     };
     written.map_err(CommandError::file)?;
-    let shown = match is_displayed && display.mode.is_light() {
+    let mut shown = match is_displayed && display.mode.is_light() {
         true => format!(" with the tone map {}", display.tone_map.name()),
         false => String::new(),
     };
+    if !is_exr && !world.resource::<IntegratorSettings>().layers.is_empty() {
+        shown.push_str(", without layers: only EXR files have them");
+    }
     say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! The present picture, for commands that save or copy it.
 
+use std::sync::atomic::AtomicBool;
+
 use bevy::prelude::*;
 
 use super::view;
@@ -11,10 +13,13 @@ use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::RenderFilm;
+use crate::engine::{RenderFilm, layered_picture};
+use crate::layer::Layer;
 use crate::metrics::errors;
+use crate::render::denoise::denoise_film;
 use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
+use crate::render::layered_image::LayeredImage;
 use crate::render::tile::tiles;
 
 /// The picture as it is shown: with its lights mixed, and denoised if the denoised picture is shown.
@@ -35,6 +40,20 @@ pub fn picture(world: &World) -> ImageRgb {
         height: film.film.height(),
         pixels,
     }
+}
+
+/// The picture with its layers. The one without noise is made now unless it is shown.
+pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
+    let film = &world.resource::<RenderFilm>().film;
+    let is_shown = world
+        .resource::<Denoiser>()
+        .picture()
+        .map(|denoised| denoised.radiance.clone());
+    let denoised = match film.layers().layers.contains(Layer::Denoised) {
+        true => is_shown.or_else(|| denoise_film(film, None, &AtomicBool::new(false)).ok()),
+        false => None,
+    };
+    layered_picture(world, picture, denoised.as_deref())
 }
 
 /// The picture with the snapshot wiped over it, or their difference, if that is shown.

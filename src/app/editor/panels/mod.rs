@@ -17,6 +17,7 @@ pub mod fields;
 pub mod history;
 pub mod inspector;
 pub mod key_bindings;
+pub mod layers;
 pub mod lengths;
 pub mod library;
 pub mod light_mixing;

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use bevy::math::Rect;
 use bevy_egui::egui::{self, Ui};
 
-use super::section::section;
-use super::{comparison, fields, light_mixing, look};
+use super::section::{section, section_with};
+use super::{comparison, fields, layers, light_mixing, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
@@ -36,6 +36,9 @@ pub fn render(
         comparison::comparison(ui, &model.comparison, commands)
     });
     section(ui, "Light transport", |ui| transport_rows(ui, model, commands));
+    section_with(ui, "Layers", false, |ui| {
+        layers::layer_rows(ui, model.integrator, commands)
+    });
 }
 
 fn picture_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {

@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 61] = [
+pub const VERBS: [(&str, &str); 62] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -128,6 +128,7 @@ pub const VERBS: [(&str, &str); 61] = [
     ("resolution", "view|after-rest|full"),
     ("enlarge", "smooth|sharp"),
     ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
+    ("layers", "none | LAYER... (saved with EXR images)"),
     ("split-strategies", "on|off"),
     ("show-grid", "on|off"),
     ("measure-between", "FROM TO (each X,Y,Z)"),
@@ -362,6 +363,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("resolution", [name]) => Command::SetResolution(rendering::resolution(name)?),
         ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
         ("region", corners) => Command::SetRegion(rendering::region(corners)?),
+        ("layers", names) => rendering::layers(world, names)?,
         ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
         ("measure-between", [from, to]) => Command::AddRuler(Ruler {
             from: parse_vec3(from)?,

@@ -12,6 +12,8 @@ use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::seeing::CutOpen;
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
+use crate::layer::Layers;
+use crate::scene::IntegratorSettings;
 
 pub fn switch(text: &str) -> Result<bool, ScriptError> {
     match text {
@@ -47,6 +49,17 @@ pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
         [from, to] => Ok(Some(Rect::from_corners(place(from)?, place(to)?))),
         _ => Err("expected `none` or two corners".into()),
     }
+}
+
+/// The settings with these layers alone.
+pub fn layers(world: &World, names: &[&str]) -> Result<Command, ScriptError> {
+    let layers = match names {
+        [] => return Err("expected `none` or names of layers".into()),
+        ["none"] => Layers::default(),
+        names => Layers::parse(&names.join(",")).map_err(|error| error.to_string())?,
+    };
+    let integrator = world.get_resource().copied().unwrap_or_default();
+    Ok(Command::SetIntegrator(IntegratorSettings { layers, ..integrator }))
 }
 
 fn place(text: &str) -> Result<Vec2, ScriptError> {
