@@ -48,7 +48,7 @@ pub struct Exposures {
 const MOST_EXPOSURES: f32 = 64.0;
 
 impl Exposures {
-    /// The exposures for a reference (2021, section 3.2). None if it is black, or has a median luminance of zero.
+    /// The exposures for a reference of at least one pixel (2021, section 3.2). None if it is black or has an infinite pixel.
     pub fn of(reference: &[Rgb]) -> Option<Self> {
         let weights = Vec3::new(0.2126, 0.7152, 0.0722);
         let mut luminances: Vec<f32> = reference.iter().map(|rgb| rgb.max(Vec3::ZERO).dot(weights)).collect();
@@ -56,9 +56,11 @@ impl Exposures {
         // Of an even number the authors' program takes the greater one in the middle.
         let middle = luminances.len() / 2;
         let median = *luminances.select_nth_unstable_by(middle, f32::total_cmp).1;
-        if !(median > 0.0 && brightest.is_finite()) {
+        if !(brightest > 0.0 && brightest.is_finite()) {
             return None;
         }
+        // As in the authors' program: half of a picture may be black.
+        let median = median.max(f32::EPSILON);
         // The radiance that the tone map takes to 0.85: the greater root of its quotient.
         const SHOWN: f32 = 0.85;
         let [a, b, c] = [0, 1, 2].map(|power| ACES[power] - SHOWN * ACES[power + 3]);

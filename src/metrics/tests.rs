@@ -168,6 +168,17 @@ fn flip_of_radiance() {
 }
 
 #[test]
+fn flip_of_a_picture_that_is_mostly_black() {
+    let lit = |factor: f64| picture(move |x, y, c| if x >= 60 { factor * radiance(x, y, c) } else { 0.0 });
+    let reference = lit(1.0);
+    let exposures = Exposures::of(&reference).expect("a picture with light");
+    assert_eq!(exposures.count, 29);
+    assert!((exposures.stop - 24.083_298).abs() < 1e-4, "{exposures:?}");
+    let found = hdr_flip(&lit(0.9), &reference, WIDTH, exposures, PIXELS_PER_DEGREE);
+    assert_flip("mostly black", &found, [0.055_749, 0.0, 0.0, 0.169_586]);
+}
+
+#[test]
 fn equal_pictures_differ_by_nothing() {
     let reference = picture(radiance);
     let exposures = Exposures::of(&reference).expect("a picture with light");
