@@ -98,6 +98,9 @@ pub struct EditArgs {
     /// Camera to begin with, by its id or its index from 0 on
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
+    /// Denoise the picture from the beginning, as N does
+    #[arg(long)]
+    pub denoise: bool,
     /// Size of the window [default: as it was left; 1280x720 at first, and with --exit, --script or a measurement]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub window: Option<(u32, u32)>,

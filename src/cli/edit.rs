@@ -49,6 +49,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         measure_latency: args.measure_latency,
         monkey,
         undrawn: args.undrawn,
+        denoise: args.denoise,
         timeout: args.timeout,
     };
     windowed::run(options).unwrap_or_else(report::error)

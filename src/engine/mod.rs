@@ -46,7 +46,7 @@ pub use layers::layered_picture;
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
-pub(crate) use priority::{yield_to_all, yield_to_window};
+pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
 pub use shutter::{OpenShutter, open_shutter};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};

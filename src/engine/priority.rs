@@ -8,7 +8,13 @@ pub(crate) fn yield_to_window() {
     set_niceness(NICENESS);
 }
 
-/// Lowers the priority further, below that of render threads: the thread gets a tenth of their share.
+/// Lowers the priority below that of render threads: the thread, and those that it starts, get a third of their share.
+pub(crate) fn yield_to_rendering() {
+    const NICENESS: i32 = 10;
+    set_niceness(NICENESS);
+}
+
+/// Lowers the priority further: the thread gets a tenth of the share of render threads.
 pub(crate) fn yield_to_all() {
     const NICENESS: i32 = 15;
     set_niceness(NICENESS);

@@ -341,7 +341,7 @@ fn other_keys_after_a_mode_are_what_they_always_are() {
     };
     let expected = [
         Command::SetGizmo(gizmo),
-        Command::Denoise,
+        Command::SetDenoising(true),
         Command::SetGizmo(local),
         Command::RecallView(1),
     ];

@@ -77,6 +77,7 @@ impl Plugin for EditorPlugin {
         if options.is_attended() {
             settings.display.tone_map = preferences.tone_map;
         }
+        settings.denoising = options.denoise || options.is_attended() && preferences.denoising;
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {
@@ -235,7 +236,7 @@ impl Plugin for EditorPlugin {
                         .in_set(EditorSystems::Apply),
                     (
                         command::light_mix::note_film_lights,
-                        picture::denoiser::collect_denoised,
+                        picture::denoiser::follow_denoiser,
                         picture::texture::update_picture,
                         viewport::outlining::request_outline,
                         window::preview::update_previews,

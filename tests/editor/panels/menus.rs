@@ -47,6 +47,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 selection: &Selection::default(),
                 tool: Default::default(),
                 bound: &NO_BINDINGS,
+                denoising: false,
                 safe_frame: false,
                 grid: Default::default(),
                 dimensions: false,
@@ -64,7 +65,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
 
 #[test]
 fn menus_say_commands() {
-    let mut harness = menus(DenoiserState::Idle);
+    let mut harness = menus(DenoiserState::Off);
     assert_eq!(harness.state().commands, []);
     click(&mut harness, "File");
     harness.get_by_label_contains("Reload").click();
@@ -90,7 +91,7 @@ fn menus_say_commands() {
         Command::LookThrough(entity(9)),
         Command::Shell(ShellCommand::ClosePanel(panel::Panel::History)),
         Command::SetPaused(true),
-        Command::Denoise,
+        Command::SetDenoising(true),
     ];
     assert_eq!(harness.state().commands, expected);
 }

@@ -162,7 +162,7 @@ fn keys_work_again_right_after_a_number_was_dragged() {
     harness.state_mut().commands.clear();
     harness.key_press(Key::N);
     harness.run_steps(2);
-    assert_eq!(harness.state().commands, [Command::Denoise]);
+    assert_eq!(harness.state().commands, [Command::SetDenoising(true)]);
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn keys_are_commands() {
         ),
         (Key::F, Modifiers::NONE, Command::FrameSelection),
         (Key::Home, Modifiers::NONE, Command::FrameAll),
-        (Key::N, Modifiers::NONE, Command::Denoise),
+        (Key::N, Modifiers::NONE, Command::SetDenoising(true)),
         (
             Key::Escape,
             Modifiers::NONE,

@@ -70,6 +70,8 @@ fn the_render_panel_sets_what_it_shows() {
     click(&mut harness, "sharp");
     let chosen = Command::SetEnlarging(Enlarging::Sharp);
     assert_eq!(harness.state().commands.last(), Some(&chosen));
+    click(&mut harness, "Denoise");
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetDenoising(true)));
     click(&mut harness, "Render full film");
     let asked = Command::RenderFull(FullFilm::default());
     assert_eq!(harness.state().commands.last(), Some(&asked));
@@ -159,6 +161,7 @@ fn pictures_are_compared_with_a_snapshot() {
     assert_eq!(harness.state().commands, [Command::TakeSnapshot]);
     let mut harness = render_panel(RenderModel {
         comparison: ComparisonModel {
+            denoising: false,
             snapshot: Some(16),
             view: CompareView::Wipe(0.25),
             figures: None,
@@ -173,4 +176,18 @@ fn pictures_are_compared_with_a_snapshot() {
     assert_eq!(harness.state().commands.last(), Some(&difference));
     click(&mut harness, "Measure");
     assert_eq!(harness.state().commands.last(), Some(&Command::Measure));
+}
+
+#[test]
+fn a_denoised_picture_is_compared_with_the_noisy_one_without_a_snapshot() {
+    let mut harness = render_panel(RenderModel {
+        comparison: ComparisonModel {
+            denoising: true,
+            ..ComparisonModel::default()
+        },
+        ..RenderModel::default()
+    });
+    click(&mut harness, "noisy");
+    let noisy = Command::SetCompareView(CompareView::Noisy(0.5));
+    assert_eq!(harness.state().commands.last(), Some(&noisy));
 }

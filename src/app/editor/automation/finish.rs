@@ -7,6 +7,7 @@ use super::exit_door::{ExitDoor, Step};
 use super::latency::LatencyProbe;
 use super::screenshot::{save_window, window_is_complete};
 use super::script::Script;
+use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
 use crate::app::editor::picture::motion::Motion;
 use crate::app::editor::picture::pacing::Pacing;
@@ -27,7 +28,7 @@ pub(crate) fn drive_exit_door(
     script: Option<Res<Script>>,
     motion: Res<Motion>,
     mut control: ResMut<RenderControl>,
-    (pacing, previews, place): (Res<Pacing>, Res<Previews>, Res<PicturePlace>),
+    (pacing, previews, place, denoiser): (Res<Pacing>, Res<Previews>, Res<PicturePlace>, Res<Denoiser>),
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         error!(
@@ -73,7 +74,8 @@ pub(crate) fn drive_exit_door(
                 RenderState::Paused => status.samples >= door.after_spp,
                 _ => false,
             };
-            let is_complete = door.screenshot.is_none() || window_is_complete(&pacing, &previews);
+            let is_denoised = !denoiser.is_copying() && !denoiser.is_working();
+            let is_complete = door.screenshot.is_none() || is_denoised && window_is_complete(&pacing, &previews);
             if is_reached && is_complete && status.is_up_to_date && motion.is_settled() && place.is_settled() {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }

@@ -129,8 +129,7 @@ impl Command {
             | Self::AddRuler(_)
             | Self::ClearRulers
             | Self::InspectPaths(_)
-            | Self::Denoise
-            | Self::DropDenoised
+            | Self::SetDenoising(_)
             | Self::ShowPanels(_)
             | Self::Shell(_) => Effect::None,
         }

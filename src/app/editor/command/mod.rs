@@ -363,10 +363,8 @@ pub enum Command {
     InspectPaths(Option<InspectedPaths>),
     /// Sets what a drag of the gizmo does.
     SetGizmo(GizmoSettings),
-    /// Shows the picture without noise until its next change.
-    Denoise,
-    /// Shows the picture as sampled again.
-    DropDenoised,
+    /// Shows the picture without noise from now on, or as sampled.
+    SetDenoising(bool),
     /// Shows all panels, or the viewport alone.
     ShowPanels(bool),
     /// Does something to the window itself.

@@ -79,6 +79,8 @@ pub struct Preferences {
     /// The tone map of a new window. Preferences that were written before there was this choice keep the hard clip that they had.
     #[serde(with = "tone_map_by_name", default = "hard_clip")]
     pub tone_map: ToneMap,
+    /// Whether the picture is denoised while it is rendered.
+    pub denoising: bool,
     /// The keys that the user has chosen.
     pub keys: KeyBindings,
     /// How the mouse moves the view.
@@ -137,6 +139,7 @@ impl Default for Preferences {
             ui_scale: 1.0,
             autosave_seconds: 60,
             tone_map: ToneMap::AgX,
+            denoising: false,
             keys: KeyBindings::default(),
             navigation: NavigationPreset::default(),
             speed: 1.0,

@@ -160,6 +160,12 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         }
     };
     written.map_err(CommandError::file)?;
+    // Whoever takes the radiance on may want to denoise it otherwise.
+    if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
+        let path = noisy_path(path);
+        write_image(&path, &noisy, &display.tone()).map_err(CommandError::file)?;
+        say_saved(world, format!("Saved the picture as sampled as {}", path.display()));
+    }
     let mut shown = match is_displayed && display.mode.is_light() {
         true => format!(" with the tone map {}", display.tone_map.name()),
         false => String::new(),
@@ -169,6 +175,17 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     }
     say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())
+}
+
+/// The place of the picture as sampled beside that of the denoised one: `room-noisy.exr` beside `room.exr`.
+fn noisy_path(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push("-noisy");
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
 }
 
 /// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about
@@ -196,4 +213,16 @@ pub fn copy(world: &mut World) -> Result<(), CommandError> {
     let text = document::to_xml(&document).map_err(|error| error.to_string())?;
     world.resource_mut::<Requests>().clipboard = Some(text);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_noisy_picture_is_beside_the_other_whatever_dots_its_name_has() {
+        let noisy = |path: &str| noisy_path(Path::new(path)).display().to_string();
+        assert_eq!(noisy("/a/room.exr"), "/a/room-noisy.exr");
+        assert_eq!(noisy("/a.b/room.v2.hdr"), "/a.b/room.v2-noisy.hdr");
+    }
 }

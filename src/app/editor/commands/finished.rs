@@ -9,11 +9,11 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot};
-use crate::app::editor::picture::denoiser::Denoiser;
+use crate::app::editor::picture::denoiser::{Denoised, Denoiser};
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderFilm, layered_picture};
+use crate::engine::{RenderFilm, RenderState, RenderStatus, layered_picture};
 use crate::layer::Layer;
 use crate::metrics::errors;
 use crate::render::denoise::denoise_film;
@@ -25,13 +25,15 @@ use crate::render::tile::tiles;
 /// The picture as it is shown: with its lights mixed, and denoised if the denoised picture is shown.
 pub fn picture(world: &World) -> ImageRgb {
     let film = world.resource::<RenderFilm>();
-    let mix = match world.resource::<ViewSettings>().display.mode {
+    let mode = world.resource::<ViewSettings>().display.mode;
+    let mix = match mode {
         // One light by itself.
         mode @ DisplayMode::LightGroup(_) => Scales::of(&film.film, mode, Vec::new(), &Scales::default()).mix,
         _ => factors(world),
     };
     let denoised = world.resource::<Denoiser>().picture();
-    let pixels = match denoised.filter(|denoised| denoised.mix == mix) {
+    let is_shown = |denoised: &&Denoised| mode == DisplayMode::Shaded && denoised.mix == mix;
+    let pixels = match denoised.filter(is_shown) {
         Some(denoised) => denoised.radiance.clone(),
         None => film.film.mixed(&mix),
     };
@@ -88,6 +90,45 @@ pub fn factors(world: &World) -> Vec<Rgb> {
     let groups = &world.resource::<RenderFilm>().light_groups;
     let lights = world.resource::<FilmLights>();
     world.resource::<LightMix>().factors(groups, lights)
+}
+
+/// Whether the denoised picture is still to come that the user wants to see: the best one of a picture that is at rest, or else the first.
+pub(crate) fn awaits_denoised(world: &World) -> bool {
+    let film = world.resource::<RenderFilm>();
+    match world.resource::<RenderStatus>().state {
+        RenderState::Done | RenderState::Paused => film.samples > 0 && owes_denoised(world),
+        RenderState::Loading | RenderState::Building | RenderState::Rendering => {
+            is_denoising(world) && world.resource::<Denoiser>().awaits_first(film)
+        }
+        RenderState::Idle | RenderState::Failed => false,
+    }
+}
+
+/// Whether the denoised picture of all present samples is not there yet, though the user wants that.
+pub fn owes_denoised(world: &World) -> bool {
+    let mix = factors(world);
+    is_denoising(world) && world.resource::<Denoiser>().owes(world.resource::<RenderFilm>(), &mix)
+}
+
+/// Whether the picture is shown denoised, or will be.
+pub fn is_denoising(world: &World) -> bool {
+    let settings = world.resource::<ViewSettings>();
+    let is_wanted = settings.denoising && settings.display.mode == DisplayMode::Shaded;
+    is_wanted && world.get_resource::<Denoiser>().is_some_and(Denoiser::is_available)
+}
+
+/// The picture as sampled, if [`picture`] is a denoised one.
+pub fn noisy_picture(world: &World) -> Option<ImageRgb> {
+    let film = world.resource::<RenderFilm>();
+    let mix = factors(world);
+    let denoised = world.resource::<Denoiser>().picture();
+    denoised
+        .filter(|denoised| is_denoising(world) && denoised.mix == mix)
+        .map(|_| ImageRgb {
+            width: film.film.width(),
+            height: film.film.height(),
+            pixels: film.film.mixed(&mix),
+        })
 }
 
 pub fn expose(world: &mut World) -> Result<(), CommandError> {

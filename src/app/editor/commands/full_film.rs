@@ -12,13 +12,12 @@ use super::world::control;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::resolution::{FullFilm, Resolution};
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage, ImageNotSaved};
-use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
+use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus};
 use crate::memory;
 
 pub fn set_resolution(world: &mut World, resolution: Resolution) {
@@ -37,10 +36,10 @@ pub fn is_smaller(world: &World) -> bool {
     full != UVec2::ZERO && (status.size != full || UVec2::new(film.width(), film.height()) != full)
 }
 
-/// Saves the picture, after tracing the full film if it has fewer pixels.
+/// Saves the picture, after tracing the full film if it has fewer pixels, and after denoising it if that is on.
 pub fn save_image(world: &mut World, path: PathBuf) -> Result<(), CommandError> {
     let is_idle = world.resource::<RenderStatus>().state == RenderState::Idle;
-    if is_idle || !is_smaller(world) {
+    if is_idle || !is_smaller(world) && !finished::owes_denoised(world) {
         return super::files::save_image(world, &path);
     }
     render(
@@ -84,13 +83,10 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         }
     }
     if let Some(path) = request.save_to {
-        let shows_denoised = world.get_resource::<Denoiser>();
         let image = AwaitedImage {
             path,
             samples,
-            is_denoised: shows_denoised.is_some_and(|denoiser| {
-                matches!(denoiser.state(), DenoiserState::Running | DenoiserState::Shown { .. })
-            }),
+            is_denoised: finished::is_denoising(world),
             exact_before: world.resource::<RenderControl>().exact_samples,
         };
         control(world, |control| control.exact_samples = Some(samples));
@@ -138,8 +134,9 @@ pub fn follow_awaited_image(world: &mut World) {
         world.resource_mut::<Toasts>().reject(error.to_string());
         return end(world, Err(error));
     }
-    let is_complete = status.state == RenderState::Done && status.samples >= image.samples && !is_smaller(world);
-    if !is_complete || (image.is_denoised && !is_denoised(world)) {
+    let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
+    let is_complete = rests && status.samples >= image.samples && !is_smaller(world);
+    if !is_complete || (image.is_denoised && finished::owes_denoised(world)) {
         return;
     }
     let outcome = super::files::save_image(world, &image.path);
@@ -149,20 +146,4 @@ pub fn follow_awaited_image(world: &mut World) {
         world.resource_mut::<Toasts>().error(Topic::Saving, message, None);
     }
     end(world, outcome);
-}
-
-/// Whether the denoised picture is there; begins the work if it is not.
-fn is_denoised(world: &mut World) -> bool {
-    match world.resource::<Denoiser>().state() {
-        DenoiserState::Shown { .. } | DenoiserState::Unavailable => return true,
-        DenoiserState::Running => return false,
-        DenoiserState::Idle => {}
-    }
-    let mix = finished::factors(world);
-    let wake_up = world.resource::<WakeUp>().clone();
-    let threads = world.resource::<RenderControl>().threads;
-    world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
-        denoiser.start(world.resource::<RenderFilm>(), mix, threads, wake_up);
-    });
-    false
 }

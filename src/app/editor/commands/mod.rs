@@ -44,6 +44,7 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::MOST_RULERS;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::command::tool::Tool;
@@ -59,12 +60,13 @@ use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{InputStamp, PackedScene, RenderControl, RenderFilm, WakeUp};
+use crate::engine::{InputStamp, PackedScene};
 use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
 };
 pub(crate) use files::keep_image;
+pub(crate) use finished::awaits_denoised;
 use titles::Title;
 use world::{control, set_resource};
 
@@ -127,6 +129,10 @@ fn note_input(world: &mut World, restarts: bool) {
     // Input is read at the start of the frame.
     let arrived = world.resource::<FrameTimes>().frame_started();
     world.insert_resource(InputStamp(arrived));
+    // The cores are needed for the new picture.
+    if restarts && let Some(mut denoiser) = world.get_resource_mut::<Denoiser>() {
+        denoiser.interrupt();
+    }
     world.resource_mut::<Pacing>().note_commands(restarts);
 }
 
@@ -284,20 +290,15 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SetGrid(grid) => world.resource_mut::<ViewSettings>().grid = grid.within_range(),
         Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
         Command::SetGizmo(gizmo) => view::set_gizmo(world, gizmo),
-        Command::Denoise => {
-            let wake_up = world.resource::<WakeUp>().clone();
-            let threads = world.resource::<RenderControl>().threads;
-            let is_paused = world.resource::<RenderControl>().paused;
-            let film = world.resource::<RenderFilm>();
-            if is_paused && film.samples == 0 {
-                return Err("Rendering is paused before there is a sample of every pixel.".into());
+        Command::SetDenoising(denoising) => {
+            if denoising && !world.resource::<Denoiser>().is_available() {
+                return Err("This program was built without the denoiser (cargo feature `denoise`).".into());
             }
-            let mix = finished::factors(world);
-            world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
-                denoiser.start(world.resource::<RenderFilm>(), mix, threads, wake_up);
-            });
+            world.resource_mut::<ViewSettings>().denoising = denoising;
+            if let Some(mut preferences) = world.get_resource_mut::<Preferences>() {
+                preferences.denoising = denoising;
+            }
         }
-        Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),
         Command::ShowPanels(shown) => world.resource_mut::<ViewSettings>().panels_shown = shown,
         Command::Shell(command) => shell::apply(world, command)?,
         // The others are edits.

@@ -133,6 +133,7 @@ mod tests {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             paused: false,
+            denoising: false,
             panels_shown: true,
             gizmo: GizmoSettings::default(),
             selection: &Selection::default(),

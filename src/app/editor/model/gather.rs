@@ -187,6 +187,7 @@ pub fn gather_status(
     model.render.comparison = ComparisonModel {
         snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
         view: picture.comparison.view,
+        denoising: picture.view.denoising,
         figures: picture
             .comparison
             .figures
@@ -214,7 +215,7 @@ pub fn gather_status(
         unsaved: !history.is_saved(),
         being_saved: history.is_being_saved(),
         load_failed: scene.state == SceneState::Failed,
-        denoiser: denoiser.state(),
+        denoiser: denoiser.state(picture.view.denoising),
         awaited_image: picture.awaited_image.as_deref().cloned(),
         is_full: settings.control.full_until_change,
         noise_trend: picture.trend.clone(),

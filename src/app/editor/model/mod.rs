@@ -269,6 +269,8 @@ pub struct ComparisonModel {
     pub snapshot: Option<u32>,
     /// The way in which both share the viewport.
     pub view: CompareView,
+    /// Whether there is a denoised picture to compare with, or will be.
+    pub denoising: bool,
     /// The last measurement; None before the first.
     pub figures: Option<Measured>,
 }

@@ -9,7 +9,7 @@ use crate::app::editor::model::ComparisonModel;
 use crate::app::editor::words::figures::counted;
 use crate::metrics::Errors;
 
-/// Shows buttons to take and show a snapshot, and the figures of the difference.
+/// Shows buttons to take and show a snapshot, the choice of what is compared, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let take = ui.button("Take snapshot");
@@ -28,28 +28,32 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
     let kept = model.snapshot.map(|samples| counted(samples.into(), "sample"));
     fields::note(ui, "Snapshot", kept.as_deref().unwrap_or("none"));
     // The row is there before the snapshot is, so that nothing below it moves away from the pointer.
-    ui.add_enabled_ui(model.snapshot.is_some(), |ui| view_rows(ui, model, commands));
+    let has_other = model.snapshot.is_some() || model.denoising;
+    ui.add_enabled_ui(has_other, |ui| view_rows(ui, model, commands));
     if let (Some(_), Some(measured)) = (model.snapshot, &model.figures) {
         fields::note(ui, "Measured at", counted(measured.samples.into(), "sample"));
         figure_rows(ui, &measured.figures);
     }
 }
 
-/// How the snapshot is shown, one click for each way.
+/// How the snapshot, or the noisy picture, is shown beside the picture, one click for each way.
 fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     let mut view = model.view;
-    // The place of the border does not matter to the choice.
-    let wipe = match model.view {
-        CompareView::Wipe(_) => model.view,
-        _ => CompareView::Wipe(0.5),
+    // The place of the border does not matter to the choice, and stays where it is.
+    let border = match model.view {
+        CompareView::Wipe(border) | CompareView::Noisy(border) => border,
+        CompareView::Off | CompareView::Difference => 0.5,
     };
-    let views = [
-        (CompareView::Off, "off"),
-        (wipe, "wipe"),
-        (CompareView::Difference, "difference"),
-    ];
+    let mut views = vec![(CompareView::Off, "off")];
+    if model.snapshot.is_some() || !model.denoising {
+        views.push((CompareView::Wipe(border), "wipe"));
+        views.push((CompareView::Difference, "difference"));
+    }
+    if model.denoising {
+        views.push((CompareView::Noisy(border), "noisy"));
+    }
     let mut changed = fields::switch(ui, "Compare", &mut view, &views);
-    if let CompareView::Wipe(share) = &mut view {
+    if let CompareView::Wipe(share) | CompareView::Noisy(share) = &mut view {
         changed |= fields::slider(ui, "Border", share, 0.0..=1.0);
     }
     if changed {

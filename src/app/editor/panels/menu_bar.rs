@@ -78,37 +78,16 @@ fn buttons(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut V
 }
 
 fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, commands: &mut Vec<Command>) {
-    match state {
-        DenoiserState::Unavailable => {
-            ui.add_enabled(false, Button::new("Denoise"))
-                .on_disabled_hover_text("Built without the feature `denoise`");
-        }
-        DenoiserState::Running => {
-            ui.add_enabled(false, Button::new("Denoise"));
-            ui.spinner();
-        }
-        DenoiserState::Idle | DenoiserState::Shown { .. } => {
-            let denoise = ui.button("Denoise");
-            if denoise
-                .on_hover_text(actions::hint(
-                    "Take the noise out of the picture as it is now",
-                    "denoise",
-                    context.bound,
-                ))
-                .clicked()
-            {
-                commands.push(Command::Denoise);
-            }
-            let is_shown = matches!(state, DenoiserState::Shown { .. });
-            if is_shown
-                && ui
-                    .button("Show noisy")
-                    .on_hover_text("Show the picture as it was sampled")
-                    .clicked()
-            {
-                commands.push(Command::DropDenoised);
-            }
-        }
+    let button = Button::selectable(context.denoising, "Denoise");
+    if state == DenoiserState::Unavailable {
+        ui.add_enabled(false, button)
+            .on_disabled_hover_text("Built without the feature `denoise`");
+        return;
+    }
+    let hint = "Take the noise out of the picture while it is rendered";
+    let hint = actions::hint(hint, "denoise", context.bound);
+    if ui.add(button).on_hover_text(hint).clicked() {
+        commands.push(Command::SetDenoising(!context.denoising));
     }
 }
 

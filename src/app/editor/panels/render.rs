@@ -52,6 +52,10 @@ fn picture_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
         commands.push(Command::SetResolutionScale(scale));
     }
     pixel_rows(ui, model, commands);
+    let mut denoising = model.comparison.denoising;
+    if fields::checkbox(ui, "Denoise", &mut denoising) {
+        commands.push(Command::SetDenoising(denoising));
+    }
     region_rows(ui, model.region, commands);
 }
 

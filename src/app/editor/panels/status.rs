@@ -84,12 +84,11 @@ fn parts(model: &StatusModel) -> Vec<Part> {
         ));
     }
     match model.denoiser {
-        DenoiserState::Running => parts.push(Part::new("denoising", "The picture goes on meanwhile")),
         DenoiserState::Shown { seconds, samples } => parts.push(Part::new(
             format!("denoised at {samples} spp in {seconds:.2} s"),
             "What is shown; the picture behind it goes on",
         )),
-        DenoiserState::Idle | DenoiserState::Unavailable => {}
+        DenoiserState::Off | DenoiserState::Waiting | DenoiserState::Unavailable => {}
     }
     if status.triangles > 0 {
         parts.push(Part::new(

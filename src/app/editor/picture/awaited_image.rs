@@ -1,4 +1,4 @@
-//! The picture that is saved once the full film is there.
+//! The picture that is saved once the full film is there, and denoised if that is on.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ pub struct AwaitedImage {
     pub path: PathBuf,
     /// The samples per pixel that it gets.
     pub samples: u32,
-    /// Whether it is denoised, as the picture was when it was to be saved.
+    /// Whether it is denoised, as pictures were when it was to be saved.
     pub is_denoised: bool,
     /// The exact number of samples that was asked for before, which counts again afterwards.
     pub exact_before: Option<u32>,

@@ -70,8 +70,12 @@ pub(crate) struct PixelComparison<'a> {
     /// The snapshot at the picture's size.
     kept: Cow<'a, [Rgb]>,
     width: u32,
-    /// The column where the picture begins; those left of it show the snapshot.
+    /// The column where the picture begins, and what is kept ends; the other way round beside a picture without noise.
     border: u32,
+}
+
+fn border(share: f32, size: [u32; 2]) -> u32 {
+    (share.clamp(0.0, 1.0) * size[0] as f32).round() as u32
 }
 
 impl<'a> PixelComparison<'a> {
@@ -79,8 +83,8 @@ impl<'a> PixelComparison<'a> {
     /// with the nearest one of the snapshot.
     pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
         let border = match view {
-            CompareView::Off => return None,
-            CompareView::Wipe(share) => (share.clamp(0.0, 1.0) * size[0] as f32).round() as u32,
+            CompareView::Off | CompareView::Noisy(_) => return None,
+            CompareView::Wipe(share) => border(share, size),
             CompareView::Difference => 0,
         };
         Some(Self {
@@ -91,13 +95,24 @@ impl<'a> PixelComparison<'a> {
         })
     }
 
+    /// Shows a noisy picture left of `share` of the width, and the same picture without noise, of the same size, right of it.
+    pub fn with_clean(share: f32, clean: &'a [Rgb], size: [u32; 2]) -> Self {
+        Self {
+            view: CompareView::Noisy(share),
+            kept: Cow::Borrowed(clean),
+            width: size[0],
+            border: border(share, size),
+        }
+    }
+
     /// The colour that is shown at a column and row where the picture has the colour `now`.
     pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
         let place = y as usize * self.width as usize + x as usize;
         let then = self.kept.get(place).copied().unwrap_or_default();
         match self.view {
             CompareView::Difference => (now - then).abs(),
-            _ if x < self.border => then,
+            CompareView::Noisy(_) if x >= self.border => then,
+            CompareView::Wipe(_) if x < self.border => then,
             _ => now,
         }
     }
@@ -141,6 +156,19 @@ mod tests {
         // A snapshot of another shape cannot be compared.
         assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
         assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
+    }
+
+    #[test]
+    fn the_noisy_picture_is_left_of_the_clean_one() {
+        let (noisy, clean) = ([Rgb::ZERO; 8], [Rgb::ONE; 8]);
+        let red = |share| {
+            let seen = PixelComparison::with_clean(share, &clean, [4, 2]).picture(&noisy);
+            seen.iter().map(|rgb| rgb.x as u32).collect::<Vec<_>>()
+        };
+        assert_eq!(red(0.25), [0, 1, 1, 1, 0, 1, 1, 1]);
+        assert_eq!((red(0.0), red(1.0)), (vec![1; 8], vec![0; 8]));
+        // Without a denoised picture nothing is compared, whatever was kept.
+        assert!(PixelComparison::new(CompareView::Noisy(0.5), &snapshot(), [4, 2]).is_none());
     }
 
     #[test]

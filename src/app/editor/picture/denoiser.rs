@@ -1,4 +1,6 @@
-//! Denoises the picture on a thread of its own, from a copy of the film, so that neither rendering nor the panels wait.
+//! Denoises the picture beside the render while the user has that switched on: first soon and quickly, then each time that the picture has twice the
+//! samples, and carefully once it is finished. The filter has a thread of its own and a copy of the film, so that neither rendering nor the panels
+//! wait.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -8,11 +10,23 @@ use std::time::Instant;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, bounded};
 
+use super::denoiser_input::FilmCopy;
+use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderControl, RenderFilm, WakeUp};
-use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
+use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp, yield_to_rendering};
+use crate::render::denoise::{DenoiseError, denoise};
+
+/// The samples per pixel of the first denoised picture where the filter is slow; where it is quick it is made of the first sample.
+const FIRST: u32 = 4;
+/// A filter that takes no longer than this many seconds is quick.
+const QUICK: f32 = 0.1;
+/// The picture is also denoised anew when the last time is this many times as long ago as it takes: the filter has no more than a part of the cores.
+const REST: f32 = 8.0;
+/// The seconds that the filter is taken to need before it was used.
+const EXPECTED: f32 = 0.3;
 
 /// A denoised picture, as large as the film it was made from.
 pub(crate) struct Denoised {
@@ -25,28 +39,79 @@ pub(crate) struct Denoised {
     /// Tells denoised pictures apart.
     pub number: u64,
     job: u64,
+    is_careful: bool,
 }
 
-/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew.
-#[derive(Resource, Default)]
+/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew or a fresher one is there.
+#[derive(Resource)]
 pub(crate) struct Denoiser {
-    work: Option<Work>,
+    stage: Stage,
     shown: Option<Denoised>,
     started: u64,
-    /// Whether it was asked for before there was a sample of every pixel.
-    is_wanted: bool,
     unavailable: bool,
+    /// A film that could not be denoised.
+    failed: Option<u64>,
+    /// The film that is still shown while the next one is being begun.
+    abandoned: Option<u64>,
+    last_restart: Option<Instant>,
+    /// The film that was looked at last.
+    job: u64,
+    /// The time at which that film was begun, or the last work ended.
+    rests_since: Instant,
+    /// The seconds that quick work has taken.
+    usual: f32,
+}
+
+enum Stage {
+    Idle,
+    Copying(FilmCopy),
+    Working(Work),
 }
 
 struct Work {
     cancel: Arc<AtomicBool>,
     result: Receiver<Result<Denoised, DenoiseError>>,
     job: u64,
+    mix: Vec<Rgb>,
 }
 
 impl Drop for Work {
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The film as far as the denoiser decides by it.
+struct Now<'a> {
+    job: u64,
+    samples: u32,
+    is_finished: bool,
+    mix: &'a [Rgb],
+}
+
+/// How a picture is denoised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Care {
+    /// The picture will have more samples soon.
+    Quick,
+    /// The picture is finished.
+    Careful,
+}
+
+impl Default for Denoiser {
+    fn default() -> Self {
+        Self {
+            stage: Stage::Idle,
+            shown: None,
+            started: 0,
+            unavailable: false,
+            failed: None,
+            abandoned: None,
+            last_restart: None,
+            job: 0,
+            rests_since: Instant::now(),
+            usual: EXPECTED,
+        }
     }
 }
 
@@ -62,51 +127,125 @@ impl Denoiser {
         self.shown.as_ref()
     }
 
-    pub fn state(&self) -> DenoiserState {
-        match (&self.work, &self.shown) {
+    pub fn is_available(&self) -> bool {
+        !self.unavailable
+    }
+
+    /// Whether the next frame has something to do for it.
+    pub fn is_copying(&self) -> bool {
+        matches!(self.stage, Stage::Copying(_))
+    }
+
+    /// Whether a filter runs.
+    pub fn is_working(&self) -> bool {
+        matches!(self.stage, Stage::Working(_))
+    }
+
+    /// The state to show. `is_on`: whether the user has switched it on.
+    pub fn state(&self, is_on: bool) -> DenoiserState {
+        match &self.shown {
             _ if self.unavailable => DenoiserState::Unavailable,
-            (Some(_), _) => DenoiserState::Running,
-            _ if self.is_wanted => DenoiserState::Running,
-            (None, Some(shown)) => DenoiserState::Shown {
+            _ if !is_on => DenoiserState::Off,
+            Some(shown) => DenoiserState::Shown {
                 seconds: shown.seconds,
                 samples: shown.samples,
             },
-            (None, None) => DenoiserState::Idle,
+            None => DenoiserState::Waiting,
         }
     }
 
-    /// Starts with the film as it is now, or once it has a sample of every pixel of its region, and cancels work that is under way. `mix` has the
-    /// factors on the layers of the film, `threads` is the number that it may use.
-    pub fn start(&mut self, film: &RenderFilm, mix: Vec<Rgb>, threads: NonZeroUsize, wake_up: WakeUp) {
-        let samples = film.samples;
-        self.is_wanted = samples == 0 && !self.unavailable;
-        if self.is_wanted || self.unavailable {
+    /// Whether the best picture of a film that gets no more samples is still to come. `mix` has the factors on its layers.
+    pub fn owes(&self, film: &RenderFilm, mix: &[Rgb]) -> bool {
+        let now = Now {
+            job: film.job,
+            samples: film.samples.max(1),
+            is_finished: true,
+            mix,
+        };
+        self.care_due(&now).is_some()
+    }
+
+    /// Whether the film has no denoised picture yet, but will have.
+    pub fn awaits_first(&self, film: &RenderFilm) -> bool {
+        !self.unavailable && self.shown.is_none() && self.failed != Some(film.job)
+    }
+
+    /// Stops what is under way: the scene or the view is about to change.
+    pub fn interrupt(&mut self) {
+        self.stage = Stage::Idle;
+    }
+
+    /// How the film is to be denoised now; None if there is nothing to do yet.
+    fn care_due(&self, now: &Now) -> Option<Care> {
+        if self.unavailable || self.failed == Some(now.job) || now.samples == 0 {
+            return None;
+        }
+        let shown = self.shown.as_ref();
+        let shown = shown.filter(|shown| shown.job == now.job && shown.mix == now.mix);
+        if now.is_finished {
+            let is_best = shown.is_some_and(|shown| shown.is_careful && shown.samples >= now.samples);
+            return (!is_best).then_some(Care::Careful);
+        }
+        let before = shown.map_or(0, |shown| shown.samples);
+        let next = match before {
+            0 if self.usual <= QUICK => 1,
+            0 => FIRST,
+            before => before.saturating_mul(2),
+        };
+        let has_rested = self.rests_since.elapsed().as_secs_f32() >= REST * self.usual;
+        (now.samples >= next || now.samples > before && has_rested).then_some(Care::Quick)
+    }
+
+    /// Notes which film there is, and drops what is of another one.
+    fn follow(&mut self, now: &Now, last_restart: Instant) {
+        // The old film stays until the first tile of the new one arrives, but the cores are needed at once.
+        if self.last_restart.replace(last_restart) != Some(last_restart) {
+            self.stage = Stage::Idle;
+            self.abandoned = (self.job == now.job).then_some(now.job);
+        }
+        if self.job != now.job {
+            (self.job, self.rests_since) = (now.job, Instant::now());
+        }
+        if self.shown.as_ref().is_some_and(|shown| shown.job != now.job) {
+            self.shown = None;
+        }
+        let is_other = match &self.stage {
+            Stage::Idle => false,
+            Stage::Copying(copy) => copy.job != now.job || copy.mix != now.mix,
+            Stage::Working(work) => work.job != now.job || work.mix != now.mix,
+        };
+        if is_other {
+            self.stage = Stage::Idle;
+        }
+    }
+
+    /// Copies more of the film, and sets the filter to work once all of it is copied.
+    fn go_on_copying(&mut self, mut copy: FilmCopy, film: &RenderFilm, threads: NonZeroUsize, wake_up: &WakeUp) {
+        if !copy.step(&film.film) {
+            self.stage = Stage::Copying(copy);
+            // The rest is for the next frame.
+            if let Some(wake) = &wake_up.0 {
+                wake();
+            }
             return;
         }
         self.started += 1;
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, result) = bounded(1);
-        let (flag, number, job, source) = (cancel.clone(), self.started, film.job, film.film.clone());
+        let (flag, number, wake_up) = (cancel.clone(), self.started, wake_up.clone());
+        let (job, mix) = (copy.job, copy.mix.clone());
         let work = move || {
+            // A filter that was cancelled has the cores for some time yet, which the next picture needs.
+            yield_to_rendering();
             let started = Instant::now();
-            let (color, albedo, normal) = (source.mixed(&mix), source.albedo(), source.normal());
-            let input = DenoiseInput {
-                width: source.width(),
-                height: source.height(),
-                color: &color,
-                albedo: Some(&albedo),
-                normal: Some(&normal),
-                prefilter: true,
-                quality: DenoiseQuality::Balanced,
-                threads: Some(threads.get()),
-            };
-            let outcome = denoise(&input, &flag).map(|radiance| Denoised {
+            let outcome = denoise(&copy.input(threads), &flag).map(|radiance| Denoised {
                 radiance,
-                mix,
+                mix: copy.mix,
                 seconds: started.elapsed().as_secs_f32(),
-                samples,
+                samples: copy.samples,
                 number,
-                job,
+                job: copy.job,
+                is_careful: copy.care == Care::Careful,
             });
             // The receiver is gone if the work was cancelled.
             let _ = sender.send(outcome);
@@ -115,59 +254,93 @@ impl Denoiser {
             }
         };
         match std::thread::Builder::new().name("denoise".to_owned()).spawn(work) {
-            Ok(_) => self.work = Some(Work { cancel, result, job }),
-            Err(error) => error!("The denoiser's thread could not be started: {error}"),
+            Ok(_) => {
+                self.stage = Stage::Working(Work {
+                    cancel,
+                    result,
+                    job,
+                    mix,
+                });
+            }
+            Err(error) => {
+                error!("The denoiser's thread could not be started: {error}");
+                self.failed = Some(job);
+            }
         }
-    }
-
-    /// Shows the picture as sampled again.
-    pub fn clear(&mut self) {
-        self.work = None;
-        self.shown = None;
-        self.is_wanted = false;
     }
 }
 
-/// Takes a finished picture; drops the result of a film that no longer exists. A failure is returned as a message.
-pub(crate) fn collect_denoised(
+/// Follows the film: begins, cancels and shows denoised pictures. A failure becomes a message.
+pub(crate) fn follow_denoiser(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,
+    status: Res<RenderStatus>,
     control: Res<RenderControl>,
+    settings: Res<ViewSettings>,
     wake_up: Res<WakeUp>,
     mix: Res<LightMix>,
     lights: Res<FilmLights>,
     mut toasts: ResMut<Toasts>,
 ) {
-    if denoiser.is_wanted && film.samples > 0 {
-        let mix = mix.factors(&film.light_groups, &lights);
-        denoiser.start(&film, mix, control.threads, wake_up.clone());
-    }
-    let is_stale = |job: u64| job != film.job;
-    if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {
-        denoiser.work = None;
-    }
-    if denoiser.shown.as_ref().is_some_and(|shown| is_stale(shown.job)) {
-        denoiser.shown = None;
-    }
-    let Some(outcome) = denoiser.work.as_ref().and_then(|work| work.result.try_recv().ok()) else {
+    let denoiser = denoiser.bypass_change_detection();
+    if !settings.denoising {
+        denoiser.interrupt();
+        (denoiser.shown, denoiser.failed) = (None, None);
         return;
+    }
+    let mix = mix.factors(&film.light_groups, &lights);
+    let now = Now {
+        job: film.job,
+        samples: film.samples,
+        is_finished: matches!(status.state, RenderState::Done | RenderState::Paused),
+        mix: &mix,
     };
-    denoiser.work = None;
-    match outcome {
-        Ok(denoised) => denoiser.shown = Some(denoised),
-        Err(DenoiseError::Cancelled) => {}
-        Err(error) => toasts.error(Topic::Other, error.to_string(), None),
+    denoiser.follow(&now, status.last_restart);
+    let begin = |denoiser: &mut Denoiser| {
+        // Other modes do not show it.
+        let is_seen = settings.display.mode == DisplayMode::Shaded && !film.is_coarse;
+        if is_seen
+            && denoiser.abandoned != Some(now.job)
+            && let Some(care) = denoiser.care_due(&now)
+        {
+            let copy = FilmCopy::begin(&film, mix.clone(), care);
+            denoiser.go_on_copying(copy, &film, control.threads, &wake_up);
+        }
+    };
+    match std::mem::replace(&mut denoiser.stage, Stage::Idle) {
+        Stage::Idle => begin(denoiser),
+        Stage::Copying(copy) => denoiser.go_on_copying(copy, &film, control.threads, &wake_up),
+        Stage::Working(work) => match work.result.try_recv() {
+            Err(_) => denoiser.stage = Stage::Working(work),
+            Ok(outcome) => {
+                denoiser.rests_since = Instant::now();
+                match outcome {
+                    Ok(denoised) => {
+                        if !denoised.is_careful {
+                            denoiser.usual = denoised.seconds;
+                        }
+                        denoiser.shown = Some(denoised);
+                    }
+                    Err(DenoiseError::Cancelled) => {}
+                    Err(error) => {
+                        denoiser.failed = Some(work.job);
+                        toasts.error(Topic::Other, error.to_string(), None);
+                    }
+                }
+                begin(denoiser);
+            }
+        },
     }
 }
 
-/// The state of the denoiser that the menu and the status line show.
+/// The state of the denoiser that the menu and the picture show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DenoiserState {
     /// The picture is shown as sampled.
     #[default]
-    Idle,
-    /// A filter is at work in the background.
-    Running,
+    Off,
+    /// The picture is too young, or the first filter is at work: it is shown as sampled.
+    Waiting,
     /// The denoised picture is shown.
     Shown {
         /// The time that the filter took.
@@ -175,6 +348,108 @@ pub enum DenoiserState {
         /// The samples per pixel that it had.
         samples: u32,
     },
-    /// The program was built without it, or it failed.
+    /// The program was built without it.
     Unavailable,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(samples: u32, is_careful: bool) -> Option<Denoised> {
+        Some(Denoised {
+            radiance: Vec::new(),
+            mix: Vec::new(),
+            seconds: 0.2,
+            samples,
+            number: 1,
+            job: 7,
+            is_careful,
+        })
+    }
+
+    fn now(samples: u32, is_finished: bool) -> Now<'static> {
+        Now {
+            job: 7,
+            samples,
+            is_finished,
+            mix: &[],
+        }
+    }
+
+    /// The numbers of samples at which a picture that goes on to 64 is denoised at once.
+    fn stops(denoiser: &mut Denoiser) -> Vec<u32> {
+        let mut stops = Vec::new();
+        for samples in 0..=64 {
+            if denoiser.care_due(&now(samples, false)).is_some() {
+                denoiser.shown = shown(samples, false);
+                stops.push(samples);
+            }
+        }
+        stops
+    }
+
+    #[test]
+    fn pictures_are_denoised_each_time_that_they_have_twice_the_samples() {
+        // The rest lasts for ever.
+        let mut slow = Denoiser {
+            usual: f32::MAX,
+            ..Denoiser::default()
+        };
+        assert_eq!(stops(&mut slow), [4, 8, 16, 32, 64]);
+        let mut quick = Denoiser {
+            usual: QUICK,
+            rests_since: Instant::now() + std::time::Duration::from_secs(3600),
+            ..Denoiser::default()
+        };
+        assert_eq!(stops(&mut quick), [1, 2, 4, 8, 16, 32, 64]);
+        // After a rest any new sample will do.
+        let mut rested = Denoiser {
+            usual: 0.0,
+            ..Denoiser::default()
+        };
+        assert_eq!(stops(&mut rested).len(), 64);
+    }
+
+    #[test]
+    fn a_finished_picture_is_denoised_with_care_once() {
+        let mut denoiser = Denoiser::default();
+        let due = |denoiser: &Denoiser, samples, is_finished| denoiser.care_due(&now(samples, is_finished));
+        assert_eq!(due(&denoiser, 3, true), Some(Care::Careful));
+        denoiser.shown = shown(64, false);
+        assert_eq!(due(&denoiser, 64, true), Some(Care::Careful));
+        denoiser.shown = shown(64, true);
+        assert_eq!(due(&denoiser, 64, true), None);
+        assert_eq!(due(&denoiser, 65, true), Some(Care::Careful));
+        // It goes on, and another film is another picture.
+        denoiser.usual = f32::MAX;
+        assert_eq!(
+            (due(&denoiser, 127, false), due(&denoiser, 128, false)),
+            (None, Some(Care::Quick))
+        );
+        let other = Now {
+            job: 8,
+            ..now(64, true)
+        };
+        assert_eq!(denoiser.care_due(&other), Some(Care::Careful));
+        denoiser.failed = Some(7);
+        assert_eq!(due(&denoiser, 1000, true), None);
+    }
+
+    #[test]
+    fn a_film_that_is_about_to_be_replaced_is_left_alone() {
+        let mut denoiser = Denoiser::default();
+        let begun = Instant::now();
+        denoiser.follow(&now(9, false), begun);
+        assert_eq!(denoiser.abandoned, None);
+        let again = begun + std::time::Duration::from_millis(1);
+        denoiser.follow(&now(9, false), again);
+        assert_eq!(denoiser.abandoned, Some(7));
+        let next = Now {
+            job: 8,
+            ..now(1, false)
+        };
+        denoiser.follow(&next, again);
+        assert_ne!(denoiser.abandoned, Some(next.job));
+    }
 }

@@ -6,6 +6,7 @@ pub mod axis_colors;
 pub mod ball_picture;
 pub mod compare;
 pub mod denoiser;
+mod denoiser_input;
 pub mod depths;
 pub mod frame_times;
 pub mod legend;

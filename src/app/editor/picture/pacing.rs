@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEvent};
 
-use super::denoiser::{Denoiser, DenoiserState};
+use super::denoiser::Denoiser;
 use super::texture::Picture;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::toasts::Toasts;
@@ -94,8 +94,8 @@ pub fn pace(
     toasts: Res<Toasts>,
     history: Res<History>,
 ) {
-    // A save goes on by a slice in each frame.
-    let in_use = !pacing.rests() || history.is_saving();
+    // A save goes on by a slice in each frame, and so does the copy of the film for the denoiser.
+    let in_use = !pacing.rests() || history.is_saving() || denoiser.is_copying();
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
@@ -105,7 +105,7 @@ pub fn pace(
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
     let wait = if in_use || (busy && !settled) {
         LIVELY
-    } else if busy || denoiser.state() == DenoiserState::Running {
+    } else if busy {
         SPARING
     } else {
         IDLE

@@ -113,12 +113,16 @@ pub fn update_picture(
     let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
     let snapshot = comparison.snapshot.as_ref();
     let snapshot = snapshot.filter(|_| is_shaded && comparison.view != CompareView::Off);
+    let noisy_left = match comparison.view {
+        CompareView::Noisy(share) => denoised.map(|denoised| (share, denoised)),
+        _ => None,
+    };
     let shown = Shown {
         display: settings,
         enlarging: view.enlarging,
         denoised: denoised.map(|picture| picture.number),
         mix,
-        comparison: snapshot.map(|_| (comparison.view, comparison.revision)),
+        comparison: (snapshot.is_some() || noisy_left.is_some()).then_some((comparison.view, comparison.revision)),
     };
     let asked_anew = picture.shown.as_ref() != Some(&shown) || picture.size != size;
     if !film.has_dirty() && !asked_anew {
@@ -128,7 +132,7 @@ pub fn update_picture(
     let anew = asked_anew || scales != picture.scales;
     let changed = film.bypass_change_detection().take_dirty();
     let dirty = if anew { tiles(size.x, size.y) } else { changed };
-    if denoised.is_some() && !anew {
+    if denoised.is_some() && noisy_left.is_none() && !anew {
         return;
     }
     let old_size = picture.size;
@@ -145,7 +149,9 @@ pub fn update_picture(
     }
     let tone = settings.tone();
     let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
-    match (denoised, compared) {
+    let beside_noisy =
+        noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
+    match (denoised.filter(|_| beside_noisy.is_none()), compared.or(beside_noisy)) {
         (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
         (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
         (None, compared) => {

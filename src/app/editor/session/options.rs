@@ -34,6 +34,8 @@ pub struct WindowOptions {
     pub monkey: Option<MonkeyOptions>,
     /// Whether the window's pixels are not drawn, as if the graphics driver took no time.
     pub undrawn: bool,
+    /// Whether the picture is denoised from the beginning.
+    pub denoise: bool,
     /// The time after which the program fails if `exit` has not come about.
     pub timeout: Duration,
 }
@@ -54,6 +56,7 @@ impl Default for WindowOptions {
             measure_latency: None,
             monkey: None,
             undrawn: false,
+            denoise: false,
             timeout: Duration::from_secs(600),
         }
     }

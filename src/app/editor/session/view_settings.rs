@@ -18,6 +18,8 @@ use crate::app::editor::command::tool::Tool;
 pub struct ViewSettings {
     /// The settings of how the film becomes a picture.
     pub display: DisplaySettings,
+    /// Whether the picture is denoised while it is rendered.
+    pub denoising: bool,
     /// The boxes of the acceleration structures over the picture.
     pub overlay: BvhOverlay,
     /// The speed and centre of the view's movements.
@@ -63,6 +65,7 @@ impl Default for ViewSettings {
     fn default() -> Self {
         Self {
             display: DisplaySettings::default(),
+            denoising: false,
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
             gizmo: GizmoSettings::default(),

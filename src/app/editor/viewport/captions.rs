@@ -10,6 +10,7 @@ pub type Caption = (f32, &'static str);
 pub fn captions(split: bool, compared: CompareView) -> Vec<Caption> {
     match (compared, split) {
         (CompareView::Wipe(at), _) => vec![(0.5 * at, "snapshot"), (0.5 + 0.5 * at, "now")],
+        (CompareView::Noisy(at), _) => vec![(0.5 * at, "as sampled"), (0.5 + 0.5 * at, "denoised")],
         (CompareView::Difference, _) => vec![(0.5, "difference from the snapshot")],
         (CompareView::Off, true) => vec![
             (1.0 / 6.0, "BSDF sampling"),

@@ -28,6 +28,7 @@ use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::hint;
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{EditorModel, Inspected};
+use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::legend::{Legend, legend};
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::outline_pass::OutlinePass;
@@ -288,7 +289,12 @@ pub(crate) fn gather_viewport(
     seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let compared = &model.0.render.comparison;
-    let compared = compared.snapshot.map_or(CompareView::Off, |_| compared.view);
+    let is_denoised = matches!(model.0.status.denoiser, DenoiserState::Shown { .. });
+    let compared = match compared.view {
+        CompareView::Noisy(_) if !is_denoised => CompareView::Off,
+        CompareView::Wipe(_) | CompareView::Difference if compared.snapshot.is_none() => CompareView::Off,
+        view => view,
+    };
     let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
     seen.captions = captions(is_split, compared);
     seen.picture = sources.picture.texture();

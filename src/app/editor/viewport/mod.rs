@@ -41,6 +41,7 @@ use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::keys;
+use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
 use crate::engine::fit;
@@ -348,6 +349,11 @@ fn paint_over(
     }
     if model.keys.display.mode != DisplayMode::Shaded {
         notes.push(model.keys.display.mode.name().to_owned());
+    }
+    if let DenoiserState::Shown { seconds, samples } = model.denoiser
+        && model.keys.display.mode == DisplayMode::Shaded
+    {
+        notes.push(format!("denoised, {samples} spp, {seconds:.1} s"));
     }
     if model.keys.overlay.shown {
         let (shown, total) = (model.boxes.boxes.len(), model.boxes.total);

@@ -239,23 +239,19 @@ fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
             }
         }
     });
-    let (can, is_shown) = match model.denoiser {
-        DenoiserState::Unavailable | DenoiserState::Running => (false, false),
-        DenoiserState::Idle => (true, false),
-        DenoiserState::Shown { .. } => (true, true),
-    };
-    let help = match model.denoiser {
-        DenoiserState::Unavailable => "Built without the feature `denoise`".to_owned(),
-        DenoiserState::Running => "The denoiser is at work".to_owned(),
-        DenoiserState::Shown { .. } => "Show the picture as it was sampled".to_owned(),
-        DenoiserState::Idle => hint("Take the noise out of the picture", "denoise", keys.bound),
+    let can = model.denoiser != DenoiserState::Unavailable;
+    let help = match (can, keys.denoising) {
+        (false, _) => "Built without the feature `denoise`".to_owned(),
+        (true, true) => hint("Show the picture as it was sampled", "denoise", keys.bound),
+        (true, false) => hint(
+            "Take the noise out of the picture while it is rendered",
+            "denoise",
+            keys.bound,
+        ),
     };
     ui.add_enabled_ui(can, |ui| {
-        if icon_button(ui, ToolIcon::Denoise, is_shown, "Denoiser", &help).clicked() {
-            commands.push(match is_shown {
-                true => Command::DropDenoised,
-                false => Command::Denoise,
-            });
+        if icon_button(ui, ToolIcon::Denoise, keys.denoising, "Denoiser", &help).clicked() {
+            commands.push(Command::SetDenoising(!keys.denoising));
         }
     });
 }

@@ -133,6 +133,7 @@ pub fn show_window(
         overlay: settings.overlay,
         gizmo: settings.gizmo,
         paused: model.status.paused,
+        denoising: settings.denoising,
         panels_shown: settings.panels_shown,
         selection: &scene.selection,
         tool: settings.tool,

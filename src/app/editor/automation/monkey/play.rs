@@ -200,7 +200,7 @@ impl Monkey {
             Command::SetNoiseTarget(None),
             Command::SetTargetSamples(16),
             Command::SetCompareView(CompareView::Off),
-            Command::DropDenoised,
+            Command::SetDenoising(false),
             Command::ShowPanels(true),
             Command::Shell(ShellCommand::ResetLayout),
         ];

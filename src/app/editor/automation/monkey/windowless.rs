@@ -101,7 +101,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
                 )
                     .chain()
                     .in_set(EditorSystems::Apply),
-                (light_mix::note_film_lights, denoiser::collect_denoised)
+                (light_mix::note_film_lights, denoiser::follow_denoiser)
                     .chain()
                     .in_set(EditorSystems::Show),
             ),

@@ -27,7 +27,6 @@ use super::screenshot::{save_window, window_is_complete};
 use crate::app::editor::command::Command;
 use crate::app::editor::commands;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
-use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::requests::Requests;
@@ -126,7 +125,7 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
         return Err(reason.clone().into());
     }
     let status = world.resource::<RenderStatus>();
-    if !status.is_up_to_date || world.resource::<Denoiser>().state() == DenoiserState::Running {
+    if !status.is_up_to_date || commands::awaits_denoised(world) {
         return Ok(false);
     }
     let Some(wait) = script.wait else {

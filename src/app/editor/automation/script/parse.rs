@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 62] = [
+pub const VERBS: [(&str, &str); 63] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -137,7 +137,8 @@ pub const VERBS: [(&str, &str); 62] = [
     ("show-alone", "none | NAME..."),
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
-    ("compare", "off | wipe FRACTION | difference"),
+    ("denoise", "[on | off] (without a word it switches)"),
+    ("compare", "off | wipe FRACTION | difference | noisy FRACTION"),
     ("bind", "ACTION KEY|none|usual"),
     ("tutorial-step", "NUMBER|off (1 to 5)"),
     ("wait", "SAMPLES|done"),
@@ -183,6 +184,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         overlay: settings.overlay,
         gizmo: settings.gizmo,
         paused: world.resource::<RenderControl>().paused,
+        denoising: settings.denoising,
         panels_shown: settings.panels_shown,
         selection,
         tool: settings.tool,
@@ -392,6 +394,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let light = named(world, light)?;
             rendering::mix(world.resource::<LightMix>(), light, gain)?
         }
+        ("denoise", [on @ ("on" | "off")]) => Command::SetDenoising(*on == "on"),
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
         ("tutorial-step", ["off"]) => Command::Shell(ShellCommand::ShowTutorial(None)),

@@ -17,7 +17,7 @@ use crate::render::film;
 use crate::scene::{self, EmitterKind, ScenePlugin};
 
 /// A sky, and a film of 120 x 80 pixels that is shown in 60 x 60.
-fn app() -> App {
+pub(super) fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin))
         .init_resource::<ViewSettings>()
@@ -55,7 +55,7 @@ fn app() -> App {
     app
 }
 
-fn update_until(app: &mut App, reached: impl Fn(&World) -> bool) {
+pub(super) fn update_until(app: &mut App, reached: impl Fn(&World) -> bool) {
     let begin = Instant::now();
     app.update();
     while !reached(app.world()) {

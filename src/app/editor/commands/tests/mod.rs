@@ -1,6 +1,8 @@
 //! Tests of commands on a world without a window.
 
 mod blocking;
+#[cfg(feature = "denoise")]
+mod denoising;
 mod file_use;
 mod files;
 mod full_film;
@@ -23,7 +25,7 @@ use crate::app::editor::command::gizmo_settings::{GizmoSettings, Steps};
 use crate::app::editor::command::material_tree::MaterialTree;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::color::Rgb;
-use crate::engine::ViewMode;
+use crate::engine::{RenderControl, RenderFilm, ViewMode};
 use crate::scene::{
     AreaLight, FirstNested, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };

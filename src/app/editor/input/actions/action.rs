@@ -24,6 +24,8 @@ pub struct ActionContext<'a> {
     pub gizmo: GizmoSettings,
     /// Whether rendering is held.
     pub paused: bool,
+    /// Whether the picture is denoised.
+    pub denoising: bool,
     /// Whether there are panels beside the viewport.
     pub panels_shown: bool,
     /// The selection, which many actions need.
@@ -115,6 +117,7 @@ impl Action {
             "isolate" => context.isolated,
             "panels" => context.panels_shown,
             "pause" => context.paused,
+            "denoise" => context.denoising,
             "snap-always" => context.gizmo.snap.always,
             "snap-align" => context.gizmo.snap.aligns,
             // They have no state to be in.
@@ -149,6 +152,7 @@ impl ActionContext<'_> {
             Command::SetOverlay(overlay) => self.overlay = *overlay,
             Command::SetGizmo(settings) => self.gizmo = *settings,
             Command::SetPaused(paused) => self.paused = *paused,
+            Command::SetDenoising(denoising) => self.denoising = *denoising,
             Command::SetTool(tool) => self.tool = *tool,
             Command::SetSeeing(seeing) => self.seeing = *seeing,
             Command::Isolate(entities) => self.isolated = !entities.is_empty(),

@@ -251,8 +251,8 @@ pub const RENDER: &[Action] = &[
     action(Group::Render, "stop-full", "Stop the full film", &[], |_| {
         Some(Command::StopFull)
     }),
-    action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |_| {
-        Some(Command::Denoise)
+    action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |context| {
+        Some(Command::SetDenoising(!context.denoising))
     }),
     action(Group::Render, "bake-lights", "Bake the light mix", &[], |_| {
         Some(Command::BakeLights)

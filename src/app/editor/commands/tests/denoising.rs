@@ -1,0 +1,87 @@
+//! The picture is denoised while it is rendered, and saved so.
+
+use std::sync::atomic::AtomicBool;
+
+use super::full_film::{app, update_until};
+use super::*;
+use crate::app::editor::picture::denoiser::follow_denoiser;
+use crate::engine::EngineSystems;
+use crate::files::{LARGEST_DATA, read};
+use crate::render::denoise::denoise_film;
+
+fn denoising_app(samples: u32) -> App {
+    let mut app = app();
+    app.add_systems(PostUpdate, follow_denoiser.after(EngineSystems::Report));
+    app.world_mut().resource_mut::<RenderControl>().target_samples = Some(samples);
+    apply(app.world_mut(), Command::SetDenoising(true)).expect("it is built in");
+    app
+}
+
+/// The samples per pixel of the denoised picture that is shown.
+fn shown(world: &World) -> Option<u32> {
+    Some(world.resource::<Denoiser>().picture()?.samples)
+}
+
+fn is_best(world: &World) -> bool {
+    world.resource::<RenderFilm>().samples > 0 && !awaits_denoised(world) && shown(world).is_some()
+}
+
+fn pixels(path: &Path) -> Vec<Rgb> {
+    let bytes = read(path, LARGEST_DATA).expect("a file");
+    let picture = image::load_from_memory(&bytes).expect("a picture").to_rgb32f();
+    picture.pixels().map(|pixel| Rgb::from_array(pixel.0)).collect()
+}
+
+#[test]
+fn fresher_pictures_follow_until_the_best_of_all_samples() {
+    let mut app = denoising_app(256);
+    let mut seen: Vec<u32> = Vec::new();
+    let mut is_over = false;
+    while !is_over {
+        app.update();
+        let samples = shown(app.world());
+        if samples != seen.last().copied() {
+            seen.extend(samples);
+        }
+        is_over = seen.last() == Some(&256) && is_best(app.world());
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert!(seen.is_sorted(), "{seen:?}");
+    // It is what the command line would make of the film.
+    let denoised = app.world().resource::<Denoiser>().picture().expect("it is shown");
+    let film = &app.world().resource::<RenderFilm>().film;
+    let expected = denoise_film(film, Some(1), &AtomicBool::new(false)).expect("it can be denoised");
+    let is_same = |(one, other): (&Rgb, &Rgb)| one.abs_diff_eq(*other, 1e-3);
+    assert!(denoised.radiance.iter().zip(&expected).all(is_same));
+    assert_eq!(denoised.radiance.len(), expected.len());
+    // Another view is another picture.
+    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+    update_until(&mut app, |world| shown(world) != Some(256));
+    update_until(&mut app, |world| shown(world) == Some(256) && is_best(world));
+    apply(app.world_mut(), Command::SetDenoising(false)).expect("it is off");
+    app.update();
+    assert_eq!(shown(app.world()), None);
+}
+
+#[test]
+fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.exr");
+    let mut app = denoising_app(6);
+    update_until(&mut app, is_best);
+    // The window has fewer pixels than the film, of which none is denoised yet.
+    apply(app.world_mut(), Command::SaveImage(path.clone())).expect("it is begun");
+    assert!(!path.exists());
+    update_until(&mut app, |_| path.exists());
+    let denoised = app.world().resource::<Denoiser>().picture().expect("it is shown");
+    assert_eq!((&denoised.radiance, denoised.samples), (&pixels(&path), 6));
+    let film = &app.world().resource::<RenderFilm>().film;
+    assert_eq!([film.width(), film.height()], [120, 80]);
+    assert_eq!(pixels(&folder.path().join("sky-noisy.exr")), film.radiance());
+    // Without it there is one file.
+    apply(app.world_mut(), Command::SetDenoising(false)).expect("it is off");
+    app.update();
+    let plain = folder.path().join("plain.exr");
+    apply(app.world_mut(), Command::SaveImage(plain.clone())).expect("saved");
+    assert!(plain.exists() && !folder.path().join("plain-noisy.exr").exists());
+}
