@@ -229,6 +229,25 @@ impl Solid {
         }
     }
 
+    /// Calls a function with every length, those of openings as well.
+    pub(crate) fn visit_lengths(&mut self, visit: &mut dyn FnMut(&mut f32)) {
+        self.visit_mut(&mut |_, value| match value {
+            SolidValue::Length(length) => visit(length),
+            SolidValue::Count(_) => {}
+            SolidValue::Openings(openings) => {
+                for opening in openings {
+                    let Opening {
+                        from,
+                        sill,
+                        width,
+                        height,
+                    } = opening;
+                    [from, sill, width, height].into_iter().for_each(&mut *visit);
+                }
+            }
+        });
+    }
+
     /// Two opposite corners of the box around it, in its own space.
     pub fn corners(&self) -> [Vec3; 2] {
         match *self {

@@ -1,9 +1,10 @@
 //! Adds what was drawn, and changes shapes together with their poses.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::things::{check_name, replace, select_new, transform};
+use crate::app::editor::camera::rounding;
 use crate::app::editor::command::blocking::BlockKind;
 use crate::app::editor::command::blocking::block::Block;
 use crate::app::editor::command::blocking::faces::pushed;
@@ -26,6 +27,7 @@ pub fn build(edit: &mut Edit, mut block: Block) -> Result<(), CommandError> {
         kind,
         ..Shape::default()
     };
+    let (shape, pose) = short(shape, pose);
     let called = (order, SceneId(name.clone()), Name::new(name));
     let entity = edit.spawn((called, shape, ToWorld(pose)));
     select_new(edit, vec![entity]);
@@ -38,8 +40,40 @@ pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) ->
     {
         return Err(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS).into());
     }
+    let (shape, pose) = short(shape, pose);
     transform(edit, vec![(entity, pose)])?;
     replace(edit, entity, shape)
+}
+
+/// The same with numbers of few digits, so that a file says 9.2 where arithmetic gives 9.200001.
+fn short(mut shape: Shape, mut pose: Affine3A) -> (Shape, Affine3A) {
+    /// Well above what arithmetic adds, and well below what one sees.
+    const RESIDUE: f32 = 1e-5;
+    let own = match &mut shape.kind {
+        ShapeKind::Solid(part) => {
+            let [low, high] = part.corners();
+            let extent = low.abs().max(high.abs()).max_element();
+            let unit = rounding::unit_below(RESIDUE * extent);
+            part.visit_lengths(&mut |length| {
+                let short = rounding::rounded(*length, unit);
+                // What is smaller than the unit is meant.
+                if short != 0.0 {
+                    *length = short;
+                }
+            });
+            extent
+        }
+        _ => 1.0,
+    };
+    let columns = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis];
+    let extent = columns
+        .map(|column| own * column.length())
+        .into_iter()
+        .fold(0.0, f32::max);
+    let place = Vec3::from(pose.translation);
+    let unit = rounding::unit_below(RESIDUE * extent.max(place.abs().max_element()));
+    pose.translation = rounding::rounded_place(place, unit).into();
+    (shape, pose)
 }
 
 /// Joins a new wall to those that stand where it begins and ends.

@@ -20,7 +20,9 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
+use crate::files::{self, Access};
 use crate::math::Ray;
+use crate::scene::assets::triangle_mesh::load_mesh;
 use crate::scene::{Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
 
 /// The depth to which materials inside of others are looked through.
@@ -50,7 +52,7 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
         Some(AssetKind::Mesh) => {
             import_chosen(edit, path)?;
             match at {
-                Some(at) => stand(edit, *at, *bounds),
+                Some(at) => stand(edit, *at, bounds.or_else(|| bounds_of(path))),
                 None => Ok(()),
             }
         }
@@ -114,6 +116,22 @@ fn colored(world: &World, material: Entity, deepest: usize) -> Option<(Entity, &
     let deepest = deepest.checked_sub(1)?;
     let inside = || materials_inside(world, material).into_iter();
     found.or_else(|| inside().find_map(|inner| colored(world, inner, deepest)))
+}
+
+/// The bounds of a mesh of which nothing is known yet. None for large files, for which the window would wait.
+fn bounds_of(path: &Path) -> Option<[Vec3; 2]> {
+    const LARGEST: u64 = 16 << 20;
+    files::check(path, LARGEST).ok()?;
+    // The user has chosen the file.
+    let mesh = load_mesh(path, &Access::everywhere()).ok()?;
+    let points = mesh
+        .shapes
+        .iter()
+        .flat_map(|shape| shape.data.positions.iter().copied());
+    points.fold(None, |bounds, point| {
+        let [low, high] = bounds.unwrap_or([point; 2]);
+        Some([low.min(point), high.max(point)])
+    })
 }
 
 /// Puts the mesh that has been imported onto the surface, or else the ground, at a place of the picture.

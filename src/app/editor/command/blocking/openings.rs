@@ -21,6 +21,8 @@ const RIGHT_ANGLE: f32 = 1e-4;
 
 /// A window whose sill would be lower than this share of a usual one is a French window.
 const LOW: f32 = 0.3;
+/// The part of the wall that stays above a window of the usual size, as a share of the wall's height.
+const LINTEL: f32 = 0.08;
 
 /// A place of the side of a wall or a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +58,10 @@ pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, ste
     let from = snap(local.x - 0.5 * width, units[0]).clamp(0.0, length - width);
     let sill = match new.sill > 0.0 {
         false => 0.0,
-        true => snap(local.z - 0.5 * tall, units[1]).clamp(0.0, height - tall),
+        true => {
+            let highest = (height * (1.0 - LINTEL) - tall).max(0.0);
+            snap(local.z - 0.5 * tall, units[1]).clamp(0.0, highest)
+        }
     };
     let opening = Opening {
         from,
@@ -273,7 +278,7 @@ mod tests {
         let window = |x: f32, z: f32| front(x, z, OpeningKind::Window).map(|cut| [cut.opening.from, cut.opening.sill]);
         assert_eq!(window(2.03, 1.52), Some([1.4, 0.9]));
         let [from, sill] = window(3.9, 2.4).expect("a window");
-        assert!((from - 2.8).abs() < 1e-6 && (sill - 1.3).abs() < 1e-6);
+        assert!((from - 2.8).abs() < 1e-6 && (sill - 1.1).abs() < 1e-6);
     }
 
     /// A wall of 4 x 2.5, seen from its front, with an opening at a place of it.

@@ -95,3 +95,31 @@ fn the_step_stays_while_one_builds_and_is_no_preference() {
     say(&mut world, with(None));
     assert_eq!(step(&world), 1.0, "and then again what suits the scene");
 }
+
+#[test]
+fn what_is_built_has_short_numbers() {
+    let mut world = bare_world();
+    let (low, high) = (Vec3::new(-4.7, 0.0, 0.7), Vec3::new(4.3, 0.0, 6.7));
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
+    let ring = [low, corner(high.x, low.z), high, corner(low.x, high.z), low];
+    for ends in ring.windows(2) {
+        say(&mut world, Command::Build(Box::new(Block::wall(ends[0], ends[1]))));
+    }
+    let floor = Block {
+        kind: BlockKind::Floor,
+        height: 0.1,
+        ..Block::wall(low, high)
+    };
+    say(&mut world, Command::Build(Box::new(floor)));
+    let mut shapes = world.query::<(&Shape, &ToWorld)>();
+    for (shape, ToWorld(pose)) in shapes.iter(&world) {
+        let mut numbers = Vec3::from(pose.translation).to_array().to_vec();
+        if let ShapeKind::Solid(part) = &shape.kind {
+            part.clone().visit_lengths(&mut |length| numbers.push(*length));
+        }
+        assert!(
+            numbers.iter().all(|number| number.to_string().len() <= 5),
+            "{numbers:?}"
+        );
+    }
+}

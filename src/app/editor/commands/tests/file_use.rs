@@ -143,6 +143,22 @@ fn a_mesh_stands_where_it_was_dropped() {
 }
 
 #[test]
+fn a_mesh_of_which_nothing_is_known_stands_on_its_lower_side_as_well() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mesh = written(&folder, "a.obj", "v -1 -1 0\nv 1 -1 0\nv 0 3 0\nf 1 2 3\n");
+    let (mut world, _) = with_floor(None);
+    let file = FileUse {
+        path: mesh,
+        at: MIDDLE,
+        bounds: None,
+    };
+    apply_now(&mut world, Command::UseFile(Box::new(file))).expect("a mesh");
+    let made = world.resource::<Selection>().active().expect("it is selected");
+    let place = Vec3::from(world.get::<ToWorld>(made).expect("a pose").0.translation);
+    assert!(place.distance(Vec3::Y) < 0.05, "{place}");
+}
+
+#[test]
 fn a_file_of_materials_is_for_the_shape_and_other_scenes_are_added() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = "<scene version='3.0.0'><bsdf type='plastic' id='Own/red'/><bsdf type='diffuse' id='b'/></scene>";

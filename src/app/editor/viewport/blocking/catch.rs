@@ -97,13 +97,18 @@ pub(super) fn caught(
 }
 
 /// The place at the foot of a wall under the pointer, on its middle line: at an end if that is near, otherwise at a point of the grid.
-pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, step: f32) -> Option<Vec3> {
+pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, step: f32) -> Option<Caught> {
     let line = model.target(seen.entity)?.foot_line()?;
     let way = line[1] - line[0];
     let share = (seen.position - line[0]).dot(way) / way.length_squared();
     let under = line[0] + way * share.clamp(0.0, 1.0);
+    let of = |place: Vec3, is_corner: bool| Caught {
+        place,
+        is_corner,
+        is_low: true,
+    };
     if step <= 0.0 {
-        return Some(under);
+        return Some(of(under, false));
     }
     let walls: Vec<[Vec3; 2]> = model.near.iter().filter_map(BlockTarget::foot_line).collect();
     let reach = CORNER * screen.units_per_point(screen.depth(seen.position));
@@ -111,7 +116,10 @@ pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, s
     let end = ends
         .filter(|end| end.distance(under) <= reach)
         .min_by(|one, other| one.distance(under).total_cmp(&other.distance(under)));
-    Some(end.unwrap_or_else(|| along_line(line, under, model, step)))
+    Some(match end {
+        Some(end) => of(end, true),
+        None => of(along_line(line, under, model, step), false),
+    })
 }
 
 /// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side of a slab.

@@ -162,10 +162,14 @@ impl DrawState {
                     .filter(|caught| is_level(&caught.place) && caught.place != from.place);
                 let foot = || {
                     let seen = seen.filter(|_| kind != BlockKind::Box)?;
-                    catch::foot(seen, screen, model, hand.step).filter(is_level)
+                    catch::foot(seen, screen, model, hand.step).filter(|foot| is_level(&foot.place))
                 };
-                if let Some(place) = self.caught.map(|caught| caught.place).or_else(foot) {
-                    *to = place;
+                if let Some(caught) = self.caught.or_else(foot) {
+                    let is_straight = kind == BlockKind::Wall && hand.step > 0.0 && !caught.is_corner;
+                    *to = match is_straight {
+                        true => straight(from, caught.place),
+                        false => caught.place,
+                    };
                 } else if let Some(under) = under {
                     *to = spot::rounded(under, &from.plane, model.step, hand.step);
                     if kind == BlockKind::Wall && hand.step > 0.0 {

@@ -48,9 +48,9 @@ impl Spot {
             });
         }
         let foot = || catch::foot(seen.filter(|_| is_laid)?, screen, model, hand.step);
-        if let Some(place) = foot() {
+        if let Some(foot) = foot() {
             return Some(Self {
-                place: place + Vec3::ZERO,
+                place: foot.place + Vec3::ZERO,
                 plane: level,
             });
         }
