@@ -2,7 +2,6 @@
 
 use bevy_egui::egui::Ui;
 
-use super::fields;
 use crate::app::editor::command::Command;
 use crate::layer::{Layer, Layers};
 use crate::scene::IntegratorSettings;
@@ -12,7 +11,7 @@ pub fn layer_rows(ui: &mut Ui, integrator: IntegratorSettings, commands: &mut Ve
     ui.weak("Saved with EXR images, beside the picture.");
     for layer in Layer::ALL {
         let mut is_chosen = integrator.layers.contains(layer);
-        if fields::checkbox(ui, layer.label(), &mut is_chosen) {
+        if ui.checkbox(&mut is_chosen, layer.label()).changed() {
             let this = Layers::of(&[layer]);
             let layers = match is_chosen {
                 true => integrator.layers.and(this),
