@@ -220,10 +220,13 @@ fn the_choice_of_layers_is_undone() {
     assert!(say(&mut world, "layers depth cryptomatte"));
     let chosen = Layers::of(&[Layer::Depth, Layer::CryptoObject, Layer::CryptoMaterial]);
     assert_eq!(layers(&world), chosen);
+    // Choices one after the other are one step.
+    say(&mut world, "add sphere at=0,0,0");
     assert!(say(&mut world, "layers none"));
     assert_eq!(layers(&world), Layers::default());
     say(&mut world, "undo");
     assert_eq!(layers(&world), chosen);
+    say(&mut world, "undo");
     say(&mut world, "undo");
     assert_eq!(layers(&world), Layers::default());
 }

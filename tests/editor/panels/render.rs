@@ -8,7 +8,7 @@ use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::command::light_mix::{Channel, LightMix};
 use sunroom::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
-use sunroom::app::editor::panels::render;
+use sunroom::app::editor::panels::{layers, render};
 use sunroom::layer::{Layer, Layers};
 use sunroom::scene::{IntegratorSettings, Strategy};
 
@@ -75,15 +75,21 @@ fn the_render_panel_sets_what_it_shows() {
     click(&mut harness, "Render full film");
     let asked = Command::RenderFull(FullFilm::default());
     assert_eq!(harness.state().commands.last(), Some(&asked));
-    click(&mut harness, "Layers");
-    click(&mut harness, "Texture coordinates");
-    let of = |command: Option<&Command>| match command {
-        Some(Command::SetIntegrator(settings)) => settings.layers,
-        other => panic!("{other:?}"),
-    };
-    assert_eq!(of(harness.state().commands.last()), Layers::of(&[Layer::Uv]));
     click(&mut harness, "Start again");
     assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
+}
+
+#[test]
+fn layers_are_chosen_one_by_one() {
+    let mut harness = show(RenderModel::default(), |ui, model, commands| {
+        layers::layer_rows(ui, model.integrator, commands);
+    });
+    click(&mut harness, "Texture coordinates");
+    let chosen = Command::SetIntegrator(IntegratorSettings {
+        layers: Layers::of(&[Layer::Uv]),
+        ..IntegratorSettings::default()
+    });
+    assert_eq!(harness.state().commands.last(), Some(&chosen));
 }
 
 #[test]
