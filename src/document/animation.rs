@@ -17,19 +17,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::{Child, Document, Object, TransformOp, Value};
-
-/// The way from one key to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// At constant speed.
-    #[default]
-    Linear,
-    /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
-    Ease,
-    /// The value of a key holds until the next key.
-    Step,
-}
+use super::{Child, Document, Interpolation, Key, Object, Track, TransformOp, Value};
 
 impl Interpolation {
     /// The kinds in the order in which messages name them.
@@ -52,24 +40,6 @@ impl Interpolation {
             Self::Step => 0.0,
         }
     }
-}
-
-/// A value at a time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Key {
-    /// Seconds; finite.
-    pub time: f64,
-    /// The value at that time.
-    pub value: Value,
-}
-
-/// The keys of one property.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Track {
-    /// The keys by rising time, at least one. All values are of one type.
-    pub keys: Vec<Key>,
-    /// The way between neighbouring keys.
-    pub interpolation: Interpolation,
 }
 
 impl Track {

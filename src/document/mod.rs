@@ -30,11 +30,10 @@ mod unpack;
 pub mod value;
 pub mod write;
 
-pub use animation::{Interpolation, Key, Track};
 pub use crowd::Crowd;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};
 pub use index::Index;
-pub use object::{Category, Child, Object, Property, Value};
+pub use object::{Category, Child, Interpolation, Key, Object, Property, Track, Value};
 pub use parse::{load, parse_str, parse_within};
 pub use parsed::{Document, Include};
 pub use reader::Reader;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use smol_str::SmolStr;
 
-use super::{Span, Track, TransformOp};
+use super::{Span, TransformOp};
 
 /// The most objects that may lie inside each other, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
@@ -146,6 +146,36 @@ impl Property {
             span,
         }
     }
+}
+
+/// A value at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Seconds; finite.
+    pub time: f64,
+    /// The value at that time.
+    pub value: Value,
+}
+
+/// The keys of one property.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// The keys by rising time, at least one. All values are of one type.
+    pub keys: Vec<Key>,
+    /// The way between neighbouring keys.
+    pub interpolation: Interpolation,
+}
+
+/// The way from one key to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// At constant speed.
+    #[default]
+    Linear,
+    /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
+    Ease,
+    /// The value of a key holds until the next key.
+    Step,
 }
 
 /// A plugin inside a plugin, in place or by reference.

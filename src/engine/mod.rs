@@ -70,13 +70,6 @@ pub enum EngineSystems {
     Report,
 }
 
-/// Lets all shapes be packed again, as when their scene was opened. A hierarchy that has followed edits may give a picture other last bits.
-pub(crate) fn pack_anew(world: &mut World) {
-    if let Some(mut dirty) = world.get_resource_mut::<detect::Dirty>() {
-        dirty.all_shapes();
-    }
-}
-
 /// Adds the engine's resources and systems to an app that has [`crate::scene::ScenePlugin`].
 pub struct EnginePlugin;
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::blocking::{Limits, RenderError, load_to_completion};
-use super::pack_anew;
+use super::detect::Dirty;
 use super::packed_scene::PackedScene;
 use crate::render::shutter::Shutter;
 
@@ -24,7 +24,8 @@ pub fn open_shutter(
     for time in times {
         show(app.world_mut(), time);
         if moments.is_empty() {
-            pack_anew(app.world_mut());
+            // A hierarchy that has followed edits may give a picture other last bits.
+            app.world_mut().resource_mut::<Dirty>().all_shapes();
         }
         if !load_to_completion(app, limits)? {
             return Ok(false);

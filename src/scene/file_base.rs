@@ -14,7 +14,7 @@ use super::description::{
     SensorDescription, ShapeDescription,
 };
 use super::recognition::recognised;
-use super::write::gather::Entities;
+use super::write::entities::Entities;
 use super::{
     Authored, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, IntegratorSettings, MemberOf, ObjectState, SceneId,
     SecondNested, ShapeGroup, ToWorld, UsesMaterial,

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use super::description::{Identity, SceneDescription};
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::spawn::{StandInSensor, give_way};
-use super::write::gather::Entities;
+use super::write::entities::Entities;
 use super::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
 
 /// The entities with marks that no file holds.

@@ -14,7 +14,7 @@ use super::description::SceneDescription;
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::free_name::free_name;
 use super::insert::names;
-use super::write::gather::Entities;
+use super::write::entities::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
     IntegratorSettings, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn, Sensor, Shape,

@@ -3,28 +3,14 @@
 use std::mem::discriminant;
 use std::sync::Arc;
 
-use smol_str::SmolStr;
-
 use super::element::{known, leaf};
 use super::names::Names;
-use super::parser::{Frame, Parser};
+use super::parser::{Frame, OpenAnimation, Parser};
 use crate::document::property::{VALUE_TAGS, read_value};
 use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
 use crate::document::value::{parse_float, quote};
 use crate::document::{Category, Interpolation, Key, Object, Property, Severity, Span, Track, Value};
-
-/// An animation that is being read.
-pub(super) struct OpenAnimation {
-    name: SmolStr,
-    interpolation: Interpolation,
-    /// The kind of the object that has the property.
-    category: Category,
-    keys: Vec<Key>,
-    /// Whether a key could not be read, which has been reported.
-    is_broken: bool,
-    pub span: Span,
-}
 
 impl Parser {
     pub(super) fn open_animation(&mut self, tag: &mut Tag, category: Category) -> Option<OpenAnimation> {

@@ -9,7 +9,6 @@ use quick_xml::Reader as XmlReader;
 use quick_xml::events::{BytesStart, Event};
 use smol_str::SmolStr;
 
-use super::animation::OpenAnimation;
 use super::names::Names;
 use super::spare::Spare;
 use crate::document::crowd::Packer;
@@ -20,8 +19,8 @@ use crate::document::object::MAX_DEPTH;
 use crate::document::source::MAX_FILE_BYTES;
 use crate::document::tag::Tag;
 use crate::document::{
-    Category, Child, Crowd, Diagnostics, Include, Object, Property, Severity, SourceFile, SourceId, Span, TransformOp,
-    Value,
+    Category, Child, Crowd, Diagnostics, Include, Interpolation, Key, Object, Property, Severity, SourceFile, SourceId,
+    Span, TransformOp, Value,
 };
 use crate::files::Access;
 
@@ -75,6 +74,18 @@ pub(super) enum Frame {
         tag: &'static str,
         span: Span,
     },
+}
+
+/// An animation that is being read.
+pub(super) struct OpenAnimation {
+    pub name: SmolStr,
+    pub interpolation: Interpolation,
+    /// The kind of the object that has the property.
+    pub category: Category,
+    pub keys: Vec<Key>,
+    /// Whether a key could not be read, which has been reported.
+    pub is_broken: bool,
+    pub span: Span,
 }
 
 impl Frame {

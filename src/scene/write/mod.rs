@@ -6,6 +6,7 @@
 
 mod changed;
 mod defaults;
+pub(in crate::scene) mod entities;
 mod error;
 pub mod gather;
 mod known;

@@ -6,7 +6,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-use super::gather::Entities;
+use super::entities::Entities;
 use crate::scene::description::{
     DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
     SensorDescription, ShapeDescription,
