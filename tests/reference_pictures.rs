@@ -233,6 +233,91 @@ fn scenes_look_as_their_references_do() {
     assert!(wrong.is_empty(), "not as expected: {}", wrong.join(", "));
 }
 
+/// Where the noise at 16, 64 and 256 samples is not estimated to a quarter, and why. A scene whose noise is has no place here.
+const UNEVEN: [(&str, &str); 3] = [
+    ("orthographic", "straight edges, whose error falls in jumps"),
+    (
+        "spheres-arealight",
+        "rare bright samples in what is dark, which raise the luminance that they are relative to",
+    ),
+    ("texture-interp", "straight edges of texels, whose error falls in jumps"),
+];
+
+/// Estimated and true noise of pictures with so many samples.
+fn noise(scene: &Path, samples: u32, folder: &Path) -> [f64; 2] {
+    let (mut pictures, mut estimated) = (Vec::new(), 0.0);
+    for seed in 1..=SEEDS {
+        let picture = folder.join("picture.exr");
+        let output = Command::new(env!("CARGO_BIN_EXE_sunroom"))
+            .args([
+                "render",
+                "-q",
+                "--stats=json",
+                "--spp",
+                &samples.to_string(),
+                "--seed",
+                &seed.to_string(),
+                "-o",
+            ])
+            .arg(&picture)
+            .arg(scene)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let stats: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        estimated += stats["noise"].as_f64().unwrap().powi(2) / SEEDS as f64;
+        pictures.push(open(&picture));
+    }
+    let (width, height) = pictures[0].dimensions();
+    let pixels: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
+    let luminance = |picture: &Rgb32FImage, (x, y): (u32, u32)| {
+        let [r, g, b] = picture.get_pixel(x, y).0.map(f64::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    let reference = open(&part(scene, "mean"));
+    let dark = 0.1 * pixels.iter().map(|&pixel| luminance(&reference, pixel)).sum::<f64>() / pixels.len() as f64;
+    // The spread over seeds is the error without that of the reference.
+    let squared = |&pixel: &(u32, u32)| {
+        let values: Vec<f64> = pictures.iter().map(|picture| luminance(picture, pixel)).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
+        variance / luminance(&reference, pixel).max(dark).powi(2)
+    };
+    let error = pixels.iter().map(squared).sum::<f64>() / pixels.len() as f64;
+    [estimated, error].map(f64::sqrt)
+}
+
+#[test]
+fn noise_is_estimated_to_a_quarter() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut wrong = Vec::new();
+    println!("scene                     true noise at 16, 64, 256 samples   estimated over true");
+    for scene in &reference_scenes() {
+        let name = scene.file_stem().unwrap().to_string_lossy();
+        let found = [16, 64, 256].map(|samples| noise(scene, samples, folder.path()));
+        let [truth, ratio] = [
+            found.map(|[_, error]| error),
+            found.map(|[estimated, error]| estimated / error),
+        ];
+        let is_near = ratio.iter().all(|ratio| (0.75..1.25).contains(ratio));
+        let exception = UNEVEN.iter().find(|(known, _)| *known == name);
+        println!(
+            "{name:25} {:8.4} {:8.4} {:8.4}        {:6.2} {:6.2} {:6.2}  {}",
+            truth[0],
+            truth[1],
+            truth[2],
+            ratio[0],
+            ratio[1],
+            ratio[2],
+            exception.map_or("", |(_, why)| why)
+        );
+        if is_near == exception.is_some() {
+            wrong.push(name.into_owned());
+        }
+    }
+    assert!(wrong.is_empty(), "not as expected: {}", wrong.join(", "));
+}
+
 /// A picture of `value(x, y)` with uniform noise of relative standard deviation `noise`.
 fn noisy(size: u32, seed: u64, noise: f64, value: impl Fn(u32, u32) -> f64) -> Rgb32FImage {
     let mut state = seed;

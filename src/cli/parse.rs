@@ -82,9 +82,27 @@ pub fn duration(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a time above zero".to_owned())
 }
 
+/// A relative noise: `0.01` or `1%`.
+pub fn noise(text: &str) -> Result<f32, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
+    let noise = number.trim().parse::<f32>().map(|number| unit * number);
+    noise
+        .ok()
+        .filter(|noise| *noise > 0.0 && noise.is_finite())
+        .ok_or_else(|| "expected a noise above zero, such as 0.01 or 1%".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noise_is_a_share_or_percents() {
+        assert_eq!([noise("0.02"), noise("2%"), noise("2 %")], [const { Ok(0.02) }; 3]);
+        for wrong in ["", "%", "0", "-1%", "nan", "inf", "1e-60", "quiet", "0,01"] {
+            assert!(noise(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn durations_have_units() {

@@ -147,18 +147,21 @@ impl Progress {
 
     /// The part of the render that is done, from 0 to 1.
     fn done(&self, status: &RenderStatus) -> f64 {
-        let by_samples = f64::from(status.samples) / f64::from(status.target.max(1));
         let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());
-        by_samples.max(by_time).min(1.0)
+        status.done().max(by_time).min(1.0)
     }
 }
 
 fn message(status: &RenderStatus, time: Option<Duration>) -> String {
-    let samples = match time {
-        Some(_) => format!("{} spp", status.samples),
-        None => format!("{}/{} spp", status.samples, status.target),
+    let samples = match time.is_some() || status.target == u32::MAX {
+        true => format!("{} spp", status.samples),
+        false => format!("{}/{} spp", status.samples, status.target),
     };
-    format!("{samples}  {:.2} Msamples/s", status.msamples_per_s)
+    let noise = match (status.noise, status.noise_target) {
+        (Some(noise), Some(target)) => format!("  noise {noise:.4}/{target}"),
+        _ => String::new(),
+    };
+    format!("{samples}{noise}  {:.2} Msamples/s", status.msamples_per_s)
 }
 
 fn print(done: f64, status: &RenderStatus, message: &str) {

@@ -43,12 +43,15 @@ pub struct RenderArgs {
     /// Camera to render with, by its id or its index from 0 on [default: the first]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
-    /// Samples per pixel [default: the scene's, or as many as --time allows]
+    /// Samples per pixel [default: the scene's, or as many as --time and --noise allow]
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
     /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     time: Option<Duration>,
+    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of pixels relative to their luminance, as estimated
+    #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
+    noise: Option<f32>,
     /// Both sides of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
     size: Option<(u32, u32)>,
@@ -170,8 +173,10 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         Accel::Sah => AccelMethod::Sah,
     });
     let limits = Limits {
-        // If only a time limit is given, the file's number of samples does not count.
-        samples: args.spp.or(args.time.map(|_| u32::MAX)),
+        // If only a limit of time or noise is given, the file's number of samples does not count.
+        samples: args
+            .spp
+            .or((args.time.is_some() || args.noise.is_some()).then_some(u32::MAX)),
         time: args.time,
         cancel: cancel.clone(),
         ..Limits::default()
@@ -324,6 +329,7 @@ fn picture(
             width: image.width,
             height: image.height,
             spp: status.samples,
+            noise: status.noise,
             seed: app.world().resource::<SamplerSettings>().seed,
             threads,
             denoised: is_denoised,
@@ -406,6 +412,12 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> 
         Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
         Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
         None => {}
+    }
+    if args.noise.is_some() {
+        world.resource_mut::<RenderControl>().noise_target = args.noise;
+    } else if args.spp.is_some() || args.time.is_some() {
+        // What is asked for takes the place of both limits of the file.
+        world.resource_mut::<RenderControl>().noise_target = Some(0.0);
     }
     if let Some(camera) = &args.camera {
         let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;

@@ -20,6 +20,8 @@ pub struct Stats {
     pub height: u32,
     /// Samples per pixel that every pixel has.
     pub spp: u32,
+    /// The estimated relative noise; None where all is black or pixels have a single sample.
+    pub noise: Option<f32>,
     pub seed: u32,
     pub threads: usize,
     pub denoised: bool,

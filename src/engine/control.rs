@@ -23,7 +23,7 @@ pub struct RenderControl {
     pub exact_samples: Option<u32>,
     /// The seconds of rendering to stop at, without pauses; None is no limit. Like the samples it can be raised and lowered.
     pub time_limit: Option<f32>,
-    /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is no limit.
+    /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is the sensor film's own `noise_target`, 0 is no limit.
     pub noise_target: Option<f32>,
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is all of it, as
     /// is a part outside of the picture. The rest keeps what it has.

@@ -56,6 +56,8 @@ pub(super) struct Extracted {
     pub light_groups: Arc<[LightGroup]>,
     /// The samples that the sensor's film asks for.
     pub sample_count: u32,
+    /// The film's own, see [`Film::noise_target`].
+    pub noise_target: Option<f32>,
     /// The pixels that the picture has when it is traced in full.
     pub full_size: UVec2,
     /// The time of what changed the scene or the view; the next job takes it.
@@ -117,6 +119,7 @@ impl Default for Extracted {
             view: None,
             light_groups: Arc::default(),
             sample_count: Film::default().sample_count,
+            noise_target: None,
             full_size: UVec2::ZERO,
             since: None,
             meshes_loading: 0,
@@ -402,7 +405,7 @@ impl Extracted {
             self.view = view;
             self.sensor_name = name;
         }
-        self.sample_count = film.sample_count;
+        (self.sample_count, self.noise_target) = (film.sample_count, film.noise_target);
         self.full_size = resolution::full_size(film, control);
     }
 }

@@ -47,6 +47,13 @@ impl Beginning {
     }
 }
 
+/// The relative noise with this number of samples; None where all is black.
+#[derive(Clone, Copy, Debug)]
+struct JudgedNoise {
+    samples: u32,
+    noise: Option<f32>,
+}
+
 /// The results that have been added to the film.
 #[derive(Default)]
 struct Spent {
@@ -73,6 +80,10 @@ pub(super) struct Job {
     /// The relative noise within the region, as of the samples collected.
     pub noise: Option<f32>,
     noise_of_tiles: PictureNoise,
+    /// The noise at the last number of samples that all pixels of the region had.
+    judged: Option<JudgedNoise>,
+    /// The limit of noise when the present round was begun, and the end of that round in samples.
+    round: (Option<f32>, u32),
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
     /// The indices in `tiles` of those in the region.
@@ -119,6 +130,8 @@ impl Job {
             failure: None,
             noise: None,
             noise_of_tiles: PictureNoise::new(order.len()),
+            judged: None,
+            round: (None, 0),
             region: None,
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
@@ -175,7 +188,17 @@ impl Job {
 
     /// The limit of `stop` that is reached, if one is.
     pub fn reached(&self, stop: &StopCondition) -> Option<StopReason> {
-        stop.reached(self.least_samples(), self.seconds(), self.noise)
+        let samples = self.least_samples();
+        stop.reached(
+            samples,
+            self.seconds(),
+            self.judged_at(samples).map(|judged| judged.noise),
+        )
+    }
+
+    /// The noise that was judged when all pixels of the region had so many samples.
+    fn judged_at(&self, samples: u32) -> Option<JudgedNoise> {
+        self.judged.filter(|judged| judged.samples == samples)
     }
 
     /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if nothing else had been rendered
@@ -197,6 +220,7 @@ impl Job {
             self.region = region;
             self.active = tiles_in(region, &self.tiles, UVec2::new(self.view.width, self.view.height));
             self.noise = None;
+            self.judged = None;
         }
     }
 
@@ -217,7 +241,18 @@ impl Job {
             self.pause();
         }
         if let Some(run) = &self.run {
-            run.queue.set_target(stop.samples);
+            if self.round.0 != stop.noise {
+                // The noise is judged as soon as all pixels have the same number of samples.
+                self.round = (
+                    stop.noise,
+                    if stop.noise.is_some() {
+                        run.queue.finish_pass()
+                    } else {
+                        u32::MAX
+                    },
+                );
+            }
+            run.queue.set_target(stop.samples.min(self.round.1));
             return;
         }
         if self.failure.is_some() || reached.is_some() {
@@ -233,7 +268,20 @@ impl Job {
         };
         self.preview_left = previews.len();
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
-        let queue = WorkQueue::new(&tiles, stop.samples, &previews, step);
+        let done = self.least_samples();
+        let noise = self.judged_at(done).and_then(|judged| judged.noise);
+        let most = self.active.iter().map(|&index| self.done[index]).max().unwrap_or(0);
+        // Where pixels differ in their samples, the first round makes them equal.
+        let end = if done < most {
+            stop.samples.min(most)
+        } else {
+            stop.round_end(done, noise)
+        };
+        self.round = match stop.noise {
+            Some(_) => (stop.noise, end),
+            None => (None, u32::MAX),
+        };
+        let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), &previews, step);
         self.running_since = Some(Instant::now());
         let work = backend.work(
             self.scene.clone(),
@@ -334,8 +382,24 @@ impl Job {
                 self.tiles.iter().for_each(|&tile| film.mark(tile));
             }
             self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
+            self.judge(film);
         }
         collected
+    }
+
+    /// Judges the noise where all pixels of the region have the same number of samples: in the same order whoever rendered them.
+    fn judge(&mut self, film: &RenderFilm) {
+        let samples = self.least_samples();
+        let are_equal = self.active.iter().all(|&index| self.done[index] == samples);
+        if !are_equal || samples == 0 || self.judged_at(samples).is_some() {
+            return;
+        }
+        let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
+        self.noise = PictureNoise::of(&film.film, &tiles);
+        self.judged = Some(JudgedNoise {
+            samples,
+            noise: self.noise,
+        });
     }
 
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {

@@ -25,7 +25,7 @@ pub(super) fn report_status(
     scene: Res<SceneStatus>,
 ) {
     let job = renderer.job();
-    let stop = StopCondition::new(&control, extracted.sample_count);
+    let stop = StopCondition::new(&control, &extracted);
     let reached = job.and_then(|job| job.reached(&stop));
     let samples = job.map_or(0, Job::least_samples);
     let seconds = job.map_or(0.0, Job::seconds);
@@ -64,6 +64,8 @@ pub(super) fn report_status(
         && scene.state != SceneState::Loading;
     status.samples = samples;
     status.target = stop.samples;
+    status.time_limit = stop.seconds;
+    status.noise_target = stop.noise;
     status.stopped_by = reached;
     status.noise = job.and_then(|job| job.noise);
     status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));

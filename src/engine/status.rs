@@ -18,6 +18,10 @@ pub struct RenderStatus {
     pub samples: u32,
     /// The samples per pixel to reach.
     pub target: u32,
+    /// The seconds of rendering to stop at; None is no limit.
+    pub time_limit: Option<f32>,
+    /// The relative noise to stop at; None is no limit.
+    pub noise_target: Option<f32>,
     /// The limit that is reached.
     pub stopped_by: Option<StopReason>,
     /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there is none.
@@ -63,6 +67,8 @@ impl Default for RenderStatus {
             is_up_to_date: false,
             samples: 0,
             target: 0,
+            time_limit: None,
+            noise_target: None,
             stopped_by: None,
             noise: None,
             size: UVec2::ZERO,
@@ -82,6 +88,27 @@ impl Default for RenderStatus {
             latency: LatencyStats::default(),
             response: LatencyStats::default(),
         }
+    }
+}
+
+/// The power of the number of samples with which noise falls: 0.5 for independent samples, and this about for well spread ones.
+const FALL_OF_NOISE: f64 = 0.6;
+
+impl RenderStatus {
+    /// The part of the picture that is done, from 0 to 1: by the limit that will be reached first.
+    pub fn done(&self) -> f64 {
+        let by_samples = f64::from(self.samples) / f64::from(self.target.max(1));
+        let by_time = self.time_limit.map_or(0.0, |limit| self.seconds / f64::from(limit));
+        let by_noise = |(noise, target): (f32, f32)| f64::from(target / noise).powf(1.0 / FALL_OF_NOISE);
+        let by_noise = self.noise.zip(self.noise_target).map_or(0.0, by_noise);
+        by_samples.max(by_time).max(by_noise).clamp(0.0, 1.0)
+    }
+
+    /// The seconds until the picture is done, as fast as before; None while that is unknown.
+    pub fn seconds_left(&self) -> Option<f64> {
+        let done = self.done();
+        let is_known = self.state == RenderState::Rendering && done > 0.0 && self.samples > 0;
+        is_known.then(|| self.seconds * (1.0 / done - 1.0))
     }
 }
 

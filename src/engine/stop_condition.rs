@@ -3,6 +3,7 @@
 use bevy::math::Rect;
 
 use super::control::RenderControl;
+use super::extract::Extracted;
 
 /// The limits of a job. They may change while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +12,10 @@ pub(super) struct StopCondition {
     pub samples: u32,
     /// Whether neither more nor fewer samples are wanted, see [`RenderControl::exact_samples`].
     pub is_exact: bool,
-    seconds: Option<f32>,
-    noise: Option<f32>,
+    /// Seconds of rendering.
+    pub seconds: Option<f32>,
+    /// The relative noise.
+    pub noise: Option<f32>,
     /// The region as in [`RenderControl`].
     pub region: Option<Rect>,
 }
@@ -31,23 +34,40 @@ pub enum StopReason {
 /// Below this number of samples the spread says little: few samples of a rare bright thing have missed it, and agree.
 const FEWEST_FOR_NOISE: u32 = 16;
 
+/// From this number of samples on a picture without light is taken for one.
+const FEWEST_FOR_BLACK: u32 = 1024;
+/// The shortest round is this share of the samples so far.
+const SHORTEST_ROUND: u32 = 8;
+
 impl StopCondition {
-    /// `sample_count` is the film's, which counts where `control` does not say.
-    pub fn new(control: &RenderControl, sample_count: u32) -> Self {
+    /// The limits of the film count where `control` does not say.
+    pub fn new(control: &RenderControl, film: &Extracted) -> Self {
+        Self::of_limits(control, film.sample_count, film.noise_target)
+    }
+
+    fn of_limits(control: &RenderControl, sample_count: u32, noise_target: Option<f32>) -> Self {
         let exact = control.exact_samples;
         Self {
             samples: exact.or(control.target_samples).unwrap_or(sample_count).max(1),
             is_exact: exact.is_some(),
             seconds: control.time_limit.filter(|_| exact.is_none()),
-            noise: control.noise_target.filter(|_| exact.is_none()),
+            noise: control
+                .noise_target
+                .or(noise_target)
+                .filter(|noise| exact.is_none() && *noise > 0.0),
             region: control.region,
         }
     }
 
-    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with an estimated relative `noise`.
-    pub fn reached(&self, samples: u32, seconds: f64, noise: Option<f32>) -> Option<StopReason> {
+    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` that was judged with that many samples;
+    /// None where all is black.
+    pub fn reached(&self, samples: u32, seconds: f64, noise: Option<Option<f32>>) -> Option<StopReason> {
         let in_time = self.seconds.is_none_or(|limit| seconds < f64::from(limit));
-        let is_quiet = |limit| samples >= FEWEST_FOR_NOISE && noise.is_some_and(|noise| noise <= limit);
+        let is_quiet = |limit| match noise {
+            Some(Some(noise)) => samples >= FEWEST_FOR_NOISE && noise <= limit,
+            Some(None) => samples >= FEWEST_FOR_BLACK,
+            None => false,
+        };
         if samples >= self.samples {
             Some(StopReason::Samples)
         } else if !in_time && samples > 0 {
@@ -57,6 +77,24 @@ impl StopCondition {
         } else {
             None
         }
+    }
+
+    /// The end of the round of samples that begins after `done` per pixel. With a limit of noise all pixels have equally many samples at the end of a
+    /// round, which depends on the picture alone, and there the noise is judged: so the same picture has the same samples on any number of threads.
+    /// `noise` is that at `done`. Rounds become shorter towards the limit, as far as it can be foreseen.
+    pub fn round_end(&self, done: u32, noise: Option<f32>) -> u32 {
+        let Some(limit) = self.noise else {
+            return self.samples;
+        };
+        if done < FEWEST_FOR_NOISE {
+            return FEWEST_FOR_NOISE.min(self.samples);
+        }
+        // Noise falls with the root of the samples at least, and hardly faster than with their number.
+        let growth = noise.map_or(2.0, |noise| f64::from(noise / limit).clamp(1.0, 2.0));
+        let step = 1 << (done / SHORTEST_ROUND).ilog2();
+        let end = (f64::from(done) * growth).ceil().min(f64::from(u32::MAX - step)) as u32;
+        let end = end.max(done.saturating_add(1)).checked_next_multiple_of(step);
+        end.unwrap_or(u32::MAX).min(self.samples)
     }
 }
 
@@ -72,24 +110,63 @@ mod tests {
             noise_target: Some(0.1),
             ..RenderControl::default()
         };
-        let stop = StopCondition::new(&control, 8);
-        assert_eq!(stop.reached(63, 1.9, Some(0.2)), None);
+        let stop = StopCondition::of_limits(&control, 8, None);
+        assert_eq!(stop.reached(63, 1.9, Some(Some(0.2))), None);
         assert_eq!(stop.reached(63, 1.9, None), None);
         assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
         assert_eq!(stop.reached(1, 2.0, None), Some(StopReason::Time));
-        assert_eq!(stop.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
+        assert_eq!(stop.reached(16, 1.0, Some(Some(0.1))), Some(StopReason::Noise));
         // These are too few samples to know.
-        assert_eq!(stop.reached(15, 1.0, Some(0.0)), None);
+        assert_eq!(stop.reached(15, 1.0, Some(Some(0.0))), None);
         // A demand for an exact number takes the place of all limits.
         let exact = RenderControl {
             exact_samples: Some(100),
             ..control
         };
-        let exact = StopCondition::new(&exact, 8);
-        assert_eq!(exact.reached(99, 1e9, Some(0.0)), None);
+        let exact = StopCondition::of_limits(&exact, 8, None);
+        assert_eq!(exact.reached(99, 1e9, Some(Some(0.0))), None);
         assert_eq!(exact.reached(100, 0.0, None), Some(StopReason::Samples));
-        let film = StopCondition::new(&RenderControl::default(), 8);
-        assert_eq!(film.reached(7, 1e9, Some(0.0)), None);
+        let film = StopCondition::of_limits(&RenderControl::default(), 8, None);
+        assert_eq!(film.reached(7, 1e9, Some(Some(0.0))), None);
         assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));
+    }
+
+    fn quiet(control: &RenderControl) -> StopCondition {
+        StopCondition::of_limits(control, u32::MAX, Some(0.01))
+    }
+
+    #[test]
+    fn the_noise_of_the_file_counts_where_nothing_else_is_asked_for() {
+        let control = |noise_target| RenderControl {
+            noise_target,
+            ..RenderControl::default()
+        };
+        let reached = |noise_target, noise| quiet(&control(noise_target)).reached(100, 0.0, Some(Some(noise)));
+        assert_eq!(reached(None, 0.01), Some(StopReason::Noise));
+        assert_eq!(reached(None, 0.011), None);
+        assert_eq!(reached(Some(0.1), 0.05), Some(StopReason::Noise));
+        assert_eq!(reached(Some(0.0), 0.0), None);
+        // What is black may only not have found its light yet.
+        assert_eq!(quiet(&control(None)).reached(1000, 0.0, Some(None)), None);
+        assert_eq!(
+            quiet(&control(None)).reached(1024, 0.0, Some(None)),
+            Some(StopReason::Noise)
+        );
+    }
+
+    #[test]
+    fn rounds_end_where_the_noise_may_be_reached() {
+        let stop = quiet(&RenderControl::default());
+        assert_eq!([0, 3].map(|done| stop.round_end(done, Some(0.0))), [16; 2]);
+        // Far away the samples double, near the limit they grow by an eighth or sixteenth.
+        assert_eq!(stop.round_end(16, Some(1.0)), 32);
+        assert_eq!(stop.round_end(64, None), 128);
+        assert_eq!(stop.round_end(64, Some(0.0101)), 72);
+        assert_eq!(stop.round_end(4096, Some(0.0125)), 5120);
+        assert_eq!(stop.round_end(u32::MAX - 5, Some(0.02)), u32::MAX);
+        let short = StopCondition { samples: 20, ..stop };
+        assert_eq!([0, 16].map(|done| short.round_end(done, Some(1.0))), [16, 20]);
+        let plain = StopCondition { noise: None, ..short };
+        assert_eq!(plain.round_end(0, None), 20);
     }
 }

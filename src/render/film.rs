@@ -1,12 +1,15 @@
 //! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
 
+mod errors;
+
 use glam::Vec3;
 
 use super::layers::{FilmLayers, LayerSums, Matte};
+use super::mean_error::{BLOCK, BLOCKS, BlockError};
 use super::scene::FirstHit;
 use super::splats::{Splat, Splats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
-use crate::color::{Rgb, luminance};
+use crate::color::Rgb;
 
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
@@ -23,6 +26,10 @@ pub struct Film {
     height: u32,
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
+    /// The mean luminance at the last power of two of samples, and at the one before.
+    noted: Vec<[f32; 2]>,
+    /// What is known of the errors of each block of pixels, tile by tile.
+    errors: Vec<BlockError>,
     /// The preview of each tile of the picture that has no samples yet.
     previews: Vec<Option<TilePreview>>,
     /// What is kept beside the picture.
@@ -65,6 +72,9 @@ impl Film {
         self.splats = Splats::default();
         self.counts.clear();
         self.counts.resize(pixels, 0);
+        self.noted.resize(pixels, [0.0; 2]);
+        self.errors.clear();
+        self.errors.resize(tiles * BLOCKS, BlockError::default());
         std::mem::replace(&mut self.previews, vec![None; tiles])
     }
 
@@ -72,6 +82,8 @@ impl Film {
     pub fn memory_bytes(width: u32, height: u32, kept: FilmLayers) -> u64 {
         let pixel = size_of::<PixelSum>()
             + size_of::<u32>()
+            + size_of::<[f32; 2]>()
+            + size_of::<BlockError>() / (BLOCK * BLOCK) as usize
             + size_of::<Option<FirstHit>>()
             + kept.pixel_bytes()
             + COPIES * size_of::<Rgb>();
@@ -110,6 +122,7 @@ impl Film {
                 *samples += count;
             }
         }
+        self.compare_halves(tile);
         let place = self.tile_index(tile.x, tile.y);
         self.splats.keep(result.samples.end, place, &result.splats);
         self.previews[place].take_if(|preview| preview.tile == tile)
@@ -289,30 +302,12 @@ impl Film {
         self.means(|mean| mean.depth)
     }
 
-    /// The estimated standard error of a pixel's luminance; None below two samples.
-    pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
-        let index = self.index(x, y);
-        let (_, squared_error) = mean_and_squared_error(&self.sums[index], self.counts[index])?;
-        Some(squared_error.sqrt())
-    }
-
     fn means<T>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
         (0..self.height)
             .flat_map(|y| (0..self.width).map(move |x| (x, y)))
             .map(|(x, y)| of(self.pixel(x, y).unwrap_or_default()))
             .collect()
     }
-}
-
-/// The mean luminance of a pixel and the estimated square of its standard error; None below two samples.
-pub(super) fn mean_and_squared_error(sum: &PixelSum, count: u32) -> Option<(f32, f32)> {
-    if count < 2 {
-        return None;
-    }
-    let scale = 1.0 / count as f32;
-    let mean = luminance(sum.radiance * scale);
-    let variance = (sum.luminance_squared * scale - mean * mean).max(0.0);
-    Some((mean, variance / (count - 1) as f32))
 }
 
 fn mean(sum: &PixelSum, count: u32) -> PixelSum {

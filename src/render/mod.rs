@@ -13,6 +13,7 @@ mod lanes;
 pub mod layered_image;
 pub mod layers;
 pub mod light_layers;
+mod mean_error;
 mod mis;
 pub mod noise;
 pub mod observer;

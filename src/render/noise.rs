@@ -1,6 +1,6 @@
 //! Estimates the noise of a whole picture as one number, at which rendering may stop.
 
-use super::film::{Film, mean_and_squared_error};
+use super::film::Film;
 use super::tile::Tile;
 
 /// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible in what is almost black.
@@ -32,13 +32,23 @@ impl PictureNoise {
         }
     }
 
+    /// The relative noise of these tiles of a film, see [`Self::relative`]: the same bits in whatever order their samples came.
+    pub fn of(film: &Film, tiles: &[Tile]) -> Option<f32> {
+        let mut noise = Self::new(tiles.len());
+        // The first round finds the mean luminance, by which the second one knows what is dark.
+        for _ in 0..2 {
+            tiles
+                .iter()
+                .enumerate()
+                .for_each(|(index, &tile)| noise.update(index, film, tile));
+        }
+        noise.relative(0..tiles.len())
+    }
+
     /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
     /// dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
-        let pixels = || {
-            let rows = film.rows(tile).flat_map(|(sums, counts)| sums.iter().zip(counts));
-            rows.filter_map(|(sum, &count)| mean_and_squared_error(sum, count))
-        };
+        let pixels = || film.mean_errors(tile);
         let mut new = TileNoise::default();
         for (mean, _) in pixels() {
             new.pixels += 1;

@@ -147,6 +147,8 @@ pub struct Film {
     pub sample_count: u32,
     /// How it is stored in files.
     pub storage: FilmStorage,
+    /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is reached first counts.
+    pub noise_target: Option<f32>,
 }
 
 /// A rectangle of pixels of a film, (x, y) its top left.
@@ -206,6 +208,7 @@ impl Default for Film {
             filter: ReconstructionFilter::default(),
             sample_count: 16,
             storage: FilmStorage::default(),
+            noise_target: None,
         }
     }
 }

@@ -55,6 +55,38 @@ fn image(path: &Path) -> ImageRgb {
     ImageRgb { width, height, pixels }
 }
 
+/// The figures of a render with these options.
+fn figures(scene: &Path, output: &Path, more: &[&str]) -> serde_json::Value {
+    let output = render(scene, output, &[&["--stats=json", "-q"], more].concat());
+    assert_code(&output, 0);
+    serde_json::from_slice(&output.stdout).expect("the figures")
+}
+
+#[test]
+fn a_limit_of_noise_ends_a_render() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let picture = shop.path("a.exr");
+    let run = |more: &[&str]| {
+        let found = figures(&scene, &picture, more);
+        let number = |name: &str| found[name].as_f64().expect(name);
+        (number("spp"), number("noise"))
+    };
+    let (samples, noise) = run(&["--noise", "0.5%"]);
+    assert!(samples > 20.0 && noise <= 0.005 && noise > 0.0035, "{samples} {noise}");
+    // Whichever comes first.
+    let (fewer, louder) = run(&["--noise", "0.005", "--spp", "20"]);
+    assert!(fewer == 20.0 && louder > 0.005, "{fewer} {louder}");
+    let (some, _) = run(&["--noise", "1e-6", "--time", "300ms"]);
+    assert!(some > 0.0);
+    // The file may say it; what is asked for takes its place.
+    let text = SCENE.replace("</sampler>", "<float name='noise_target' value='0.1'/></sampler>");
+    let limited = shop.scene(&text.replace("$spp", "100000"));
+    let spp = |more: &[&str]| figures(&limited, &picture, more)["spp"].as_f64().expect("samples");
+    assert!((16.0..samples).contains(&spp(&[])));
+    assert_eq!(spp(&["--spp", "3"]), 3.0);
+}
+
 #[test]
 fn renders_every_format() {
     let shop = Workshop::new();
@@ -277,6 +309,9 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
     assert_code(&missing_output, 2);
     assert_code(&render(&scene, &shop.path("a.png"), &["--spp", "0"]), 2);
     assert_code(&render(&scene, &shop.path("a.png"), &["--time", "yesterday"]), 2);
+    for noise in ["0", "-0.1", "quiet", "inf"] {
+        assert_code(&render(&scene, &shop.path("a.png"), &["--noise", noise]), 2);
+    }
 
     let no_format = render(&scene, &shop.path("a.docx"), &[]);
     assert_code(&no_format, 2);

@@ -105,6 +105,51 @@ fn noise_stops_it_and_less_noise_takes_more_samples() {
     );
 }
 
+#[test]
+fn a_limit_of_noise_gives_the_same_bits_on_any_number_of_threads() {
+    let quiet = |threads: usize, interactive: bool| {
+        let mut app = studio(|control| {
+            control.threads = std::num::NonZeroUsize::new(threads).expect("not zero");
+            control.interactive = interactive;
+            control.target_samples = Some(ENDLESS);
+            control.noise_target = Some(0.03);
+        });
+        assert_eq!(finish(&mut app), Some(StopReason::Noise));
+        let status = status(&app);
+        (film(&app).0, status.samples, status.noise)
+    };
+    let (alone, samples, noise) = quiet(1, false);
+    assert!(
+        alone.sample_count() == samples && alone.most_samples() == samples,
+        "{samples}"
+    );
+    for (threads, interactive) in [(3, false), (2, true)] {
+        let (film, other_samples, other_noise) = quiet(threads, interactive);
+        assert_eq!((other_samples, other_noise), (samples, noise), "{threads} threads");
+        assert!(film == alone, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_limit_of_noise_that_comes_later_counts_when_all_pixels_have_as_many_samples() {
+    let mut app = studio(|control| control.target_samples = Some(ENDLESS));
+    while status(&app).samples < 40 {
+        app.update();
+    }
+    change(&mut app, |control| control.noise_target = Some(0.5));
+    assert_eq!(finish(&mut app), Some(StopReason::Noise));
+    let (film, _) = film(&app);
+    assert_eq!(film.sample_count(), film.most_samples());
+    // Without it the picture goes on.
+    let before = status(&app).samples;
+    change(&mut app, |control| {
+        control.noise_target = Some(0.0);
+        control.target_samples = Some(before + 16);
+    });
+    assert_eq!(finish(&mut app), Some(StopReason::Samples));
+    assert_eq!(status(&app).samples, before + 16);
+}
+
 /// The film of a render to so many samples that nothing interrupted.
 fn plain(samples: u32) -> Film {
     let mut app = studio(|control| control.target_samples = Some(samples));

@@ -136,7 +136,7 @@ fn parameters_are_read() {
            <transform name='toWorld'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>
            <film type='hdrfilm'><integer name='width' value='320'/><integer name='height' value='200'/><rfilter type='box'/>
              <string name='pixel_format' value='rgb'/></film>
-           <sampler type='multijitter'><integer name='sample_count' value='64'/></sampler></sensor>
+           <sampler type='multijitter'><integer name='sample_count' value='64'/><float name='noise_target' value='0.02'/></sampler></sensor>
          <shape type='sphere' id='ball'><point name='center' x='1' y='2' z='3'/><float name='radius' value='4'/>
            <boolean name='flip_normals' value='true'/>
            <bsdf type='metal'><rgb name='reflectance' value='0.1,0.2,0.3'/><float name='fuzz' value='0.25'/></bsdf>
@@ -168,6 +168,7 @@ fn parameters_are_read() {
                 pixels: Some(PixelFormat::Rgb),
                 components: None,
             },
+            noise_target: Some(0.02),
         }
     );
     assert!(
@@ -603,6 +604,10 @@ fn what_cannot_be_is_an_error_with_its_line() {
         (
             "<sensor type='perspective'><sampler type='independent'><integer name='sample_count' value='0'/></sampler></sensor>",
             "2: error: `sample_count` is 0",
+        ),
+        (
+            "<sensor type='perspective'><sampler type='independent'><float name='noise_target' value='0'/></sampler></sensor>",
+            "2: error: `noise_target` is 0",
         ),
         ("<shape type='obj'/>", "2: error: shape `obj` needs a `filename`"),
         (

@@ -125,7 +125,10 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let object = with_nonzero(object, "shutter_close", sensor.shutter_close);
     let object = with_view(object, to_world);
     let sampler = Object::new(Category::Sampler, "independent");
-    let sampler = with_integer(sampler, "sample_count", film.sample_count);
+    let mut sampler = with_integer(sampler, "sample_count", film.sample_count);
+    if let Some(noise) = film.noise_target {
+        sampler = with_float(sampler, "noise_target", noise);
+    }
     with_child(with_child(object, film_object(film)), sampler)
 }
 

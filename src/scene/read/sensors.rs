@@ -69,7 +69,7 @@ impl<'a> SceneReader<'a> {
             self.read_film(film, &mut read_film);
         }
         if let Some((_, sampler)) = sampler.first() {
-            read_film.sample_count = read_sample_count(self.reader(sampler)).unwrap_or(read_film.sample_count);
+            read_sampler(self.reader(sampler), &mut read_film);
         }
         for (_, second) in film.iter().skip(1).chain(sampler.iter().skip(1)) {
             let message = format!("a second {} has no effect", second.category.tag());
@@ -297,9 +297,14 @@ fn read_filter(mut reader: Reader) -> ReconstructionFilter {
     filter
 }
 
-/// The number of samples. All samplers converge to the same picture, so that all are accepted, and the user chooses the sequence.
-fn read_sample_count(mut reader: Reader) -> Option<u32> {
+/// The number of samples, and the noise that ends them. All samplers converge to the same picture, so that all are accepted, and the user chooses the
+/// sequence.
+fn read_sampler(mut reader: Reader, film: &mut Film) {
     let count = reader.integer_in("sample_count", 1..=LARGEST_SAMPLE_COUNT);
+    film.sample_count = count
+        .and_then(|count| u32::try_from(count).ok())
+        .unwrap_or(film.sample_count);
+    film.noise_target = reader.float_in("noise_target", f32::MIN_POSITIVE..=f32::MAX);
     reader.ignore(&["seed", "jitter"]);
     const KNOWN: [&str; 5] = ["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
     let plugin = reader.object().plugin.as_str();
@@ -310,5 +315,4 @@ fn read_sample_count(mut reader: Reader) -> Option<u32> {
         let span = reader.object().span;
         reader.diagnostics().warn(span, message);
     }
-    count.and_then(|count| u32::try_from(count).ok())
 }

@@ -235,7 +235,10 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::Restart => control(world, |control| control.restart_requested = true),
         Command::SetTargetSamples(samples) => control(world, |control| control.target_samples = Some(samples.max(1))),
         Command::SetTimeLimit(limit) => control(world, |control| control.time_limit = limit),
-        Command::SetNoiseTarget(target) => control(world, |control| control.noise_target = target),
+        Command::SetNoiseTarget(target) => {
+            // Zero is no limit, also where the file has one.
+            control(world, |control| control.noise_target = Some(target.unwrap_or(0.0)));
+        }
         Command::SetRegion(region) => {
             let region = region.map(|region| Rect::from_corners(region.min, region.max));
             control(world, |control| control.region = region);

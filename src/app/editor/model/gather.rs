@@ -167,7 +167,11 @@ pub fn gather_status(
     model.render.accel = *settings.accel;
     model.unit = *settings.unit;
     model.render.time_limit = settings.control.time_limit;
-    model.render.noise_target = settings.control.noise_target;
+    let noise_target = settings
+        .control
+        .noise_target
+        .or(film.and_then(|film| film.noise_target));
+    model.render.noise_target = noise_target.filter(|noise| *noise > 0.0);
     model.render.noise = status.noise;
     model.render.region = settings.control.region;
     model.render.strategy_split = settings.control.strategy_split;

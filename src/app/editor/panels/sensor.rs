@@ -175,7 +175,16 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     changed |= crop(ui, film);
     memory(ui, film);
     changed |= filter(ui, &mut film.filter);
-    fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20) || changed
+    changed |= fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20);
+    let mut is_limited = film.noise_target.is_some();
+    if fields::checkbox(ui, "Limit noise", &mut is_limited) {
+        film.noise_target = is_limited.then_some(0.02);
+        changed = true;
+    }
+    if let Some(noise) = &mut film.noise_target {
+        changed |= fields::log_slider(ui, ("Noise", "noise_target"), noise, 0.001..=0.5);
+    }
+    changed
 }
 
 /// Warns of a film that takes much memory.

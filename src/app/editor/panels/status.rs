@@ -20,14 +20,13 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
     let status = &model.status;
     ui.horizontal(|ui| {
         ui.set_min_height(20.0);
-        let progress = status.samples as f32 / status.target.max(1) as f32;
-        let bar = egui::ProgressBar::new(progress.clamp(0.0, 1.0))
+        let bar = egui::ProgressBar::new(status.done() as f32)
             .desired_width(150.0)
             .desired_height(14.0)
             .text(format!("{} / {} spp", status.samples, status.target));
         ui.label(state_name(status));
         ui.add(bar)
-            .on_hover_text("Samples per pixel: those that are done, and those that are wanted");
+            .on_hover_text("Samples per pixel: those that are done, and those that are wanted. A limit of time or noise may end the picture sooner");
         for part in parts(model) {
             // The last entries matter least: they are left out if there is no room.
             let font = egui::TextStyle::Body.resolve(ui.style());
@@ -154,7 +153,10 @@ fn noise(model: &StatusModel) -> Option<Part> {
         )
     });
     Some(Part {
-        text: format!("noise {}", percent(noise)),
+        text: match model.status.noise_target {
+            Some(target) => format!("noise {} of {}", percent(noise), percent(target)),
+            None => format!("noise {}", percent(noise)),
+        },
         hint: format!("The error that is expected of a pixel, as a share of the picture's brightness.{before} Limit noise in Render stops at a value.").into(),
         trend: heights(points),
     })
@@ -209,11 +211,10 @@ fn trend(ui: &mut Ui, heights: &[f32]) -> egui::Response {
 /// The time, such as `0:12, 0:48 left`.
 fn time(status: &RenderStatus) -> String {
     let spent = clock(status.seconds);
-    if status.state != RenderState::Rendering || status.samples == 0 || status.samples >= status.target {
-        return spent;
+    match status.seconds_left().filter(|left| *left > 0.0) {
+        Some(left) => format!("{spent}, {} left", clock(left)),
+        None => spent,
     }
-    let left = status.seconds * f64::from(status.target - status.samples) / f64::from(status.samples);
-    format!("{spent}, {} left", clock(left))
 }
 
 pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
@@ -270,6 +271,19 @@ mod tests {
             ..status.clone()
         };
         assert_eq!(time(&done), "30.0 s");
+        // Half of the noise takes more than three times the samples.
+        let quiet = RenderStatus {
+            target: u32::MAX,
+            noise: Some(0.02),
+            noise_target: Some(0.01),
+            ..status.clone()
+        };
+        assert_eq!(time(&quiet), "30.0 s, 1:05 left");
+        let short = RenderStatus {
+            time_limit: Some(45.0),
+            ..quiet
+        };
+        assert_eq!(time(&short), "30.0 s, 15.0 s left");
     }
 
     #[test]

@@ -1,0 +1,218 @@
+//! The error of a pixel's mean, estimated from how its halves differ.
+//!
+//! The samples of a pixel are points of one scrambled net, which complete each other: the mean of n of them is nearer to the truth than their spread
+//! says. The mean over the first half of 2^k samples and the mean over the second are exchangeable, so half of their difference squared has the
+//! expectation V(n / 2) - V(n), where V is the variance of the mean (Owen, Scrambled net variance for integrals of smooth functions, Annals of
+//! Statistics 25(4), 1997, on how V falls). What of V(n) the samples cannot tell is extrapolated: each doubling takes the same share `r` of what the
+//! one before it took, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for independent samples, for which the estimate
+//! is the usual one, and at least 1/8, for smooth integrands.
+//!
+//! The differences of single pixels are one number each, so they are summed over blocks of [`BLOCK`] x [`BLOCK`] pixels, and `r` is that of a tile. A pixel's own
+//! share of its block's error is that of its samples' spread, which is known far better. A rare bright sample enlarges the spread and the difference
+//! alike, once it is there; what no sample has found yet is in no estimate.
+
+use super::noise::DARK;
+use super::tile::TILE;
+
+/// The edge in pixels of the blocks over which halves are compared.
+pub(super) const BLOCK: u32 = 8;
+/// The number of blocks in a tile.
+pub(super) const BLOCKS: usize = (TILE / BLOCK * (TILE / BLOCK)) as usize;
+
+/// The bounds of the share of a doubling in the one before it.
+const SHARES: [f32; 2] = [0.125, 0.5];
+
+/// The block of the pixel at (x, y) among those of its tile.
+pub(super) fn block_of(x: u32, y: u32) -> usize {
+    (y % TILE / BLOCK * (TILE / BLOCK) + x % TILE / BLOCK) as usize
+}
+
+/// How the samples of a block's pixels differ. All of its pixels have the same number of samples. Sums over pixels are of squares relative to the
+/// pixels' luminances.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct BlockError {
+    /// The power of two of samples at which the means were noted last; 0 before that.
+    pub noted: u32,
+    /// The power of two of samples whose halves were compared last; 0 before that.
+    pub level: u32,
+    /// The sum of half the halves' difference squared.
+    pub difference: f32,
+    /// The same at half of `level`.
+    pub difference_before: f32,
+    /// The sum of the mean squared deviations of single samples from their mean, at `level`.
+    pub spread: f32,
+    /// The mean magnitude of the luminance, at `level`.
+    pub luminance: f32,
+}
+
+impl BlockError {
+    /// The variance of a pixel's mean over `samples`, over the mean squared deviation of its samples. `share` is that of a doubling in the one before.
+    pub fn efficiency(&self, samples: u32, share: f32) -> f32 {
+        let independent = 1.0 / (samples.max(2) - 1) as f32;
+        if self.level == 0 || self.spread <= 0.0 || self.difference <= 0.0 {
+            return independent;
+        }
+        let unit = self.difference / self.spread;
+        unit * variance(samples, self.level, share, unit.recip())
+    }
+}
+
+/// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less, as in the noise of a picture.
+pub(super) fn share_of_doubling(blocks: &[BlockError]) -> f32 {
+    let bright = blocks.iter().map(|block| block.luminance).sum::<f32>() / blocks.len() as f32;
+    let known = blocks.iter().filter(|block| block.difference_before > 0.0);
+    let [last, before] = known.fold([0.0; 2], |[last, before], block| {
+        let weight = (block.luminance / block.luminance.max(DARK * bright).max(f32::MIN_POSITIVE)).powi(2);
+        [
+            last + weight * block.difference,
+            before + weight * block.difference_before,
+        ]
+    });
+    let [least, most] = SHARES;
+    if before > 0.0 {
+        (last / before).clamp(least, most)
+    } else {
+        most
+    }
+}
+
+/// The variance of the mean of the first `samples` of a net, in units of what the doubling to `level` took away, where later doublings take `share` of the one
+/// before. `single` is the variance of one sample.
+///
+/// The mean over a node of the binary tree of samples differs from the means over its halves by independent amounts. The variance is the sum of those of the
+/// amounts that do not cancel.
+fn variance(samples: u32, level: u32, share: f32, single: f32) -> f32 {
+    let (mut level, mut step) = (u64::from(level), 1.0);
+    let samples = u64::from(samples);
+    while samples >= 2 * level {
+        level *= 2;
+        step *= share;
+    }
+    let rest = |step: f32| step * share / (1.0 - share);
+    if samples <= level {
+        return rest(step);
+    }
+    // The next node is begun: the first half of it is whole.
+    let next = step * share;
+    let (count, more) = (samples as f32, (samples - level) as f32);
+    let lack = (level as f32 - more) / count;
+    rest(next) + next * lack * lack + (more / count).powi(2) * within(samples - level, level, step, share, single)
+}
+
+/// The variance of the mean of the first `samples` around that of the node of `size` that they are in, whose halves differ by `step`.
+fn within(samples: u64, size: u64, step: f32, share: f32, single: f32) -> f32 {
+    let (mut samples, mut size, mut step) = (samples, size, step);
+    let (mut sum, mut factor) = (0.0, 1.0);
+    let most = single / samples as f32;
+    while samples < size && sum < most {
+        let half = size / 2;
+        if samples <= half {
+            sum += factor * step;
+        } else {
+            let more = samples - half;
+            let (lack, all) = ((half - more) as f32, samples as f32);
+            sum += factor * step * (lack / all).powi(2);
+            factor *= (more as f32 / all).powi(2);
+            samples = more;
+        }
+        (size, step) = (half, step / share);
+    }
+    sum.min(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Sampler, SequenceKind};
+    use glam::UVec2;
+
+    #[test]
+    fn independent_samples_have_the_variance_of_the_textbook() {
+        // Each doubling takes half of what the one before took, and a single sample has 16 times the variance of a mean of 16.
+        for samples in [16, 17, 20, 24, 31, 32, 48, 63, 64, 100] {
+            let found = variance(samples, 16, 0.5, 16.0);
+            assert!(
+                (found / (16.0 / samples as f32) - 1.0).abs() < 1e-4,
+                "{samples}: {found}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_error_between_powers_of_two_is_above_that_at_the_next() {
+        for share in [0.125, 0.25, 0.4] {
+            let [at, between, next] = [16, 24, 32].map(|samples| variance(samples, 16, share, 1e3));
+            assert!((next / at - share).abs() < 1e-5, "{share}");
+            assert!(between > next && between < 1.5 * at, "{share}: {at} {between} {next}");
+        }
+        // One sample more than a good net brings its whole spread.
+        let one_more = variance(257, 256, 0.125, 1e4);
+        assert!(one_more > 0.1 && one_more < 1.0, "{one_more}");
+    }
+
+    /// The estimated and the true variance of means of `f` over `samples`, over many pixels.
+    fn compared(kind: SequenceKind, samples: u32, f: impl Fn(glam::Vec2) -> f32, truth: f32) -> [f32; 2] {
+        let mut block = BlockError::default();
+        let places: Vec<UVec2> = (0..64).flat_map(|y| (0..64).map(move |x| UVec2::new(x, y))).collect();
+        let (mut sums, mut squares) = (vec![0.0; places.len()], vec![0.0; places.len()]);
+        let mut noted = vec![[0.0; 2]; places.len()];
+        for sample in 0..samples {
+            for (place, (sum, square)) in places.iter().zip(sums.iter_mut().zip(&mut squares)) {
+                let value = f(Sampler::new(kind, *place, sample, 1).at_2d(20));
+                *sum += value;
+                *square += value * value;
+            }
+            let count = sample + 1;
+            if !count.is_power_of_two() {
+                continue;
+            }
+            let means: Vec<f32> = sums.iter().map(|sum| sum / count as f32).collect();
+            let squared = |steps: &mut dyn Iterator<Item = f32>| steps.map(|step| step * step).sum::<f32>();
+            if count > 1 {
+                let spread = means.iter().zip(&squares);
+                block = BlockError {
+                    noted: count,
+                    level: count,
+                    difference: squared(&mut means.iter().zip(&noted).map(|(mean, [half, _])| mean - half)),
+                    difference_before: squared(&mut noted.iter().map(|[half, quarter]| half - quarter)),
+                    spread: spread.map(|(mean, square)| square / count as f32 - mean * mean).sum(),
+                    luminance: 1.0,
+                };
+            }
+            noted = means
+                .iter()
+                .zip(&noted)
+                .map(|(&mean, &[half, _])| [mean, half])
+                .collect();
+        }
+        let spread: f32 = sums
+            .iter()
+            .zip(&squares)
+            .map(|(sum, square)| {
+                let mean = sum / samples as f32;
+                square / samples as f32 - mean * mean
+            })
+            .sum();
+        let estimated = spread * block.efficiency(samples, share_of_doubling(&[block]));
+        let error = sums.iter().map(|sum| (sum / samples as f32 - truth).powi(2)).sum();
+        [estimated, error].map(|sum: f32| sum / places.len() as f32)
+    }
+
+    #[test]
+    fn estimates_agree_with_true_errors() {
+        let inside_circle = |p: glam::Vec2| f32::from(u8::from(p.length() < 1.0));
+        let quarter = std::f32::consts::FRAC_PI_4;
+        for kind in [SequenceKind::Independent, SequenceKind::Sobol] {
+            for samples in [16, 24, 64, 96, 256] {
+                let [estimated, error] = compared(kind, samples, inside_circle, quarter);
+                let ratio = (estimated / error).sqrt();
+                // How the error of an edge falls differs from doubling to doubling.
+                assert!((ratio - 1.0).abs() < 0.25, "{kind:?}, {samples}: {ratio}");
+            }
+        }
+        // Without it the estimate of the second would be far too high.
+        let [estimated, error] = compared(SequenceKind::Sobol, 64, |p| p.x + p.y, 1.0);
+        let ratio = (estimated / error).sqrt();
+        assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
+    }
+}
