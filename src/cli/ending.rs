@@ -126,6 +126,7 @@ mod tests {
                 tile,
                 samples: 0..1,
                 pixels: vec![PixelSum::default(); (tile.width * tile.height) as usize],
+                blocks: None,
                 layers: Default::default(),
                 first_hits: Vec::new(),
                 splats: Vec::new(),

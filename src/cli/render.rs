@@ -52,6 +52,9 @@ pub struct RenderArgs {
     /// Stop at this noise, such as 0.01 or 1%: the root mean square error of pixels relative to their luminance, as estimated
     #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
     noise: Option<f32>,
+    /// Send more samples where the noise is
+    #[arg(long)]
+    adaptive: bool,
     /// Both sides of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
     size: Option<(u32, u32)>,
@@ -412,6 +415,9 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> 
         Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
         Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
         None => {}
+    }
+    if args.adaptive {
+        world.resource_mut::<RenderControl>().adaptive = Some(true);
     }
     if args.noise.is_some() {
         world.resource_mut::<RenderControl>().noise_target = args.noise;

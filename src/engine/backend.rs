@@ -7,14 +7,15 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use super::priority;
 use super::schedule::WorkItem;
+use crate::render::adaptive::{PilotTile, render_pilot};
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
-use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile};
+use crate::render::tile::{Tile, TilePreview, TileSamples, render_blocks, render_preview};
 use crate::render::view::View;
 
 /// A device that renders. For every back end:
 ///
-/// - What it makes of an item is a function of scene, view, tile and range of samples alone: not of the number of its workers, nor of what
+/// - What it makes of an item is a function of scene, view, tile and ranges of samples alone: not of the number of its workers, nor of what
 ///   it has rendered before or renders beside it. Random numbers are those of [`crate::sampling::Sampler`].
 /// - A tile's samples are summed up in their order. Those that are not finite count as black and are counted.
 /// - It looks at the flag of its run often enough for a change of the scene not to wait, and gives nothing once that is set.
@@ -27,6 +28,10 @@ pub(super) enum Backend {
 #[derive(Debug)]
 pub(super) enum TileResult {
     Preview(TilePreview),
+    Pilot {
+        index: usize,
+        pilot: PilotTile,
+    },
     Samples {
         index: usize,
         samples: TileSamples,
@@ -74,11 +79,15 @@ impl Backend {
                 WorkItem::Preview { index, step } => {
                     render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
                 }
-                WorkItem::Samples { index, samples } => {
-                    let (tile, samples) = (tiles[*index], samples.clone());
+                WorkItem::Pilot { index, number, samples } => {
+                    let pilot = render_pilot(&scene, &view, tiles[*index], *number, *samples, cancel)?;
+                    Some(TileResult::Pilot { index: *index, pilot })
+                }
+                WorkItem::Samples { index, samples, blocks } => {
+                    let (tile, samples, blocks) = (tiles[*index], samples.clone(), blocks.clone());
                     let samples = match &shutter {
                         Some(shutter) => shutter.render_tile(tile, samples, cancel)?,
-                        None => render_tile(&scene, &view, tile, samples, cancel)?,
+                        None => render_blocks(&scene, &view, tile, samples, blocks, cancel)?,
                     };
                     Some(TileResult::Samples { index: *index, samples })
                 }

@@ -25,6 +25,8 @@ pub struct RenderControl {
     pub time_limit: Option<f32>,
     /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is the sensor film's own `noise_target`, 0 is no limit.
     pub noise_target: Option<f32>,
+    /// Whether more samples go where the noise is, see [`crate::render::adaptive`]; None is the sensor film's own `adaptive`.
+    pub adaptive: Option<bool>,
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is all of it, as
     /// is a part outside of the picture. The rest keeps what it has.
     pub region: Option<Rect>,
@@ -64,6 +66,7 @@ impl Default for RenderControl {
             exact_samples: None,
             time_limit: None,
             noise_target: None,
+            adaptive: None,
             region: None,
             resolution_scale: 1.0,
             motion_scale: 1.0,

@@ -58,6 +58,8 @@ pub(super) struct Extracted {
     pub sample_count: u32,
     /// The film's own, see [`Film::noise_target`].
     pub noise_target: Option<f32>,
+    /// The film's own, see [`Film::adaptive`].
+    pub is_adaptive: bool,
     /// The pixels that the picture has when it is traced in full.
     pub full_size: UVec2,
     /// The time of what changed the scene or the view; the next job takes it.
@@ -120,6 +122,7 @@ impl Default for Extracted {
             light_groups: Arc::default(),
             sample_count: Film::default().sample_count,
             noise_target: None,
+            is_adaptive: false,
             full_size: UVec2::ZERO,
             since: None,
             meshes_loading: 0,
@@ -406,6 +409,7 @@ impl Extracted {
             self.sensor_name = name;
         }
         (self.sample_count, self.noise_target) = (film.sample_count, film.noise_target);
+        self.is_adaptive = film.adaptive;
         self.full_size = resolution::full_size(film, control);
     }
 }

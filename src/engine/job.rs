@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
+use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
@@ -47,12 +48,18 @@ impl Beginning {
     }
 }
 
+/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
+type Rounds = (Option<f32>, bool);
+
 /// The relative noise with this number of samples; None where all is black.
 #[derive(Clone, Copy, Debug)]
 struct JudgedNoise {
     samples: u32,
     noise: Option<f32>,
 }
+
+/// The least samples at the end of a round in which blocks differ.
+const LEAST_ROUND: u32 = 32;
 
 /// The results that have been added to the film.
 #[derive(Default)]
@@ -82,8 +89,9 @@ pub(super) struct Job {
     noise_of_tiles: PictureNoise,
     /// The noise at the last number of samples that all pixels of the region had.
     judged: Option<JudgedNoise>,
-    /// The limit of noise when the present round was begun, and the end of that round in samples.
-    round: (Option<f32>, u32),
+    /// What asked for the present round, and its end in samples.
+    round: (Rounds, u32),
+    adaptation: Adaptation,
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
     /// The indices in `tiles` of those in the region.
@@ -116,6 +124,7 @@ impl Job {
     ) -> Self {
         let mut order = tiles(view.width, view.height);
         sort_from_center(&mut order, view.width, view.height);
+        let adaptation = Adaptation::new(&order, view.width);
         Self {
             scene,
             view,
@@ -131,7 +140,8 @@ impl Job {
             noise: None,
             noise_of_tiles: PictureNoise::new(order.len()),
             judged: None,
-            round: (None, 0),
+            round: (Rounds::default(), 0),
+            adaptation,
             region: None,
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
@@ -210,7 +220,9 @@ impl Job {
             true => done <= samples,
             false => done == 0 || self.stops.contains(&done),
         };
-        self.done.iter().zip(is_active).all(is_as_asked) && self.cuts.range(..samples).next().is_none()
+        self.done.iter().zip(is_active).all(is_as_asked)
+            && self.cuts.range(..samples).next().is_none()
+            && !self.adaptation.has_differences(&Vec::from_iter(0..self.tiles.len()))
     }
 
     /// Renders only in the region from now on; the samples of other tiles stay.
@@ -240,17 +252,12 @@ impl Job {
         if matches!(reached, Some(StopReason::Time | StopReason::Noise)) {
             self.pause();
         }
+        let asked = (stop.noise, stop.is_adaptive);
         if let Some(run) = &self.run {
-            if self.round.0 != stop.noise {
-                // The noise is judged as soon as all pixels have the same number of samples.
-                self.round = (
-                    stop.noise,
-                    if stop.noise.is_some() {
-                        run.queue.finish_pass()
-                    } else {
-                        u32::MAX
-                    },
-                );
+            if self.round.0 != asked {
+                // A round begins as soon as all pixels have the same number of samples.
+                let is_divided = asked != Rounds::default();
+                self.round = (asked, if is_divided { run.queue.finish_pass() } else { u32::MAX });
             }
             run.queue.set_target(stop.samples.min(self.round.1));
             return;
@@ -267,21 +274,7 @@ impl Job {
             _ => self.previews(),
         };
         self.preview_left = previews.len();
-        let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
-        let done = self.least_samples();
-        let noise = self.judged_at(done).and_then(|judged| judged.noise);
-        let most = self.active.iter().map(|&index| self.done[index]).max().unwrap_or(0);
-        // Where pixels differ in their samples, the first round makes them equal.
-        let end = if done < most {
-            stop.samples.min(most)
-        } else {
-            stop.round_end(done, noise)
-        };
-        self.round = match stop.noise {
-            Some(_) => (stop.noise, end),
-            None => (None, u32::MAX),
-        };
-        let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), &previews, step);
+        let queue = self.next_queue(stop, asked, &previews, step);
         self.running_since = Some(Instant::now());
         let work = backend.work(
             self.scene.clone(),
@@ -290,6 +283,49 @@ impl Job {
             self.tiles.clone(),
         );
         self.run = Some(Run::start(backend, queue, self.preview_left, work, waker));
+    }
+
+    /// The work until the end of the next round, or of a pilot before it.
+    fn next_queue(&mut self, stop: &StopCondition, asked: Rounds, previews: &[usize], step: u32) -> WorkQueue {
+        let done = self.least_samples();
+        let under_way = self
+            .active
+            .iter()
+            .map(|&index| self.adaptation.on_the_way_to(index, self.done[index]));
+        let most = under_way.max().unwrap_or(0);
+        // Moments of a shutter are shared out evenly, so that sampling is uniform with one.
+        let can_differ = self.shutter.is_none() && !self.adaptation.is_uniform();
+        let is_adaptive = stop.is_adaptive && can_differ && done == most;
+        if is_adaptive
+            && previews.is_empty()
+            && let Some((number, samples)) = self.adaptation.due(done, stop.samples, &self.active)
+        {
+            return WorkQueue::of_pilot(&self.active, number, samples);
+        }
+        let noise = self.judged_at(done).and_then(|judged| judged.noise);
+        let has_differences = self.adaptation.has_differences(&self.active);
+        let end = match done < most {
+            // Where pixels differ in their samples, the first round makes them equal.
+            true => stop.samples.min(most),
+            false => stop.round_end(done, noise, is_adaptive),
+        };
+        // What has differences goes on by rounds, whatever is asked for.
+        let end = if has_differences {
+            end.min(most.max(LEAST_ROUND).saturating_mul(2))
+        } else {
+            end
+        };
+        let is_divided = asked.0.is_some() || is_adaptive || has_differences;
+        self.round = (asked, if is_divided { end } else { u32::MAX });
+        if is_divided {
+            self.adaptation.plan(&self.active, &self.done, end, is_adaptive);
+        }
+        let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
+        let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), previews, step);
+        let rounds = self.adaptation.rounds();
+        let with_rounds = |&index: &usize| Some((index, rounds[index].clone()?));
+        queue.set_rounds(self.active.iter().filter_map(with_rounds));
+        queue
     }
 
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
@@ -311,6 +347,7 @@ impl Job {
     pub fn pause(&mut self) {
         self.run = None;
         self.early.clear();
+        self.adaptation.break_off();
         if let Some(since) = self.running_since.take() {
             self.ran += since.elapsed();
         }
@@ -357,6 +394,11 @@ impl Job {
                     film.mark(preview.tile);
                     film.film.add_preview(preview);
                     collected += 1;
+                }
+                Ok(TileResult::Pilot { index, pilot }) => {
+                    self.rays += pilot.rays();
+                    let done = self.least_samples();
+                    self.adaptation.add(index, pilot, done, &self.active, &film.film);
                 }
                 Ok(TileResult::Samples { index, samples }) => {
                     spent.previews.extend(self.begin_in(film));
@@ -408,12 +450,14 @@ impl Job {
             film.mark(samples.tile);
             self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;
-            if samples.samples.end != pass_end(samples.samples.start) {
+            if let Some(blocks) = &samples.blocks {
+                self.adaptation.advance(index, blocks);
+            } else if samples.samples.end != pass_end(samples.samples.start) {
                 self.cuts.insert(samples.samples.end);
             }
             self.rays += samples.rays;
             self.invalid += u64::from(samples.invalid);
-            self.samples += samples.samples.len() as u64 * samples.pixels.len() as u64;
+            self.samples += samples.total();
             spent.samples.push(samples);
         }
     }

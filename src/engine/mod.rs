@@ -1,6 +1,7 @@
 //! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS, packs just
 //! that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws nothing and reads no input.
 
+mod adaptation;
 mod all_shapes;
 mod authored;
 mod backend;

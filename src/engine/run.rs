@@ -172,6 +172,7 @@ mod tests {
                 tile,
                 samples,
                 pixels: Vec::new(),
+                blocks: None,
                 layers: Default::default(),
                 first_hits: Vec::new(),
                 splats: Vec::new(),
@@ -202,8 +203,10 @@ mod tests {
 
     fn sample_work() -> Box<Work> {
         Box::new(|item, _| match item {
-            WorkItem::Samples { index, samples: range } => Some(samples(*index, range.clone())),
-            WorkItem::Preview { .. } => None,
+            WorkItem::Samples {
+                index, samples: range, ..
+            } => Some(samples(*index, range.clone())),
+            WorkItem::Preview { .. } | WorkItem::Pilot { .. } => None,
         })
     }
 
@@ -250,7 +253,9 @@ mod tests {
     fn a_panic_is_a_result_and_ends_the_run() {
         let work = |item: &WorkItem, cancel: &AtomicBool| match item {
             WorkItem::Samples { index: 7, .. } => panic!("number seven"),
-            WorkItem::Samples { index, samples: range } if *index < 7 => Some(samples(*index, range.clone())),
+            WorkItem::Samples {
+                index, samples: range, ..
+            } if *index < 7 => Some(samples(*index, range.clone())),
             _ => {
                 while !cancel.load(Ordering::Relaxed) {
                     std::thread::yield_now();

@@ -4,12 +4,14 @@
 //! interrupted: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::math::{Rect, UVec2};
 
+use super::adaptation::TileRound;
+use crate::render::adaptive::PerBlock;
 use crate::render::tile::Tile;
 
 /// The longest visit to a tile, in samples per pixel.
@@ -53,8 +55,22 @@ pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec
 /// One visit to a tile; `index` is its place in the job's list of tiles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum WorkItem {
-    Preview { index: usize, step: u32 },
-    Samples { index: usize, samples: Range<u32> },
+    Preview {
+        index: usize,
+        step: u32,
+    },
+    /// Pilot number `number`.
+    Pilot {
+        index: usize,
+        number: u32,
+        samples: u32,
+    },
+    /// Samples of all pixels, or of each block its own.
+    Samples {
+        index: usize,
+        samples: Range<u32>,
+        blocks: Option<Arc<PerBlock<Range<u32>>>>,
+    },
 }
 
 /// Deals out a job's work, pass after pass. Each worker claims its next item, so that none waits while there is work.
@@ -72,6 +88,10 @@ struct QueueState {
     /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
+    /// The pilots that are not claimed yet, the next one last.
+    pilots: Vec<WorkItem>,
+    /// The rounds of tiles whose blocks differ.
+    rounds: BTreeMap<usize, TileRound>,
 }
 
 impl WorkQueue {
@@ -85,8 +105,23 @@ impl WorkQueue {
                 previews: previews.iter().rev().copied().collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
+                pilots: Vec::new(),
+                rounds: BTreeMap::new(),
             }),
         }
+    }
+
+    /// A queue of a pilot of these tiles.
+    pub fn of_pilot(tiles: &[usize], number: u32, samples: u32) -> Self {
+        let queue = Self::new(&[], 0, &[], 1);
+        let pilot = |&index: &usize| WorkItem::Pilot { index, number, samples };
+        queue.state().pilots = tiles.iter().rev().map(pilot).collect();
+        queue
+    }
+
+    /// Has the blocks of these tiles differ in their samples.
+    pub fn set_rounds(&self, rounds: impl Iterator<Item = (usize, TileRound)>) {
+        self.state().rounds = rounds.collect();
     }
 
     /// The next piece of work; None when everything up to the target has been claimed.
@@ -98,17 +133,31 @@ impl WorkQueue {
                 step: state.step,
             });
         }
+        if let Some(pilot) = state.pilots.pop() {
+            return Some(pilot);
+        }
         let &Reverse((done, index)) = state.waiting.peek()?;
         if done >= state.target {
             return None;
         }
-        let end = pass_end(done).min(state.target);
+        let target = state.target;
+        let round = state.rounds.get_mut(&index).filter(|round| round.covers(done));
+        let (end, blocks) = match round {
+            // Such a visit is not divided.
+            Some(round) => {
+                let (end, blocks) = round.visit(done);
+                round.advance(&blocks);
+                (end, Some(Arc::new(blocks)))
+            }
+            None => (pass_end(done).min(target), None),
+        };
         state.waiting.pop();
         state.waiting.push(Reverse((end, index)));
         state.begun = state.begun.max(end);
         Some(WorkItem::Samples {
             index,
             samples: done..end,
+            blocks,
         })
     }
 
@@ -137,7 +186,8 @@ mod tests {
         std::iter::from_fn(|| queue.claim())
             .map(|item| match item {
                 WorkItem::Preview { index, .. } => (index, 0, 0),
-                WorkItem::Samples { index, samples } => (index, samples.start, samples.end),
+                WorkItem::Samples { index, samples, .. } => (index, samples.start, samples.end),
+                WorkItem::Pilot { .. } => unreachable!("none was asked for"),
             })
             .collect()
     }

@@ -4,6 +4,7 @@ use bevy::math::Rect;
 
 use super::control::RenderControl;
 use super::extract::Extracted;
+use crate::render::adaptive::FIRST;
 
 /// The limits of a job. They may change while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub(super) struct StopCondition {
     pub seconds: Option<f32>,
     /// The relative noise.
     pub noise: Option<f32>,
+    /// Whether sampling is adaptive.
+    pub is_adaptive: bool,
     /// The region as in [`RenderControl`].
     pub region: Option<Rect>,
 }
@@ -42,10 +45,15 @@ const SHORTEST_ROUND: u32 = 8;
 impl StopCondition {
     /// The limits of the film count where `control` does not say.
     pub fn new(control: &RenderControl, film: &Extracted) -> Self {
-        Self::of_limits(control, film.sample_count, film.noise_target)
+        Self::of_limits(control, film.sample_count, film.noise_target, film.is_adaptive)
     }
 
-    fn of_limits(control: &RenderControl, sample_count: u32, noise_target: Option<f32>) -> Self {
+    fn of_limits(
+        control: &RenderControl,
+        sample_count: u32,
+        noise_target: Option<f32>,
+        film_is_adaptive: bool,
+    ) -> Self {
         let exact = control.exact_samples;
         Self {
             samples: exact.or(control.target_samples).unwrap_or(sample_count).max(1),
@@ -55,6 +63,7 @@ impl StopCondition {
                 .noise_target
                 .or(noise_target)
                 .filter(|noise| exact.is_none() && *noise > 0.0),
+            is_adaptive: exact.is_none() && control.adaptive.unwrap_or(film_is_adaptive),
             region: control.region,
         }
     }
@@ -82,9 +91,11 @@ impl StopCondition {
     /// The end of the round of samples that begins after `done` per pixel. With a limit of noise all pixels have equally many samples at the end of a
     /// round, which depends on the picture alone, and there the noise is judged: so the same picture has the same samples on any number of threads.
     /// `noise` is that at `done`. Rounds become shorter towards the limit, as far as it can be foreseen.
-    pub fn round_end(&self, done: u32, noise: Option<f32>) -> u32 {
-        let Some(limit) = self.noise else {
-            return self.samples;
+    pub fn round_end(&self, done: u32, noise: Option<f32>, is_adaptive: bool) -> u32 {
+        let limit = match self.noise {
+            Some(limit) => limit,
+            None if is_adaptive => return done.saturating_mul(2).max(FIRST).min(self.samples),
+            None => return self.samples,
         };
         if done < FEWEST_FOR_NOISE {
             return FEWEST_FOR_NOISE.min(self.samples);
@@ -110,7 +121,7 @@ mod tests {
             noise_target: Some(0.1),
             ..RenderControl::default()
         };
-        let stop = StopCondition::of_limits(&control, 8, None);
+        let stop = StopCondition::of_limits(&control, 8, None, false);
         assert_eq!(stop.reached(63, 1.9, Some(Some(0.2))), None);
         assert_eq!(stop.reached(63, 1.9, None), None);
         assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
@@ -123,16 +134,16 @@ mod tests {
             exact_samples: Some(100),
             ..control
         };
-        let exact = StopCondition::of_limits(&exact, 8, None);
+        let exact = StopCondition::of_limits(&exact, 8, None, false);
         assert_eq!(exact.reached(99, 1e9, Some(Some(0.0))), None);
         assert_eq!(exact.reached(100, 0.0, None), Some(StopReason::Samples));
-        let film = StopCondition::of_limits(&RenderControl::default(), 8, None);
+        let film = StopCondition::of_limits(&RenderControl::default(), 8, None, false);
         assert_eq!(film.reached(7, 1e9, Some(Some(0.0))), None);
         assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));
     }
 
     fn quiet(control: &RenderControl) -> StopCondition {
-        StopCondition::of_limits(control, u32::MAX, Some(0.01))
+        StopCondition::of_limits(control, u32::MAX, Some(0.01), false)
     }
 
     #[test]
@@ -157,16 +168,19 @@ mod tests {
     #[test]
     fn rounds_end_where_the_noise_may_be_reached() {
         let stop = quiet(&RenderControl::default());
-        assert_eq!([0, 3].map(|done| stop.round_end(done, Some(0.0))), [16; 2]);
+        assert_eq!([0, 3].map(|done| stop.round_end(done, Some(0.0), false)), [16; 2]);
         // Far away the samples double, near the limit they grow by an eighth or sixteenth.
-        assert_eq!(stop.round_end(16, Some(1.0)), 32);
-        assert_eq!(stop.round_end(64, None), 128);
-        assert_eq!(stop.round_end(64, Some(0.0101)), 72);
-        assert_eq!(stop.round_end(4096, Some(0.0125)), 5120);
-        assert_eq!(stop.round_end(u32::MAX - 5, Some(0.02)), u32::MAX);
+        assert_eq!(stop.round_end(16, Some(1.0), false), 32);
+        assert_eq!(stop.round_end(64, None, false), 128);
+        assert_eq!(stop.round_end(64, Some(0.0101), false), 72);
+        assert_eq!(stop.round_end(4096, Some(0.0125), false), 5120);
+        assert_eq!(stop.round_end(u32::MAX - 5, Some(0.02), false), u32::MAX);
         let short = StopCondition { samples: 20, ..stop };
-        assert_eq!([0, 16].map(|done| short.round_end(done, Some(1.0))), [16, 20]);
+        assert_eq!([0, 16].map(|done| short.round_end(done, Some(1.0), false)), [16, 20]);
         let plain = StopCondition { noise: None, ..short };
-        assert_eq!(plain.round_end(0, None), 20);
+        assert_eq!(plain.round_end(0, None, false), 20);
+        // Adaptive rounds double.
+        let ends = [0, 64, 200].map(|done| StopCondition { samples: 300, ..plain }.round_end(done, None, true));
+        assert_eq!(ends, [64, 128, 300]);
     }
 }

@@ -104,7 +104,6 @@ impl Film {
     /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Their splats
     /// wait for [`Self::settle_splats`]. Returns the preview that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
-        let count = result.samples.len() as u32;
         let (tile, width) = (result.tile, result.tile.width as usize);
         for (y, place) in (tile.y..).zip((0..result.pixels.len()).step_by(width)) {
             let row = self.index(tile.x, y)..self.index(tile.x, y) + width;
@@ -114,12 +113,12 @@ impl Film {
             let counts = &self.counts[row.clone()];
             self.layers.add(self.kept, row.start, &result.layers, place, counts);
             let pixels = self.sums[row.clone()].iter_mut().zip(&mut self.counts[row]);
-            for ((sum, samples), new) in pixels.zip(&result.pixels[place..]) {
+            for ((x, (sum, samples)), new) in (tile.x..).zip(pixels).zip(&result.pixels[place..]) {
                 if *samples == 0 {
                     *sum = PixelSum::default();
                 }
                 sum.add(new);
-                *samples += count;
+                *samples += result.count(x, y);
             }
         }
         self.compare_halves(tile);
@@ -345,6 +344,7 @@ mod tests {
             tile,
             samples: range.clone(),
             pixels: vec![sum; (tile.width * tile.height) as usize],
+            blocks: None,
             layers: LayerSums::default(),
             first_hits: match range.start {
                 0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],

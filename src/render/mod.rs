@@ -1,5 +1,6 @@
 //! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
+pub mod adaptive;
 pub mod camera;
 pub mod denoise;
 mod dimensions;

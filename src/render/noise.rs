@@ -104,6 +104,7 @@ mod tests {
             tile,
             samples: sample..sample + 1,
             pixels: (0..tile.width * tile.height).map(pixel).collect(),
+            blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),
@@ -166,6 +167,7 @@ mod tests {
                 };
                 (all[0].width * all[0].height) as usize
             ],
+            blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),

@@ -76,6 +76,7 @@ mod tests {
             tile,
             samples,
             pixels: vec![sum; (tile.width * tile.height) as usize],
+            blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
             splats,

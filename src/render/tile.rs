@@ -1,13 +1,16 @@
 //! The unit of work: a rectangle of pixels times a range of samples, rendered by a pure function.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec3};
 
+use super::adaptive::{PerBlock, blocks_of};
 use super::headlight;
 use super::lanes::{self, Job};
 use super::layers::{LayerNotes, LayerSums, PixelLayers};
+use super::mean_error::block_of;
 use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
@@ -90,15 +93,18 @@ impl From<PathSample> for PixelSum {
 pub struct TileSamples {
     /// The pixels that were rendered.
     pub tile: Tile,
-    /// The indices of the samples that the sums are over.
+    /// The indices of the samples that the sums are over. Where blocks differ, they count the samples of the mean pixel.
     pub samples: Range<u32>,
+    /// The indices of the samples of each block, where [adaptive sampling](super::adaptive) has blocks differ.
+    pub blocks: Option<Arc<PerBlock<Range<u32>>>>,
     /// The pixels row by row.
     pub pixels: Vec<PixelSum>,
     /// The layers of the view in sums over the same samples.
     pub layers: LayerSums,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
-    /// Light for pixels that need not be of this tile. Paths from the camera bring none.
+    /// Light for pixels that need not be of this tile. Paths from the camera bring none. All pixels' samples count alike in it: where blocks differ, those
+    /// of a pixel count as many times less as it has more of them than `samples` says.
     pub splats: Vec<Splat>,
     /// Rays traced, shadow rays included.
     pub rays: u64,
@@ -120,6 +126,22 @@ impl TileSamples {
         self.splats.extend(next.splats);
         self.rays += next.rays;
         self.invalid += next.invalid;
+    }
+
+    /// The number of samples of the pixel at (x, y) of the picture.
+    pub(super) fn count(&self, x: u32, y: u32) -> u32 {
+        let of_block = |blocks: &PerBlock<Range<u32>>| blocks[block_of(x, y)].len();
+        self.blocks.as_deref().map_or(self.samples.len(), of_block) as u32
+    }
+
+    /// The number of samples of all pixels.
+    pub fn total(&self) -> u64 {
+        let Some(blocks) = &self.blocks else {
+            return self.samples.len() as u64 * self.pixels.len() as u64;
+        };
+        let of_block =
+            |(place, block): (usize, Tile)| u64::from(block.width * block.height) * blocks[place].len() as u64;
+        blocks_of(self.tile).map(of_block).sum()
     }
 }
 
@@ -148,11 +170,31 @@ pub fn render_tile(
     samples: Range<u32>,
     cancel: &AtomicBool,
 ) -> Option<TileSamples> {
+    render_blocks(scene, view, tile, samples, None, cancel)
+}
+
+/// Renders a tile as [`render_tile`] does, or of each of its `blocks` the samples of these indices; `samples` are then those of the mean pixel.
+pub fn render_blocks(
+    scene: &RenderScene,
+    view: &View,
+    tile: Tile,
+    samples: Range<u32>,
+    blocks: Option<Arc<PerBlock<Range<u32>>>>,
+    cancel: &AtomicBool,
+) -> Option<TileSamples> {
+    let indices = |pixel: UVec2| match blocks.as_deref() {
+        Some(blocks) => blocks[block_of(pixel.x, pixel.y)].clone(),
+        None => samples.clone(),
+    };
+    let longest = blocks
+        .as_deref()
+        .map_or(samples.len(), |blocks| blocks.iter().map(Range::len).max().unwrap_or(0));
     // All memory is allocated at once: a vector that grows makes other threads wait for the allocator.
     let pixels = (tile.width * tile.height) as usize;
     let mut result = TileSamples {
         tile,
         samples: samples.clone(),
+        blocks: blocks.clone(),
         pixels: Vec::with_capacity(pixels),
         layers: LayerSums::default(),
         first_hits: Vec::with_capacity(if samples.contains(&0) { pixels } else { 0 }),
@@ -163,7 +205,7 @@ pub fn render_tile(
     let mut layers = PixelLayers::new(scene, view.film_layers(), pixels);
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
-        Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
+        Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
         Tracer::OneByOne => 1,
     };
     let bottom = tile.y + tile.height;
@@ -172,12 +214,12 @@ pub fn render_tile(
             .flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| UVec2::new(x, y)));
         let jobs = pixels
             .clone()
-            .flat_map(|pixel| samples.clone().map(move |index| Job { pixel, index }));
+            .flat_map(|pixel| indices(pixel).map(move |index| Job { pixel, index }));
         let mut traced = tracer.trace(scene, view, jobs, cancel)?;
         for pixel in pixels {
             let mut sum = PixelSum::default();
             layers.begin_pixel();
-            for index in samples.clone() {
+            for index in indices(pixel) {
                 let (mut sample, weight) = traced.next(Job { pixel, index });
                 result.rays += u64::from(sample.rays);
                 if index == 0 {

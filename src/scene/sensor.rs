@@ -149,6 +149,8 @@ pub struct Film {
     pub storage: FilmStorage,
     /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is reached first counts.
     pub noise_target: Option<f32>,
+    /// Whether more samples go where the noise is, see [`crate::render::adaptive`].
+    pub adaptive: bool,
 }
 
 /// A rectangle of pixels of a film, (x, y) its top left.
@@ -209,6 +211,7 @@ impl Default for Film {
             sample_count: 16,
             storage: FilmStorage::default(),
             noise_target: None,
+            adaptive: false,
         }
     }
 }

@@ -37,6 +37,7 @@ fn film(depth: f32) -> Film {
             tile,
             samples: 0..1,
             pixels: vec![pixel; (tile.width * tile.height) as usize],
+            blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
             splats: Vec::new(),

@@ -5,6 +5,7 @@ mod split_mix;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod adaptive;
 mod large;
 mod light_mixing;
 mod rebuilding;

@@ -136,7 +136,7 @@ fn parameters_are_read() {
            <transform name='toWorld'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>
            <film type='hdrfilm'><integer name='width' value='320'/><integer name='height' value='200'/><rfilter type='box'/>
              <string name='pixel_format' value='rgb'/></film>
-           <sampler type='multijitter'><integer name='sample_count' value='64'/><float name='noise_target' value='0.02'/></sampler></sensor>
+           <sampler type='multijitter'><integer name='sample_count' value='64'/><float name='noise_target' value='0.02'/><boolean name='adaptive' value='true'/></sampler></sensor>
          <shape type='sphere' id='ball'><point name='center' x='1' y='2' z='3'/><float name='radius' value='4'/>
            <boolean name='flip_normals' value='true'/>
            <bsdf type='metal'><rgb name='reflectance' value='0.1,0.2,0.3'/><float name='fuzz' value='0.25'/></bsdf>
@@ -169,6 +169,7 @@ fn parameters_are_read() {
                 components: None,
             },
             noise_target: Some(0.02),
+            adaptive: true,
         }
     );
     assert!(

@@ -24,6 +24,8 @@ impl Film {
             let mean_of = |&pixel: &usize| luminance(self.sums[pixel].radiance / count as f32);
             if 2 * noted == count {
                 let average = pixels.iter().map(|pixel| mean_of(pixel).abs()).sum::<f32>() / pixels.len() as f32;
+                // The halves of half as many samples were compared, too.
+                let has_quarter = self.errors[block].level == noted;
                 let mut error = BlockError {
                     level: count,
                     luminance: average,
@@ -33,8 +35,7 @@ impl Film {
                     let (mean, [half, quarter]) = (mean_of(pixel), self.noted[*pixel]);
                     let scale = mean.abs().max(DARK * average).max(f32::MIN_POSITIVE);
                     error.difference += ((mean - half) / scale).powi(2);
-                    // With two samples there is no quarter.
-                    if count > 2 {
+                    if has_quarter {
                         error.difference_before += ((half - quarter) / scale).powi(2);
                     }
                     error.spread += squared_deviation(&self.sums[*pixel], count) / scale / scale;

@@ -129,6 +129,9 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     if let Some(noise) = film.noise_target {
         sampler = with_float(sampler, "noise_target", noise);
     }
+    if film.adaptive {
+        sampler = with_flag(sampler, "adaptive", true);
+    }
     with_child(with_child(object, film_object(film)), sampler)
 }
 

@@ -304,6 +304,7 @@ fn read_sampler(mut reader: Reader, film: &mut Film) {
     film.sample_count = count
         .and_then(|count| u32::try_from(count).ok())
         .unwrap_or(film.sample_count);
+    film.adaptive = reader.boolean("adaptive").unwrap_or(false);
     film.noise_target = reader.float_in("noise_target", f32::MIN_POSITIVE..=f32::MAX);
     reader.ignore(&["seed", "jitter"]);
     const KNOWN: [&str; 5] = ["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];

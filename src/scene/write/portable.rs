@@ -98,7 +98,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                 .properties
                 .retain(|property| !matches!(property.name.as_str(), "blades" | "blade_rotation")),
             (Category::Sampler, _) if extensions == Extensions::Approximate => {
-                inner.properties.retain(|property| property.name != "noise_target");
+                inner
+                    .properties
+                    .retain(|property| !matches!(property.name.as_str(), "noise_target" | "adaptive"));
             }
             (Category::Shape, "triangle") => {
                 let name = files.name_of(TRIANGLE.to_owned(), |_| "triangle.obj".to_owned());

@@ -97,7 +97,12 @@ fn limits_have_a_switch_and_a_number() {
     let mut harness = render_panel(RenderModel::default());
     click(&mut harness, "Limit time");
     click(&mut harness, "Limit noise");
-    let expected = [Command::SetTimeLimit(Some(60.0)), Command::SetNoiseTarget(Some(0.02))];
+    click(&mut harness, "Adaptive");
+    let expected = [
+        Command::SetTimeLimit(Some(60.0)),
+        Command::SetNoiseTarget(Some(0.02)),
+        Command::SetAdaptive(true),
+    ];
     assert_eq!(harness.state().commands, expected);
     let mut harness = render_panel(RenderModel {
         time_limit: Some(5.0),

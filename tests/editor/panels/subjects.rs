@@ -113,6 +113,7 @@ pub fn awkward() -> Vec<Inspected> {
                 }),
                 filter: ReconstructionFilter::Mitchell { b: 3.0, c: -3.0 },
                 sample_count: 0,
+                noise_target: Some(0.1),
                 ..Film::default()
             }),
             emitter: Some(EmitterKind::Directional { irradiance: third }.into()),

@@ -113,6 +113,7 @@ impl Command {
             | Self::SetTargetSamples(_)
             | Self::SetTimeLimit(_)
             | Self::SetNoiseTarget(_)
+            | Self::SetAdaptive(_)
             | Self::SetRegion(_)
             | Self::ExposeAutomatically
             | Self::SetLightMix(_)

@@ -311,6 +311,8 @@ pub enum Command {
     SetTimeLimit(Option<f32>),
     /// Sets the noise to stop at, relative to the picture's brightness; None is no limit.
     SetNoiseTarget(Option<f32>),
+    /// Sends more samples where the noise is, or as many to every pixel.
+    SetAdaptive(bool),
     /// Limits the samples to a part of the picture, see [`Command::Pick`] for its coordinates. None stands for the whole picture.
     SetRegion(Option<Rect>),
     /// Sets the rendered pixels per pixel of the film along each side, above 0.

@@ -239,6 +239,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
             // Zero is no limit, also where the file has one.
             control(world, |control| control.noise_target = Some(target.unwrap_or(0.0)));
         }
+        Command::SetAdaptive(is_on) => control(world, |control| control.adaptive = Some(is_on)),
         Command::SetRegion(region) => {
             let region = region.map(|region| Rect::from_corners(region.min, region.max));
             control(world, |control| control.region = region);

@@ -172,6 +172,8 @@ pub fn gather_status(
         .noise_target
         .or(film.and_then(|film| film.noise_target));
     model.render.noise_target = noise_target.filter(|noise| *noise > 0.0);
+    let adaptive = settings.control.adaptive.or(film.map(|film| film.adaptive));
+    model.render.adaptive = adaptive.unwrap_or(false);
     model.render.noise = status.noise;
     model.render.region = settings.control.region;
     model.render.strategy_split = settings.control.strategy_split;

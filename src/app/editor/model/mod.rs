@@ -239,6 +239,8 @@ pub struct RenderModel {
     pub time_limit: Option<f32>,
     /// The relative noise to stop at; None is no limit.
     pub noise_target: Option<f32>,
+    /// Whether more samples go where the noise is.
+    pub adaptive: bool,
     /// The last estimate of the noise.
     pub noise: Option<f32>,
     /// The part that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.

@@ -67,6 +67,10 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     if let Some(limit) = limit_rows(ui, "Limit noise", "Noise", model.noise_target, 0.02, 0.001..=0.5) {
         commands.push(Command::SetNoiseTarget(limit));
     }
+    let mut adaptive = model.adaptive;
+    if fields::checkbox(ui, "Adaptive", &mut adaptive) {
+        commands.push(Command::SetAdaptive(adaptive));
+    }
     if let Some(noise) = model.noise {
         fields::note(ui, "Noise now", format!("{noise:.4}"));
     }

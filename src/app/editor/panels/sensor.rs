@@ -176,6 +176,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     memory(ui, film);
     changed |= filter(ui, &mut film.filter);
     changed |= fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20);
+    changed |= fields::checkbox(ui, ("Adaptive", "adaptive"), &mut film.adaptive);
     let mut is_limited = film.noise_target.is_some();
     if fields::checkbox(ui, "Limit noise", &mut is_limited) {
         film.noise_target = is_limited.then_some(0.02);

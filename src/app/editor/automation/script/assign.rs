@@ -113,6 +113,7 @@ pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignEr
         visitor.value("width", &mut film.width, pixels);
         visitor.value("height", &mut film.height, pixels);
         visitor.value("sample_count", &mut film.sample_count, pixels);
+        visitor.parsed("adaptive", &mut film.adaptive, parse_boolean);
         visitor.value("noise_target", &mut film.noise_target, |text| match text {
             "none" => Ok(None),
             number => within(parse_float(number)?, &(f32::MIN_POSITIVE..=f32::MAX)).map(Some),

@@ -1,0 +1,457 @@
+//! Adaptive sampling: more samples for the blocks of pixels that are noisy, and fewer for the others.
+//!
+//! A pixel that stops when its own samples happen to agree is darker than it should be on average, because rare bright samples do not agree
+//! (Kirk and Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the number of a pixel's samples must not depend on these samples.
+//! Here it depends on *pilots*: a few samples per pixel with random numbers of their own, which decide and are then thrown away. Given the pilots, the
+//! numbers of samples are constants, and the mean over so many samples is as unbiased as that of a uniform picture.
+//!
+//! How far to follow the pilots is the one thing that the picture decides itself, once, when it still has equally many samples everywhere: the tiles are
+//! divided like the squares of a chess board, and each half is sampled as it would have been best for the *other* half, whose random numbers are
+//! independent of its own. Where that would gain nothing, sampling stays uniform.
+
+use std::sync::atomic::AtomicBool;
+
+use super::film::Film;
+use super::layers::Layers;
+use super::light_layers::LightGroups;
+use super::mean_error::{BLOCK, BLOCKS};
+use super::noise::DARK;
+use super::scene::RenderScene;
+use super::tile::{TILE, Tile, render_tile};
+use super::view::View;
+use crate::sampling::hash::pcg3d;
+
+/// The number of samples of every pixel before which there is no pilot.
+pub const FIRST: u32 = 64;
+/// A pilot takes this share of the samples so far.
+const PILOT_SHARE: u32 = 32;
+/// The least and the most samples of a block, as shares of the mean number.
+const LEAST: f64 = 0.25;
+const MOST: f64 = 8.0;
+/// The gain in variance at equal cost that is worth the pilots.
+const WORTHWHILE: f64 = 1.1;
+/// How far pilots may be followed: the powers of the samples that would be best if each block's noise were known and samples were independent.
+const POWERS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// A number for each block of a tile, row by row.
+pub type PerBlock<T> = [T; BLOCKS];
+
+/// The number of samples per pixel of the pilot after `samples` of the picture.
+pub fn pilot_samples(samples: u32) -> u32 {
+    // A power of two, so that halves can be compared.
+    (samples / PILOT_SHARE).max(2).next_power_of_two()
+}
+
+/// The blocks of a tile that are in the picture, with their places in [`PerBlock`].
+pub(super) fn blocks_of(tile: Tile) -> impl Iterator<Item = (usize, Tile)> {
+    let starts = |length: u32| (0..length).step_by(BLOCK as usize);
+    starts(tile.height).flat_map(move |y| {
+        starts(tile.width).map(move |x| {
+            let block = Tile {
+                x: tile.x + x,
+                y: tile.y + y,
+                width: BLOCK.min(tile.width - x),
+                height: BLOCK.min(tile.height - y),
+            };
+            ((y / BLOCK * (TILE / BLOCK) + x / BLOCK) as usize, block)
+        })
+    })
+}
+
+/// The pilot of a tile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PilotTile {
+    /// The mean luminance of each pixel of each block, and the variance that a single sample has in effect.
+    pixels: Vec<(f32, f32)>,
+    /// Where the pixels of each block begin.
+    starts: PerBlock<usize>,
+    /// The rays of a sample in each block, which are its cost.
+    rays: PerBlock<f32>,
+    all_rays: u64,
+    samples: u32,
+}
+
+impl PilotTile {
+    /// The rays that were traced for it.
+    pub fn rays(&self) -> u64 {
+        self.all_rays
+    }
+}
+
+/// Renders a pilot of `samples` per pixel, a power of two from 2 on; None if cancelled. Pilots with different numbers are independent of each other, and all
+/// of the picture.
+pub fn render_pilot(
+    scene: &RenderScene,
+    view: &View,
+    tile: Tile,
+    number: u32,
+    samples: u32,
+    cancel: &AtomicBool,
+) -> Option<PilotTile> {
+    let [seed, ..] = pcg3d([view.seed, number, 0x9e37_79b9]);
+    let view = View {
+        seed,
+        light_groups: LightGroups::default(),
+        layers: Layers::default(),
+        ..view.clone()
+    };
+    let mut pilot = PilotTile {
+        pixels: Vec::with_capacity((tile.width * tile.height) as usize),
+        starts: [0; BLOCKS],
+        rays: [0.0; BLOCKS],
+        all_rays: 0,
+        samples,
+    };
+    for (place, block) in blocks_of(tile) {
+        let alone = Tile { x: 0, y: 0, ..block };
+        let mut film = Film::new(block.width, block.height);
+        for range in [0..samples / 2, samples / 2..samples] {
+            let mut result = render_tile(scene, &view, block, range, cancel)?;
+            pilot.rays[place] += result.rays as f32 / (block.width * block.height * samples) as f32;
+            result.tile = alone;
+            pilot.all_rays += result.rays;
+            film.add(&result);
+        }
+        pilot.starts[place] = pilot.pixels.len();
+        let errors = film.mean_errors(alone);
+        pilot
+            .pixels
+            .extend(errors.map(|(mean, squared)| (mean, squared * samples as f32)));
+    }
+    Some(pilot)
+}
+
+/// What is known of the blocks of a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Block {
+    /// The sum over its pixels of the variance of a sample relative to the pixel's luminance, by pilots.
+    noise: f64,
+    /// The rays of a sample.
+    cost: f64,
+    /// The pilot's samples behind both.
+    weight: f64,
+}
+
+/// What the pilots of a picture have found.
+#[derive(Clone, Debug, Default)]
+pub struct Pilots {
+    tiles: Vec<Tile>,
+    /// The number of blocks in a row of the picture.
+    columns: usize,
+    blocks: Vec<Block>,
+    /// How far each half of the tiles follows the pilots.
+    powers: Option<[f64; 2]>,
+    /// The number of pilots so far.
+    count: u32,
+}
+
+/// A block's way through a round.
+struct Candidate {
+    place: usize,
+    /// The noise by pilots, smoothed.
+    noise: f64,
+    cost: f64,
+    least: f64,
+}
+
+impl Pilots {
+    /// Nothing is known of a picture of these tiles, which is `width` pixels wide.
+    pub fn new(tiles: &[Tile], width: u32) -> Self {
+        let columns = width.div_ceil(TILE) as usize * (TILE / BLOCK) as usize;
+        let bottom = tiles.iter().map(|tile| tile.y / TILE + 1).max().unwrap_or(0) as usize;
+        Self {
+            tiles: tiles.to_vec(),
+            columns,
+            blocks: vec![Block::default(); columns * bottom * (TILE / BLOCK) as usize],
+            ..Self::default()
+        }
+    }
+
+    /// The number of pilots so far.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Whether it is known how far to follow the pilots.
+    pub fn are_decided(&self) -> bool {
+        self.powers.is_some()
+    }
+
+    /// Whether it is known that there is nothing to gain.
+    pub fn are_to_no_avail(&self) -> bool {
+        self.powers.is_some_and(|powers| powers == [0.0; 2])
+    }
+
+    fn place(&self, block: Tile) -> usize {
+        (block.y / BLOCK) as usize * self.columns + (block.x / BLOCK) as usize
+    }
+
+    /// Takes up a pilot of the tiles at these indices.
+    pub fn add(&mut self, pilot: &[(usize, PilotTile)]) {
+        let (sum, count) = pilot
+            .iter()
+            .flat_map(|(_, tile)| &tile.pixels)
+            .fold((0.0, 0u64), |(sum, count), (mean, _)| {
+                (sum + f64::from(mean.abs()), count + 1)
+            });
+        let dark = DARK * (sum / count.max(1) as f64) as f32;
+        for (index, found) in pilot {
+            for (of_tile, block) in blocks_of(self.tiles[*index]) {
+                let start = found.starts[of_tile];
+                let pixels = &found.pixels[start..start + (block.width * block.height) as usize];
+                let relative = |(mean, variance): &(f32, f32)| {
+                    f64::from(variance / mean.abs().max(dark).max(f32::MIN_POSITIVE).powi(2))
+                };
+                let noise: f64 = pixels.iter().map(relative).sum();
+                let place = self.place(block);
+                let known = &mut self.blocks[place];
+                let weight = f64::from(found.samples);
+                let all = known.weight + weight;
+                known.noise += (noise - known.noise) * weight / all;
+                known.cost += (f64::from(found.rays[of_tile]) - known.cost) * weight / all;
+                known.weight = all;
+            }
+        }
+        self.count += 1;
+    }
+
+    /// The noise of a block, smoothed over its neighbours, which makes more of few samples.
+    fn smooth(&self, place: usize) -> f64 {
+        let (x, y) = ((place % self.columns) as isize, (place / self.columns) as isize);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (x, y) in (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y))) {
+            let is_inside = x >= 0 && y >= 0 && (x as usize) < self.columns;
+            let block = is_inside
+                .then(|| self.blocks.get(y as usize * self.columns + x as usize))
+                .flatten();
+            if let Some(block) = block.filter(|block| block.weight > 0.0) {
+                (sum, count) = (sum + block.noise, count + 1.0);
+            }
+        }
+        0.5 * (self.blocks[place].noise + sum / f64::max(count, 1.0))
+    }
+
+    fn half_of(&self, index: usize) -> usize {
+        let tile = self.tiles[index];
+        ((tile.x / TILE + tile.y / TILE) % 2) as usize
+    }
+
+    /// The candidates of a half of the tiles at `active`, where `least` gives the least samples of a block.
+    fn candidates(&self, active: &[usize], half: usize, least: impl Fn(usize, usize) -> f64) -> Vec<Candidate> {
+        let mut found = Vec::new();
+        for &index in active.iter().filter(|&&index| self.half_of(index) == half) {
+            for (of_tile, block) in blocks_of(self.tiles[index]) {
+                let place = self.place(block);
+                // The cost and the noise are of whole blocks: those at the edge have fewer pixels.
+                found.push(Candidate {
+                    place,
+                    noise: self.smooth(place),
+                    cost: self.blocks[place].cost * f64::from(block.width * block.height),
+                    least: least(index, of_tile),
+                });
+            }
+        }
+        found
+    }
+
+    /// Decides how far to follow the pilots from a film that has `samples` of every pixel in the tiles at `active`.
+    pub fn decide(&mut self, film: &Film, active: &[usize]) {
+        // What is best for one half is done to the other.
+        let best = |half: usize| {
+            let tiles = active.iter().filter(|&&index| self.half_of(index) == half);
+            let errors: Vec<Vec<(f32, f32)>> = tiles
+                .clone()
+                .map(|&index| film.mean_errors(self.tiles[index]).collect())
+                .collect();
+            let count = errors.iter().map(Vec::len).sum::<usize>().max(1);
+            let light: f64 = errors.iter().flatten().map(|(mean, _)| f64::from(mean.abs())).sum();
+            let dark = DARK * (light / count as f64) as f32;
+            let mut noise = vec![0.0; self.blocks.len()];
+            for (&index, errors) in tiles.zip(&errors) {
+                let tile = self.tiles[index];
+                for (pixel, (mean, squared)) in errors.iter().enumerate() {
+                    let (x, y) = (tile.x + pixel as u32 % tile.width, tile.y + pixel as u32 / tile.width);
+                    let scale = mean.abs().max(dark).max(f32::MIN_POSITIVE);
+                    noise[(y / BLOCK) as usize * self.columns + (x / BLOCK) as usize] +=
+                        f64::from(squared / scale / scale);
+                }
+            }
+            let candidates = self.candidates(active, half, |_, _| LEAST);
+            let uniform: f64 = candidates.iter().map(|block| noise[block.place]).sum();
+            let gain = |power: f64| {
+                let shares = shares(&candidates, power, 1.0, std::convert::identity);
+                let adaptive: f64 = candidates
+                    .iter()
+                    .zip(&shares)
+                    .map(|(block, share)| noise[block.place] / share)
+                    .sum();
+                if adaptive > 0.0 { uniform / adaptive } else { 1.0 }
+            };
+            let gains = POWERS.map(|power| (power, gain(power)));
+            let (power, gain) = gains
+                .into_iter()
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((0.0, 1.0));
+            if gain >= WORTHWHILE { power } else { 0.0 }
+        };
+        // A half without tiles has nothing to gain, and is no guide.
+        let halves = [0, 1].map(|half| active.iter().any(|&index| self.half_of(index) == half));
+        let powers = [best(1), best(0)];
+        self.powers = Some(if halves == [true; 2] { powers } else { [0.0; 2] });
+    }
+
+    /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at equal cost, grows from `from` to `to`.
+    /// `counts` has the present numbers of each tile. None where sampling is uniform.
+    pub fn allocate(
+        &self,
+        active: &[usize],
+        counts: &[PerBlock<u32>],
+        from: u32,
+        to: u32,
+    ) -> Option<Vec<PerBlock<u32>>> {
+        let powers = self.powers.filter(|_| !self.are_to_no_avail())?;
+        let mut ends = vec![0; self.blocks.len()];
+        for (half, power) in powers.into_iter().enumerate() {
+            let least = |index: usize, block: usize| f64::from(counts[index][block]).max(LEAST * f64::from(to));
+            let candidates = self.candidates(active, half, least);
+            let round = |samples: f64| f64::from(rounded(samples, from, to));
+            let shares = shares(&candidates, power, f64::from(to), round);
+            candidates
+                .iter()
+                .zip(shares)
+                .for_each(|(block, samples)| ends[block.place] = samples as u32);
+        }
+        let of_tile = |index: &usize| {
+            let mut samples = counts[*index];
+            for (of_tile, block) in blocks_of(self.tiles[*index]) {
+                samples[of_tile] = ends[self.place(block)].max(samples[of_tile]);
+            }
+            samples
+        };
+        Some(active.iter().map(of_tile).collect())
+    }
+}
+
+/// A number of samples that suits nets: powers of two and those half way between, or an eighth of a round that is none of doubling.
+fn rounded(samples: f64, from: u32, to: u32) -> u32 {
+    if to == 2 * from && from.is_power_of_two() {
+        let below = samples.log2().floor().exp2();
+        let share = samples / below;
+        // The geometric means of 1, 1.5 and 2.
+        let share = if share < 1.225 {
+            1.0
+        } else if share < 1.732 {
+            1.5
+        } else {
+            2.0
+        };
+        (below * share) as u32
+    } else {
+        let step = f64::from(((to - from) / 8).max(1));
+        ((samples / step).round() * step) as u32
+    }
+}
+
+/// The samples of each block that cost as much in all as `mean` of every block: the power `power` of what would be best for independent samples, which is the
+/// root of noise over cost, but at least `least`. `round` gives the numbers that are possible.
+fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
+    let weights: Vec<f64> = blocks
+        .iter()
+        .map(|block| {
+            let ratio = block.noise / block.cost.max(1.0);
+            if power == 0.0 { 1.0 } else { ratio.powf(0.5 * power) }
+        })
+        .collect();
+    let at = |factor: f64| -> Vec<f64> {
+        let samples = |(block, weight): (&Candidate, &f64)| {
+            let wanted = (factor * weight).clamp(LEAST * mean, MOST * mean);
+            round(wanted).max(block.least)
+        };
+        blocks.iter().zip(&weights).map(samples).collect()
+    };
+    let budget: f64 = mean * blocks.iter().map(|block| block.cost).sum::<f64>();
+    let cost = |samples: &[f64]| -> f64 {
+        blocks
+            .iter()
+            .zip(samples)
+            .map(|(block, samples)| block.cost * samples)
+            .sum()
+    };
+    let typical = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
+    if typical <= 0.0 {
+        return vec![mean; blocks.len()];
+    }
+    let (mut low, mut high) = (0.0, 1e3 * mean / typical);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if cost(&at(middle)) <= budget {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    at(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidates(noise: &[f64], cost: f64) -> Vec<Candidate> {
+        let block = |(place, &noise): (usize, &f64)| Candidate {
+            place,
+            noise,
+            cost,
+            least: 0.0,
+        };
+        noise.iter().enumerate().map(block).collect()
+    }
+
+    #[test]
+    fn numbers_suit_nets() {
+        let doubling = [60.0, 70.0, 90.0, 120.0, 900.0].map(|samples| rounded(samples, 64, 128));
+        assert_eq!(doubling, [64, 64, 96, 128, 1024]);
+        assert_eq!([101.0, 110.0].map(|samples| rounded(samples, 80, 96)), [102, 110]);
+    }
+
+    #[test]
+    fn samples_follow_the_root_of_noise_over_cost_and_cost_as_much() {
+        let shares_of =
+            |noise: &[f64], power: f64| shares(&candidates(noise, 3.0), power, 100.0, std::convert::identity);
+        let found = shares_of(&[1.0, 4.0, 4.0, 9.0], 1.0);
+        for (samples, expected) in found.iter().zip([50.0, 100.0, 100.0, 150.0]) {
+            assert!((samples / expected - 1.0).abs() < 1e-3, "{found:?}");
+        }
+        let uniform = shares_of(&[1.0, 4.0, 4.0, 9.0], 0.0);
+        assert!(
+            uniform.iter().all(|samples| (samples / 100.0 - 1.0).abs() < 1e-3),
+            "{uniform:?}"
+        );
+        // Neither without noise nor with very much of it.
+        let far = shares_of(&[0.0, 1.0, 1.0, 1e12], 1.0);
+        assert!(
+            far[0] == 25.0 && far[3] <= 800.0 && far.iter().sum::<f64>() <= 400.01,
+            "{far:?}"
+        );
+        assert_eq!(shares_of(&[0.0; 3], 1.0), [100.0; 3]);
+        assert_eq!(shares_of(&[], 1.0), [0.0; 0]);
+        // What costs four times as much gets half as many.
+        let mut blocks = candidates(&[1.0, 1.0], 1.0);
+        blocks[1].cost = 4.0;
+        let found = shares(&blocks, 1.0, 100.0, std::convert::identity);
+        assert!((found[0] / found[1] - 2.0).abs() < 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn blocks_cover_a_tile_once() {
+        let tile = Tile {
+            x: 64,
+            y: 32,
+            width: 20,
+            height: 32,
+        };
+        let pixels: u32 = blocks_of(tile).map(|(_, block)| block.width * block.height).sum();
+        assert_eq!(pixels, 640);
+        assert!(blocks_of(tile).all(|(place, block)| super::super::mean_error::block_of(block.x, block.y) == place));
+    }
+}
