@@ -59,7 +59,7 @@ pub(super) fn dispatch_job(
         job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups)
             && job.has_shutter(demand.shutter.0.as_ref())
     });
-    let stop = StopCondition::new(&control, &demand.extracted);
+    let stop = StopCondition::new(&control, demand.extracted.film_limits());
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
         if control.restart_requested {

@@ -31,6 +31,7 @@ use super::renderer::Renderer;
 use super::resolution::{self, is_same_at_other_size};
 use super::sight::SeenAlone;
 use super::status::BvhStatus;
+use super::stop_condition::FilmLimits;
 use crate::accel::{SplitMethod, Tlas};
 use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
@@ -148,6 +149,15 @@ impl Default for Extracted {
 }
 
 impl Extracted {
+    /// What the film asks for.
+    pub fn film_limits(&self) -> FilmLimits {
+        FilmLimits {
+            samples: self.sample_count,
+            noise: self.noise_target,
+            is_adaptive: self.is_adaptive,
+        }
+    }
+
     pub fn errors(&self) -> impl Iterator<Item = &String> {
         let Errors {
             instances,

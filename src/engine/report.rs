@@ -25,7 +25,7 @@ pub(super) fn report_status(
     scene: Res<SceneStatus>,
 ) {
     let job = renderer.job();
-    let stop = StopCondition::new(&control, &extracted);
+    let stop = StopCondition::new(&control, extracted.film_limits());
     let reached = job.and_then(|job| job.reached(&stop));
     let samples = job.map_or(0, Job::least_samples);
     let seconds = job.map_or(0.0, Job::seconds);

@@ -3,7 +3,6 @@
 use bevy::math::Rect;
 
 use super::control::RenderControl;
-use super::extract::Extracted;
 use crate::render::adaptive::FIRST;
 
 /// The limits of a job. They may change while it runs.
@@ -42,28 +41,30 @@ const FEWEST_FOR_BLACK: u32 = 1024;
 /// The shortest round is this share of the samples so far.
 const SHORTEST_ROUND: u32 = 8;
 
+/// What the sensor's film asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmLimits {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// The noise to stop at.
+    pub noise: Option<f32>,
+    /// Whether sampling is adaptive.
+    pub is_adaptive: bool,
+}
+
 impl StopCondition {
     /// The limits of the film count where `control` does not say.
-    pub fn new(control: &RenderControl, film: &Extracted) -> Self {
-        Self::of_limits(control, film.sample_count, film.noise_target, film.is_adaptive)
-    }
-
-    fn of_limits(
-        control: &RenderControl,
-        sample_count: u32,
-        noise_target: Option<f32>,
-        film_is_adaptive: bool,
-    ) -> Self {
+    pub fn new(control: &RenderControl, film: FilmLimits) -> Self {
         let exact = control.exact_samples;
         Self {
-            samples: exact.or(control.target_samples).unwrap_or(sample_count).max(1),
+            samples: exact.or(control.target_samples).unwrap_or(film.samples).max(1),
             is_exact: exact.is_some(),
             seconds: control.time_limit.filter(|_| exact.is_none()),
             noise: control
                 .noise_target
-                .or(noise_target)
+                .or(film.noise)
                 .filter(|noise| exact.is_none() && *noise > 0.0),
-            is_adaptive: exact.is_none() && control.adaptive.unwrap_or(film_is_adaptive),
+            is_adaptive: exact.is_none() && control.adaptive.unwrap_or(film.is_adaptive),
             region: control.region,
         }
     }
@@ -113,6 +114,14 @@ impl StopCondition {
 mod tests {
     use super::*;
 
+    fn limits(samples: u32, noise: Option<f32>) -> FilmLimits {
+        FilmLimits {
+            samples,
+            noise,
+            is_adaptive: false,
+        }
+    }
+
     #[test]
     fn whichever_comes_first() {
         let control = RenderControl {
@@ -121,7 +130,7 @@ mod tests {
             noise_target: Some(0.1),
             ..RenderControl::default()
         };
-        let stop = StopCondition::of_limits(&control, 8, None, false);
+        let stop = StopCondition::new(&control, limits(8, None));
         assert_eq!(stop.reached(63, 1.9, Some(Some(0.2))), None);
         assert_eq!(stop.reached(63, 1.9, None), None);
         assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
@@ -134,16 +143,16 @@ mod tests {
             exact_samples: Some(100),
             ..control
         };
-        let exact = StopCondition::of_limits(&exact, 8, None, false);
+        let exact = StopCondition::new(&exact, limits(8, None));
         assert_eq!(exact.reached(99, 1e9, Some(Some(0.0))), None);
         assert_eq!(exact.reached(100, 0.0, None), Some(StopReason::Samples));
-        let film = StopCondition::of_limits(&RenderControl::default(), 8, None, false);
+        let film = StopCondition::new(&RenderControl::default(), limits(8, None));
         assert_eq!(film.reached(7, 1e9, Some(Some(0.0))), None);
         assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));
     }
 
     fn quiet(control: &RenderControl) -> StopCondition {
-        StopCondition::of_limits(control, u32::MAX, Some(0.01), false)
+        StopCondition::new(control, limits(u32::MAX, Some(0.01)))
     }
 
     #[test]
