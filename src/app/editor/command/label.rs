@@ -53,7 +53,7 @@ impl Command {
             Self::PlaceTextures { .. } => "Place texture",
             Self::ProjectTextures { .. } => "Project texture",
             Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
-            Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
+            Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign material",
             Self::GiveMaterial { .. } => "New material",
             Self::BuildMaterial { .. } => "Make material",
             Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",

@@ -12,6 +12,8 @@ pub struct Title {
     verb: String,
     /// The things that the edit is about; None for things that it makes, which are selected after it.
     subject: Option<String>,
+    /// What they get, behind a colon; empty without any.
+    object: String,
 }
 
 impl Title {
@@ -42,14 +44,19 @@ impl Title {
         Self {
             verb: verb(world, command),
             subject: named,
+            object: object(world, command),
         }
     }
 
     /// To be called after the edit.
     pub fn after(self, world: &World) -> String {
-        let Self { verb, subject: named } = self;
+        let Self {
+            verb,
+            subject: named,
+            object,
+        } = self;
         let named = named.unwrap_or_else(|| subject(world, world.resource::<Selection>().entities()));
-        format!("{verb}{named}")
+        format!("{verb}{named}{object}")
     }
 }
 
@@ -63,6 +70,21 @@ fn subject(world: &World, things: &[Entity]) -> String {
         },
         several => format!(" {} things", several.len()),
     }
+}
+
+/// The material that things get, or their new name.
+fn object(world: &World, command: &Command) -> String {
+    let object = match command {
+        Command::UsePreset { preset, .. } | Command::DropPreset { preset, .. } => Some(preset.name.as_str()),
+        Command::UseMaterial { material: None, .. } => Some("none"),
+        Command::UseMaterial {
+            material: Some(material),
+            ..
+        } => world.get::<Name>(*material).map(Name::as_str),
+        Command::Rename(_, name) => Some(name.as_str()),
+        _ => None,
+    };
+    object.map_or_else(String::new, |object| format!(": {object}"))
 }
 
 /// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what happens to the first thing.

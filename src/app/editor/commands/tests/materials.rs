@@ -20,6 +20,24 @@ fn a_new_material_belongs_to_its_shape() {
 }
 
 #[test]
+fn the_history_says_which_material_a_thing_got() {
+    let mut world = bare_world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::GiveMaterial { shape: ball });
+    let paint = world.get::<UsesMaterial>(ball).map(|uses| uses.0).expect("a material");
+    say(&mut world, Command::Rename(paint, "paint".into()));
+    for material in [None, Some(paint)] {
+        let shapes = vec![ball];
+        say(&mut world, Command::UseMaterial { shapes, material });
+    }
+    let (done, _) = world.resource::<History>().labels();
+    assert_eq!(
+        done[done.len() - 2..],
+        ["Assign material `sphere`: none", "Assign material `sphere`: paint"]
+    );
+}
+
+#[test]
 fn a_deleted_material_comes_back_to_its_shapes() {
     let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);

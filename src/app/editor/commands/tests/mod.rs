@@ -182,7 +182,7 @@ fn the_history_names_what_a_step_was_about() {
         world.resource::<History>().labels().0,
         [
             "Add sphere `sphere`",
-            "Rename `sphere`",
+            "Rename `sphere`: ball",
             "Duplicate `ball`",
             "Move 2 things",
             "Delete `ball`"
