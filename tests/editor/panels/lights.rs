@@ -57,6 +57,19 @@ fn pictures_of_lights_are_chosen() {
 }
 
 #[test]
+fn the_strength_of_a_textured_light_ends_at_the_panels_edge() {
+    let harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        area_light: Some(AreaLight::default()),
+        ..Inspected::new(entity(8), "lamp")
+    });
+    let menu = harness.get_by_label("Radiance source").rect();
+    let numbers = harness.query_all_by_role(bevy_egui::egui::accesskit::Role::SpinButton);
+    let right = numbers.map(|number| number.rect().right()).fold(0.0, f32::max);
+    assert!((menu.right() - right).abs() < 0.6, "{} and {right}", menu.right());
+}
+
+#[test]
 fn a_light_of_another_kind_keeps_its_colour() {
     let warm = Rgb::new(30.0, 20.0, 10.0);
     let mut harness = lamp(EmitterKind::Point { intensity: warm }.into());

@@ -42,13 +42,19 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
     write_back(changed, value, copy)
 }
 
-/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`.
-pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, value: &mut Rgb) -> bool {
+/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at the right that the row of
+/// the colour leaves to a menu, and that of the strength takes.
+pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
     let mut strength = value.max_element();
     let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
     let caption = caption.into();
     let recolored = color(ui, caption.part("Colour"), &mut hue);
-    let scaled = fields::strength(ui, caption, &mut strength, unit);
+    // The row reaches beyond the room of this column without widening it.
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let (_, place) = ui.allocate_space(size);
+    let place = place.with_max_x(place.right() + beyond);
+    let mut row = ui.new_child(egui::UiBuilder::new().max_rect(place));
+    let scaled = fields::strength(&mut row, caption, &mut strength, unit);
     write_back(recolored || scaled, value, hue * strength)
 }
 

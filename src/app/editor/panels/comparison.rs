@@ -11,7 +11,7 @@ use crate::metrics::Errors;
 
 /// Shows buttons to take and show a snapshot, the choice of what is compared, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
+    fields::buttons(ui, |ui| {
         let take = ui.button("Take snapshot");
         if take
             .on_hover_text("Keep the picture as it is now, to compare later ones with it")

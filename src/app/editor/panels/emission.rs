@@ -7,7 +7,7 @@ use bevy_egui::egui::{Label, RichText, Ui};
 
 use super::caption::Caption;
 use super::material::{Edit, Rows, TYPE};
-use super::texture_slot::picture_row;
+use super::texture_slot::{BESIDE, picture_row};
 use super::{color_field, fields};
 use crate::app::editor::command::conversion::emitter_turned_into;
 use crate::app::editor::model::panel_textures::PanelTextures;
@@ -64,7 +64,7 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> 
 impl Rows<'_> {
     pub(super) fn textured_emission(&mut self, info: &'static ParameterInfo, value: &mut Parameter<Rgb>) {
         self.texturable(info, "colour", value, Rgb::ONE, |ui, caption, color| {
-            color_field::emission(ui, caption, info.unit, color)
+            color_field::emission(ui, caption, info.unit, BESIDE, color)
         });
     }
 

@@ -87,6 +87,15 @@ fn explain(ui: &mut Ui, info: &ParameterInfo) {
     ui.weak(format!("In the file: {}", info.name));
 }
 
+/// Buttons in the column of controls.
+pub(crate) fn buttons<R>(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.horizontal(|ui| {
+        name_cell(ui, "");
+        content(ui)
+    })
+    .inner
+}
+
 /// A text that cannot be edited.
 pub fn note<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, text: impl Into<String>) {
     let caption = caption.into();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Button, Ui};
+use bevy_egui::egui::{self, Ui};
 
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
@@ -146,7 +146,7 @@ fn sections(
             if sensor::sensor(ui, &mut edited, aspect, scene_size) {
                 commands.push(Command::SetSensor(inspected.entity, edited));
             }
-            if ui.button("Look through this camera").clicked() {
+            if fields::buttons(ui, |ui| ui.button("Look through this camera")).clicked() {
                 commands.push(Command::LookThrough(inspected.entity));
             }
         });
@@ -361,10 +361,7 @@ fn material_rows(
         ui.horizontal(|ui| {
             // Without a material it is what comes next.
             let text = "New material for this shape";
-            let button = match inspected.materials.is_empty() {
-                true => look::primary(ui, text),
-                false => Button::new(text),
-            };
+            let button = look::primary_if(ui, inspected.materials.is_empty(), text);
             if ui.add(button).clicked() {
                 commands.push(Command::GiveMaterial {
                     shape: inspected.entity,

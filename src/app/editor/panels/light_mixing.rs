@@ -29,12 +29,12 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
             alone_button(ui, place, display, commands);
         });
     }
-    ui.horizontal(|ui| {
+    fields::buttons(ui, |ui| {
         let has_mix = !model.mix.is_neutral();
         if ui.add_enabled(has_mix, egui::Button::new("Reset")).clicked() {
             commands.push(Command::SetLightMix(LightMix::default()));
         }
-        let bake = look::primary(ui, "Bake");
+        let bake = look::primary_if(ui, has_mix, "Bake");
         let bake = ui.add_enabled(has_mix, bake);
         let bake = bake.on_hover_text("Write strengths and colours to the lights of the scene");
         if bake.clicked() {

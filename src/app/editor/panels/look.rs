@@ -26,6 +26,15 @@ pub fn primary(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(RichText::new(text.to_owned()).color(ON_ACCENT)).fill(accent(ui.visuals()))
 }
 
+/// The button that does what most users came for if it `is_main`; a plain one otherwise. A button that cannot
+/// be pressed has to be plain: a pale accent is not legible.
+pub fn primary_if(ui: &Ui, is_main: bool, text: &str) -> Button<'static> {
+    match is_main {
+        true => primary(ui, text),
+        false => Button::new(text.to_owned()),
+    }
+}
+
 /// The row of buttons below a form, at its right: what it does, and *Cancel*. Whether each was clicked.
 pub fn form_buttons(ui: &mut Ui, does: &str, help: &str) -> (bool, bool) {
     let mut clicked = (false, false);

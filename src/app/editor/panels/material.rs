@@ -129,7 +129,7 @@ impl Rows<'_> {
             ParameterMut::PrincipledIndex(value) => self.principled_index(value),
             ParameterMut::Absorption(value) => self.absorption(info, value),
             ParameterMut::Emission(value) => {
-                self.edit.changed |= color_field::emission(self.ui, info, info.unit, value);
+                self.edit.changed |= color_field::emission(self.ui, info, info.unit, 0.0, value);
             }
             ParameterMut::TexturedEmission(value) => self.textured_emission(info, value),
             ParameterMut::UniformReflectance(value) => self.edit.changed |= color_field::color(self.ui, info, value),

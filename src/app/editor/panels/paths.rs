@@ -200,11 +200,13 @@ fn met_rows(ui: &mut Ui, met: &MetEmitter) {
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, help: &str) {
     ui.horizontal(|ui| {
-        ui.add_sized(
-            [92.0, 16.0],
-            egui::Label::new(RichText::new(name).weak()).halign(egui::Align::LEFT),
-        )
-        .on_hover_text(help);
+        let size = egui::vec2(92.0, 16.0);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let cell = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_size(size);
+            ui.weak(name)
+        });
+        cell.inner.on_hover_text(help);
         ui.label(RichText::new(value).monospace());
     });
 }

@@ -3,9 +3,10 @@
 use std::ops::RangeInclusive;
 
 use bevy::math::Rect;
-use bevy_egui::egui::{self, Ui};
+use bevy_egui::egui::Ui;
 
 use super::section::{section, section_with};
+use super::status::percent;
 use super::{comparison, fields, layers, light_mixing, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
@@ -72,7 +73,7 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
         commands.push(Command::SetAdaptive(adaptive));
     }
     if let Some(noise) = model.noise {
-        fields::note(ui, "Noise now", format!("{noise:.4}"));
+        fields::note(ui, "Noise now", percent(noise));
     }
 }
 
@@ -88,7 +89,7 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
         commands.push(Command::SetEnlarging(enlarging));
     }
     let button = look::primary(ui, "Render full film");
-    let button = ui.add(button).on_hover_text(
+    let button = fields::buttons(ui, |ui| ui.add(button)).on_hover_text(
         "Trace all pixels of the film until the scene or the view changes. A saved picture always has all of them: if fewer are shown, they are \
          traced first, with as many samples as are shown",
     );
@@ -135,7 +136,7 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
     changed |= fields::slider_with(ui, "Exposure", &mut edited.exposure, -10.0..=10.0, |slider| {
         slider.suffix(" EV")
     });
-    if ui.button("Expose automatically").clicked() {
+    if fields::buttons(ui, |ui| ui.button("Expose automatically")).clicked() {
         commands.push(Command::ExposeAutomatically);
     }
     changed |= fields::choice(ui, "Tone map", &mut edited.tone_map, &tone_maps());
@@ -148,7 +149,7 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
         |slider| slider.logarithmic(true).fixed_decimals(0).suffix(" K"),
     );
     changed |= fields::slider(ui, "Tint", &mut white.tint, WhiteBalance::TINTS);
-    if *white != WhiteBalance::default() && ui.button("Neutral white").clicked() {
+    if *white != WhiteBalance::default() && fields::buttons(ui, |ui| ui.button("Neutral white")).clicked() {
         *white = WhiteBalance::default();
         changed = true;
     }
@@ -216,10 +217,7 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         commands.push(Command::SetAccel(accel));
     }
     ui.add_space(6.0);
-    if ui
-        .add(egui::Button::new("Start again").min_size(egui::vec2(120.0, 0.0)))
-        .clicked()
-    {
+    if fields::buttons(ui, |ui| ui.button("Start again")).clicked() {
         commands.push(Command::Restart);
     }
 }

@@ -162,7 +162,8 @@ fn noise(model: &StatusModel) -> Option<Part> {
     })
 }
 
-fn percent(share: f32) -> String {
+/// A share as a percentage with two digits or more.
+pub(super) fn percent(share: f32) -> String {
     let percent = 100.0 * share;
     let decimals = usize::from(percent < 10.0) + usize::from(percent < 1.0);
     format!("{percent:.decimals$} %")

@@ -41,6 +41,9 @@ pub(crate) struct Slot<'a> {
 }
 
 const MENU_WIDTH: f32 = 18.0;
+/// The room between the menu and the row before it, in points, and that of both.
+const GAP: f32 = 3.0;
+pub(super) const BESIDE: f32 = MENU_WIDTH + GAP;
 /// The edge of a square of its mark, in points.
 const SQUARE: f32 = 3.5;
 const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
@@ -64,8 +67,8 @@ impl Slot<'_> {
         let mut wanted = None;
         ui.horizontal_top(|ui| {
             let spacing = ui.spacing().item_spacing;
-            ui.spacing_mut().item_spacing.x = 3.0;
-            let width = ui.available_width() - MENU_WIDTH - 3.0;
+            ui.spacing_mut().item_spacing.x = GAP;
+            let width = ui.available_width() - BESIDE;
             let layout = egui::Layout::top_down(egui::Align::Min);
             ui.allocate_ui_with_layout(egui::vec2(width, 0.0), layout, |ui| {
                 ui.spacing_mut().item_spacing = spacing;

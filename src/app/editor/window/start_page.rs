@@ -159,11 +159,7 @@ fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, commands: &mut Vec<
     ] {
         let Some(action) = actions::find(name) else { continue };
         let first = if is_new { "tutorial" } else { "new" };
-        let button = match name == first {
-            true => look::primary(ui, action.label),
-            false => Button::new(action.label),
-        };
-        let button = button.min_size(egui::vec2(ui.available_width(), 26.0));
+        let button = look::primary_if(ui, name == first, action.label).min_size(egui::vec2(ui.available_width(), 26.0));
         if ui.add(button).on_hover_text(help).clicked() {
             commands.extend((action.command)(context));
             is_chosen = true;

@@ -47,11 +47,7 @@ pub fn show(context: &egui::Context, tutorial: &Tutorial, place: Rect, commands:
                         (false, true) => "Next",
                         (false, false) => "Skip",
                     };
-                    let next = match is_done {
-                        true => look::primary(ui, next),
-                        false => Button::new(next),
-                    };
-                    if ui.add(next).clicked() {
+                    if ui.add(look::primary_if(ui, is_done, next)).clicked() {
                         go_to((!is_last).then_some(step + 1));
                     }
                     if is_done {

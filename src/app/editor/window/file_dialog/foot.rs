@@ -39,7 +39,7 @@ impl FileDialog {
                     Purpose::Open(_) => (self.chosen.is_some(), "Open"),
                     Purpose::Folder => (true, "Use this folder"),
                 };
-                let button = look::primary(ui, does).min_size(egui::vec2(70.0, 0.0));
+                let button = look::primary_if(ui, can, does).min_size(egui::vec2(70.0, 0.0));
                 let mut button = ui.add_enabled(can, button);
                 if self.purpose == Purpose::Folder {
                     button = button.on_hover_text(self.chosen_folder().display().to_string());
