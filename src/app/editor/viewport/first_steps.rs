@@ -1,6 +1,6 @@
 //! The hint over the picture of a scene without shapes: what one can do first.
 
-use bevy_egui::egui::{self, Align, Layout, Margin, Rect, RichText, Ui, UiBuilder};
+use bevy_egui::egui::{self, Align, Color32, Layout, Margin, Rect, RichText, Ui, UiBuilder};
 
 use super::marks::bar_frame;
 use crate::app::editor::command::Command;
@@ -17,7 +17,9 @@ pub(super) fn first_steps(ui: &mut Ui, picture: Rect, context: &ActionContext, c
     bar_frame(&middle, Margin::symmetric(14, 10)).show(&mut middle, |ui| {
         ui.label(RichText::new("This scene has no shapes yet").strong());
         // Buttons look like buttons on the fill of a window as well.
-        ui.visuals_mut().widgets.inactive.bg_stroke = ui.visuals().widgets.noninteractive.bg_stroke;
+        if ui.visuals().dark_mode {
+            ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::from_gray(88);
+        }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             ui.label("Add a");

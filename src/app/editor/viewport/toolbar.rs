@@ -293,6 +293,14 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
             {
                 commands.push(Command::ShowSafeFrame(safe));
             }
+            for name in ["dimensions", "wireframe"] {
+                let Some(action) = actions::find(name) else { continue };
+                let mut is_on = action.is_on(keys);
+                let help = hint("Of what is selected", name, keys.bound);
+                if ui.checkbox(&mut is_on, action.label).on_hover_text(help).changed() {
+                    commands.extend((action.command)(keys));
+                }
+            }
         },
     );
 }

@@ -313,6 +313,9 @@ impl FileDialog {
         }
         let height = height - (ui.cursor().top() - top);
         self.update_shown();
+        if self.shown.is_empty() && self.problem.is_none() {
+            ui.weak(self.nothing_here());
+        }
         let scrolls = std::mem::take(&mut self.shows_chosen);
         let clicked = table::show(
             ui,
@@ -321,13 +324,23 @@ impl FileDialog {
             &self.shown,
             self.chosen.as_deref(),
             scrolls,
-            self.filter.only_folders,
             &mut self.order,
         )?;
         let name = self.entries[clicked.place].name.clone();
         self.choose(name.clone());
         self.shows_chosen = false;
         clicked.twice.then_some(name)
+    }
+
+    /// Why the list is empty, and what can be done.
+    fn nothing_here(&self) -> &'static str {
+        match (self.entries.is_empty(), self.saves()) {
+            _ if !self.filter.part.is_empty() => "Nothing here is called so.",
+            _ if self.filter.only_folders => "There is no folder in this one.",
+            (_, true) => "There is no such file here yet.",
+            (true, false) => "The folder is empty.",
+            (false, false) => "There is no such file here. All files lists the others, too.",
+        }
     }
 
     /// The keys of the list; what Enter accepts. Enter is for the focused button or field where there is one, other than the field that names the file.

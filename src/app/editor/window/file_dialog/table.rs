@@ -27,7 +27,6 @@ pub(super) fn show(
     shown: &[usize],
     chosen: Option<&str>,
     scrolls: bool,
-    only_folders: bool,
     order: &mut Order,
 ) -> Option<Clicked> {
     header(ui, order);
@@ -37,13 +36,6 @@ pub(super) fn show(
     if let Some(at) = at.filter(|_| scrolls) {
         let line = ROW + ui.spacing().item_spacing.y;
         area = area.vertical_scroll_offset((line * (at as f32 + 0.5) - 0.5 * height).max(0.0));
-    }
-    if shown.is_empty() {
-        ui.weak(if only_folders {
-            "There is no folder in this one."
-        } else {
-            "Nothing here can be chosen."
-        });
     }
     area.show_rows(ui, ROW, shown.len(), |ui, rows| {
         for place in &shown[rows] {
