@@ -112,7 +112,8 @@ fn adaptive_pictures_are_the_same_on_any_number_of_threads() {
         assert!(film.most_samples() > film.sample_count(), "{noise:?}");
         film
     };
-    for noise in [None, Some(0.2)] {
+    // With 64 samples the noise is above this limit, and below it with 256.
+    for noise in [None, Some(0.08)] {
         let alone = on(1, noise, false);
         assert!(on(3, noise, false) == alone, "{noise:?}");
         assert!(on(2, noise, true) == alone, "{noise:?}, with previews");
