@@ -44,6 +44,11 @@ impl InSequence {
         self.done += 1;
     }
 
+    /// Whether there are frames that were not rendered.
+    pub fn is_broken_off(&self) -> bool {
+        self.done < self.count
+    }
+
     /// The frame, and the time left for all of them once a share of this one is done.
     fn message(&self, done: f64) -> String {
         let (frame, number, count) = (self.frame, self.done + 1, self.count);

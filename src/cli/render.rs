@@ -243,10 +243,13 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         if this != ExitCode::SUCCESS {
             code = this;
         }
+        sequence.next();
         if cancel.load(Ordering::Relaxed) {
             break;
         }
-        sequence.next();
+    }
+    if sequence.is_broken_off() && code == ExitCode::SUCCESS {
+        code = ExitCode::from(INTERRUPTED);
     }
     Ok(code)
 }

@@ -61,10 +61,22 @@ impl Track {
 
     /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys are of another type.
     pub fn with_key(&self, time: f64, value: Value) -> Option<Self> {
-        if discriminant(&self.keys[0].value) != discriminant(&value) {
+        let mut track = self.clone();
+        let value = match (&self.keys[0].value, value) {
+            (Value::Spectrum(_), Value::Rgb(color)) if color == Vec3::splat(color.x) => Value::Spectrum(color.x),
+            (Value::Spectrum(_), Value::Rgb(color)) => {
+                for key in &mut track.keys {
+                    if let Value::Spectrum(level) = key.value {
+                        key.value = Value::Rgb(Vec3::splat(level));
+                    }
+                }
+                Value::Rgb(color)
+            }
+            (_, value) => value,
+        };
+        if discriminant(&track.keys[0].value) != discriminant(&value) {
             return None;
         }
-        let mut track = self.clone();
         let place = track.keys.partition_point(|key| key.time < time);
         match track.keys.get_mut(place).filter(|key| key.time == time) {
             Some(key) => key.value = value,
@@ -308,6 +320,21 @@ mod tests {
             (vec![0.0, 2.0], Value::Float(7.0))
         );
         assert_eq!(track.with_key(1.0, Value::Integer(1)), None);
+    }
+
+    #[test]
+    fn keys_of_even_spectra_become_colours_for_a_colour() {
+        let even = track(
+            Interpolation::Linear,
+            &[(0.0, Value::Spectrum(1.0)), (2.0, Value::Spectrum(3.0))],
+        );
+        let grey = even.with_key(0.0, Value::Rgb(Vec3::splat(2.0))).expect("it is even");
+        assert_eq!(grey.at(1.0), Value::Spectrum(2.5));
+        let red = even.with_key(0.0, Value::Rgb(Vec3::X)).expect("a colour");
+        assert_eq!(
+            (red.at(0.0), red.at(2.0)),
+            (Value::Rgb(Vec3::X), Value::Rgb(Vec3::splat(3.0)))
+        );
     }
 
     #[test]

@@ -121,8 +121,11 @@ fn render_until(
     if !load_to_completion(app, limits)? {
         return Ok(Outcome::Cancelled);
     }
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
+    // A time limit that an earlier picture reached has paused the engine.
+    control.paused = false;
     if limits.samples.is_some() {
-        app.world_mut().resource_mut::<RenderControl>().target_samples = limits.samples;
+        control.target_samples = limits.samples;
     }
     // Once the time is up: the pass under way, and when to break it off.
     let mut last_pass: Option<(u32, Duration)> = None;

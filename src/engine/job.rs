@@ -256,7 +256,7 @@ impl Job {
         if let Some(run) = &self.run {
             if self.round.0 != asked {
                 // A round begins as soon as all pixels have the same number of samples.
-                let is_divided = asked != Rounds::default();
+                let is_divided = asked != Rounds::default() || self.adaptation.has_differences(&self.active);
                 self.round = (asked, if is_divided { run.queue.finish_pass() } else { u32::MAX });
             }
             run.queue.set_target(stop.samples.min(self.round.1));
@@ -434,6 +434,11 @@ impl Job {
         let samples = self.least_samples();
         let are_equal = self.active.iter().all(|&index| self.done[index] == samples);
         if !are_equal || samples == 0 || self.judged_at(samples).is_some() {
+            return;
+        }
+        // Within a round it depends on the threads when tiles are equal, and a limit of noise must not.
+        let ((noise_asked, _), end) = self.round;
+        if noise_asked.is_some() && samples != end {
             return;
         }
         let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();

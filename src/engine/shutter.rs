@@ -1,10 +1,13 @@
 //! Gathers the moments of a picture with motion blur.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
 use super::blocking::{Limits, RenderError, load_to_completion};
 use super::detect::Dirty;
 use super::packed_scene::PackedScene;
+use crate::render::light_layers::LightGroups;
 use crate::render::shutter::Shutter;
 
 /// The moments of the next picture; None where all its samples see the scene as it is. Whoever sets it takes it away again when the scene changes.
@@ -21,6 +24,7 @@ pub fn open_shutter(
 ) -> Result<bool, RenderError> {
     app.world_mut().insert_resource(OpenShutter::default());
     let mut moments = Vec::new();
+    let mut first: Option<(Arc<[Entity]>, LightGroups)> = None;
     for time in times {
         show(app.world_mut(), time);
         if moments.is_empty() {
@@ -31,7 +35,18 @@ pub fn open_shutter(
             return Ok(false);
         }
         let packed = app.world().resource::<PackedScene>();
-        moments.extend(packed.scene.clone().zip(packed.view.clone()));
+        let shapes = packed.entity_of_instance.clone();
+        let Some(moment) = packed.scene.clone().zip(packed.view.clone()) else {
+            continue;
+        };
+        let first = first.get_or_insert_with(|| (shapes.clone(), moment.1.light_groups.clone()));
+        let has_layers = moment.1.light_groups.count() > 0 || !moment.1.layers.is_empty();
+        if has_layers && (*first.0 != *shapes || first.1 != moment.1.light_groups) {
+            let message =
+                "shapes or lights come or go while the shutter is open, so that their layers cannot be told apart";
+            return Err(RenderError::Failed(message.to_owned()));
+        }
+        moments.push(moment);
     }
     let shutter = Shutter::new(&moments).filter(|_| moments.len() > 1);
     app.world_mut().insert_resource(OpenShutter(shutter));

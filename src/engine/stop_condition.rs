@@ -102,7 +102,9 @@ impl StopCondition {
             return FEWEST_FOR_NOISE.min(self.samples);
         }
         // Noise falls with the root of the samples at least, and hardly faster than with their number.
-        let growth = noise.map_or(2.0, |noise| f64::from(noise / limit).clamp(1.0, 2.0));
+        let growth = noise
+            .filter(|noise| noise.is_finite())
+            .map_or(2.0, |noise| f64::from(noise / limit).clamp(1.0, 2.0));
         let step = 1 << (done / SHORTEST_ROUND).ilog2();
         let end = (f64::from(done) * growth).ceil().min(f64::from(u32::MAX - step)) as u32;
         let end = end.max(done.saturating_add(1)).checked_next_multiple_of(step);

@@ -1,5 +1,7 @@
 //! Means of errors, pixel by pixel.
 
+use glam::DVec3;
+
 use crate::color::{Rgb, luminance, srgb_from_linear};
 
 /// The differences between a picture and a reference. All three components count alike.
@@ -21,20 +23,26 @@ pub fn errors(picture: &[Rgb], reference: &[Rgb]) -> Option<Errors> {
     if picture.len() != reference.len() || picture.is_empty() {
         return None;
     }
-    let mean = |of: &dyn Fn(Rgb, Rgb) -> f32| {
-        let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| f64::from(of(a, b))).sum();
-        (sum / picture.len() as f64) as f32
+    // Double precision holds the square of every number of a picture.
+    let mean = |of: &dyn Fn(Rgb, Rgb) -> f64| {
+        let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| of(a, b)).sum();
+        let mean = sum / picture.len() as f64;
+        match mean.is_finite() {
+            true => mean.min(f32::MAX.into()) as f32,
+            false => mean as f32,
+        }
     };
-    let thirds = |rgb: Rgb| rgb.element_sum() / 3.0;
+    let squared = |a: Rgb, b: Rgb| {
+        let error = a.as_dvec3() - b.as_dvec3();
+        error * error
+    };
+    let thirds = |rgb: DVec3| rgb.element_sum() / 3.0;
     let shown = |rgb: Rgb| rgb.clamp(Rgb::ZERO, Rgb::ONE).map(srgb_from_linear);
-    let display_mse = mean(&|a, b| {
-        let error = shown(a) - shown(b);
-        thirds(error * error)
-    });
+    let display_mse = mean(&|a, b| thirds(squared(shown(a), shown(b))));
     let errors = Errors {
-        means: [mean(&|a, _| luminance(a)), mean(&|_, b| luminance(b))],
-        mse: mean(&|a, b| thirds((a - b) * (a - b))),
-        relative_mse: mean(&|a, b| thirds((a - b) * (a - b) / (b * b + 0.01))),
+        means: [mean(&|a, _| luminance(a).into()), mean(&|_, b| luminance(b).into())],
+        mse: mean(&|a, b| thirds(squared(a, b))),
+        relative_mse: mean(&|a, b| thirds(squared(a, b) / (squared(b, Rgb::ZERO) + 0.01))),
         psnr: -10.0 * display_mse.log10(),
     };
     (errors.mse.is_finite() && errors.relative_mse.is_finite()).then_some(errors)
@@ -67,5 +75,7 @@ mod tests {
         assert_eq!(errors(&picture, &reference[..1]), None);
         assert_eq!(errors(&[], &[]), None);
         assert_eq!(errors(&[Rgb::NAN], &[Rgb::ONE]), None);
+        let far = errors(&[Rgb::splat(1e30)], &[Rgb::ZERO]).expect("finite numbers");
+        assert_eq!(far.mse, f32::MAX);
     }
 }

@@ -200,7 +200,9 @@ impl Pilots {
                 let start = found.starts[of_tile];
                 let pixels = &found.pixels[start..start + (block.width * block.height) as usize];
                 let relative = |(mean, variance): &(f32, f32)| {
-                    f64::from(variance / mean.abs().max(dark).max(f32::MIN_POSITIVE).powi(2))
+                    let scale = mean.abs().max(dark).max(f32::MIN_POSITIVE);
+                    let noise = f64::from(variance / scale / scale);
+                    if noise.is_finite() { noise } else { 0.0 }
                 };
                 let noise: f64 = pixels.iter().map(relative).sum();
                 let place = self.place(block);
@@ -378,7 +380,7 @@ fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f6
             .sum()
     };
     let typical = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
-    if typical <= 0.0 {
+    if !(typical > 0.0 && typical.is_finite()) {
         return vec![mean; blocks.len()];
     }
     let (mut low, mut high) = (0.0, 1e3 * mean / typical);

@@ -74,6 +74,9 @@ impl Draft {
         }
         for gone in &before.properties {
             if value_of(now, &gone.name).is_none() {
+                if self.reset_moving(&gone.name, now) {
+                    continue;
+                }
                 self.remove(&gone.name);
                 self.remove_superseded(&gone.name);
             }
@@ -133,6 +136,23 @@ impl Draft {
             None => self.object.properties.push(property.clone()),
         }
         self.remove_superseded(&property.name);
+    }
+
+    /// Gives a value with keys the default that it now has, which is not written out: its keys must not go with it. False for other values.
+    fn reset_moving(&mut self, name: &str, now: &Object) -> bool {
+        if now.objects().any(|child| child.name.as_deref() == Some(name)) {
+            return false;
+        }
+        let mut properties = self.object.properties.iter_mut();
+        let Some(known) = properties.find(|known| known.name == name && known.keys.is_some()) else {
+            return false;
+        };
+        known.value = match known.value {
+            Value::Transform(_) => Value::Transform(Vec::new()),
+            Value::Float(_) => Value::Float(0.0),
+            _ => return false,
+        };
+        true
     }
 
     /// A place or a direction as the transform by which the file gives it.

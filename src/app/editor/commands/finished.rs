@@ -32,7 +32,8 @@ pub fn picture(world: &World) -> ImageRgb {
         _ => factors(world),
     };
     let denoised = world.resource::<Denoiser>().picture();
-    let is_shown = |denoised: &&Denoised| mode == DisplayMode::Shaded && denoised.mix == mix;
+    let is_shown =
+        |denoised: &&Denoised| mode == DisplayMode::Shaded && denoised.mix == mix && denoised.job == film.job;
     let pixels = match denoised.filter(is_shown) {
         Some(denoised) => denoised.radiance.clone(),
         None => film.film.mixed(&mix),
@@ -46,10 +47,11 @@ pub fn picture(world: &World) -> ImageRgb {
 
 /// The picture with its layers. The one without noise is made now unless it is shown.
 pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
-    let film = &world.resource::<RenderFilm>().film;
+    let (film, job) = (&world.resource::<RenderFilm>().film, world.resource::<RenderFilm>().job);
     let is_shown = world
         .resource::<Denoiser>()
         .picture()
+        .filter(|denoised| denoised.job == job)
         .map(|denoised| denoised.radiance.clone());
     let denoised = match film.layers().layers.contains(Layer::Denoised) {
         true => is_shown.or_else(|| denoise_film(film, None, &AtomicBool::new(false)).ok()),
@@ -123,7 +125,7 @@ pub fn noisy_picture(world: &World) -> Option<ImageRgb> {
     let mix = factors(world);
     let denoised = world.resource::<Denoiser>().picture();
     denoised
-        .filter(|denoised| is_denoising(world) && denoised.mix == mix)
+        .filter(|denoised| is_denoising(world) && denoised.mix == mix && denoised.job == film.job)
         .map(|_| ImageRgb {
             width: film.film.width(),
             height: film.film.height(),

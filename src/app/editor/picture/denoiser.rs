@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use bevy::prelude::*;
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::denoiser_input::FilmCopy;
 use crate::app::editor::command::display::DisplayMode;
@@ -38,7 +38,7 @@ pub(crate) struct Denoised {
     pub samples: u32,
     /// Tells denoised pictures apart.
     pub number: u64,
-    job: u64,
+    pub job: u64,
     is_careful: bool,
 }
 
@@ -162,7 +162,7 @@ impl Denoiser {
             is_finished: true,
             mix,
         };
-        self.care_due(&now).is_some()
+        self.abandoned != Some(film.job) && self.care_due(&now).is_some()
     }
 
     /// Whether the film has no denoised picture yet, but will have.
@@ -311,7 +311,11 @@ pub(crate) fn follow_denoiser(
         Stage::Idle => begin(denoiser),
         Stage::Copying(copy) => denoiser.go_on_copying(copy, &film, control.threads, &wake_up),
         Stage::Working(work) => match work.result.try_recv() {
-            Err(_) => denoiser.stage = Stage::Working(work),
+            Err(TryRecvError::Empty) => denoiser.stage = Stage::Working(work),
+            Err(TryRecvError::Disconnected) => {
+                denoiser.failed = Some(work.job);
+                toasts.error(Topic::Other, "The denoiser broke off".to_owned(), None);
+            }
             Ok(outcome) => {
                 denoiser.rests_since = Instant::now();
                 match outcome {

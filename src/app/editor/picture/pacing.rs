@@ -14,6 +14,7 @@ use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEve
 use super::denoiser::Denoiser;
 use super::texture::Picture;
 use crate::app::editor::session::history::History;
+use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::toasts::Toasts;
 use crate::engine::{RenderState, RenderStatus, WakeUp};
 
@@ -93,9 +94,11 @@ pub fn pace(
     denoiser: Res<Denoiser>,
     toasts: Res<Toasts>,
     history: Res<History>,
+    recovery: Option<Res<Recovery>>,
 ) {
-    // A save goes on by a slice in each frame, and so does the copy of the film for the denoiser.
-    let in_use = !pacing.rests() || history.is_saving() || denoiser.is_copying();
+    // A save goes on by a slice in each frame, and so do the recovery copy and the copy of the film for the denoiser.
+    let is_copying = denoiser.is_copying() || recovery.is_some_and(|recovery| recovery.is_copying());
+    let in_use = !pacing.rests() || history.is_saving() || is_copying;
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering

@@ -63,6 +63,11 @@ pub struct Recovery {
 }
 
 impl Recovery {
+    /// Whether a copy of the scene is being made, a slice in each frame.
+    pub(crate) fn is_copying(&self) -> bool {
+        self.copy.is_some()
+    }
+
     /// Writes into a folder below `folder`; without one nothing is written.
     pub fn new(folder: Option<&Path>) -> Self {
         let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
