@@ -82,7 +82,7 @@ impl Film {
             })
     }
 
-    /// The estimated standard error of a pixel's luminance; None below two samples. [`super::error`] says how it is estimated.
+    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated: `render/mean_error.rs`.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let place = self.index(x, y);
         let count = self.counts[place];
