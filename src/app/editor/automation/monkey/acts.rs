@@ -100,7 +100,14 @@ fn edit(world: &mut World, random: &mut Random, folder: &Folder) -> Vec<Act> {
         }
         _ => {
             let lines = random_edit(world, random, &folder.part());
-            lines.map_or(Vec::new(), |lines| vec![Act::Say(lines)])
+            match lines {
+                // The lights of the picture are baked.
+                Some(lines) if lines.iter().any(|line| line == "bake-lights") => {
+                    vec![Act::AwaitPicture, Act::Say(lines)]
+                }
+                Some(lines) => vec![Act::Say(lines)],
+                None => Vec::new(),
+            }
         }
     }
 }

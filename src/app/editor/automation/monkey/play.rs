@@ -24,6 +24,7 @@ use crate::app::editor::session::options::Length;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::document::Severity;
+use crate::engine::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
 
 /// The number of acts of most rounds. It is so small that the history has room for all of them.
@@ -90,6 +91,14 @@ impl Monkey {
             }
             Waiting::Scene(revision, failures) => {
                 is_settled && (status.revision, status.failures) != (*revision, *failures)
+            }
+            Waiting::Picture => {
+                let engine = world.resource::<RenderStatus>();
+                let is_coming = matches!(
+                    engine.state,
+                    RenderState::Loading | RenderState::Building | RenderState::Rendering
+                );
+                engine.samples > 0 || !is_coming
             }
             Waiting::Text(text) => {
                 let source = status.diagnostics.sources.first();
@@ -352,6 +361,7 @@ impl Monkey {
                 }
             }
             Act::CloseSheet => world.resource_mut::<Requests>().sheet = None,
+            Act::AwaitPicture => self.wait(Waiting::Picture),
             Act::Rest(frames) => self.wait(Waiting::Frames(frames)),
         }
         // Reading the scene again is awaited, because names depend on it.

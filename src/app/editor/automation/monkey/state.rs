@@ -37,6 +37,8 @@ pub(super) enum Waiting {
     Frames(usize),
     /// A scene is read after this many loads and failures.
     Scene(u64, u64),
+    /// The picture of the scene as it is has a sample of every pixel, or is not going to have one.
+    Picture,
     /// The open scene's file is read with this text.
     Text(String),
 }
