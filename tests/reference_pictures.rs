@@ -296,6 +296,11 @@ fn noise_is_estimated_to_a_quarter() {
     println!("scene                     true noise at 16, 64, 256 samples   estimated over true");
     for scene in &reference_scenes() {
         let name = scene.file_stem().unwrap().to_string_lossy();
+        if EXPLAINED.iter().any(|(known, _)| *known == name) {
+            // The noise is relative to the luminance of the reference, which is that of another picture.
+            println!("{name:25} left out: its reference is another picture");
+            continue;
+        }
         let found = [16, 64, 256].map(|samples| noise(scene, samples, folder.path()));
         let [truth, ratio] = [
             found.map(|[_, error]| error),
