@@ -28,6 +28,7 @@ pub(crate) mod seeing;
 mod several;
 pub mod shell;
 mod spot;
+mod taken;
 #[cfg(test)]
 mod tests;
 pub(crate) mod texturing;

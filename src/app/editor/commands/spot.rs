@@ -1,15 +1,15 @@
 //! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside similar things.
 
-use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
+use super::taken::{Slab, Taken, Things};
 use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
-use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
+use crate::scene::Shape;
 
 /// Half the size of the first thing of a scene, world units.
 const FIRST: f32 = 0.5;
@@ -168,85 +168,6 @@ pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
-/// The part of space between two parallel planes. The feet of new things are looked for on one upright plane.
-struct Slab {
-    through: Vec3,
-    /// The normal of the planes.
-    across: Vec3,
-    half_width: f32,
-}
-
-impl Slab {
-    fn contains(&self, place: Vec3) -> bool {
-        (place - self.through).dot(self.across).abs() <= self.half_width
-    }
-}
-
-// Members of groups are where the instances of the groups are.
-type Things = QueryState<
-    (
-        Entity,
-        &'static ToWorld,
-        Option<&'static Shape>,
-        Has<AreaLight>,
-        Option<&'static Emitter>,
-    ),
-    Without<MemberOf>,
->;
-
-/// The middles of the lights, or of the shapes, that exist already.
-struct Taken(Vec<Vec3>);
-
-impl Taken {
-    /// Finds those in a slab that are like what is new. Things in whose middle something may stand, such as a floor, are not among them.
-    fn find(
-        world: &World,
-        things: &mut Things,
-        packed: &PackedScene,
-        lights: bool,
-        slab: &Slab,
-        is_like: impl Fn(&Aabb) -> bool,
-    ) -> Self {
-        let is_meant = |shape: Option<&Shape>, shines: bool, emitter: Option<&Emitter>| match lights {
-            true => shines || emitter.is_some_and(Emitter::has_place),
-            false => shape.is_some() && !shines,
-        };
-        let mut outside_picture: EntityHashMap<Vec3> = things
-            .iter(world)
-            .filter(|(_, _, shape, shines, emitter)| is_meant(*shape, *shines, *emitter))
-            .map(|(entity, pose, shape, ..)| {
-                let middle = shape.map_or(Vec3::ZERO, Shape::middle);
-                (entity, pose.0.transform_point3(middle))
-            })
-            .filter(|(_, place)| slab.contains(*place))
-            .collect();
-        let mut places = Vec::new();
-        // What is in the picture has its middle there.
-        picking::each_bounds(packed, |entity, bounds| {
-            outside_picture.remove(&entity);
-            if slab.contains(bounds.center())
-                && is_like(&bounds)
-                && let Ok((_, _, shape, shines, emitter)) = things.get_manual(world, entity)
-                && is_meant(shape, shines, emitter)
-            {
-                places.push(bounds.center());
-            }
-        });
-        places.extend(outside_picture.values());
-        Self(places)
-    }
-
-    /// Whether something new would be in one of them. `upwards`: as long as half its size.
-    fn is_at(&self, foot: Vec3, upwards: Vec3, lift: f32) -> bool {
-        let size = upwards.length();
-        self.0.iter().any(|place| {
-            let from = *place - foot;
-            let height = from.dot(upwards) / (size * size);
-            height > -1.0 && height < lift + 1.0 && from.reject_from(upwards).length() < size
-        })
-    }
-}
-
 /// The ground below everything.
 struct Ground {
     up: Vec3,
@@ -335,6 +256,7 @@ mod tests {
     use crate::render::camera::Camera;
     use crate::render::view::View;
     use crate::scene::{ActiveSensor, FreeView, ShapeKind};
+    use crate::scene::{AreaLight, Emitter, MemberOf, ToWorld};
 
     #[test]
     fn a_rounded_place_has_short_numbers() {
