@@ -464,11 +464,8 @@ fn a_box_without_keys_replaces_the_selection() {
     );
 }
 
-#[test]
-fn the_wheel_goes_towards_the_pointer() {
-    let mut harness = window();
-    harness.hover_at(Pos2::new(100.0, 300.0));
-    harness.run_steps(2);
+/// Turns the mouse wheel by one notch away from the user.
+fn turn_wheel(harness: &mut Harness<Window>) {
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Line,
         delta: vec2(0.0, 1.0),
@@ -476,6 +473,14 @@ fn the_wheel_goes_towards_the_pointer() {
         modifiers: Modifiers::NONE,
     });
     harness.run_steps(2);
+}
+
+#[test]
+fn the_wheel_goes_towards_the_pointer() {
+    let mut harness = window();
+    harness.hover_at(Pos2::new(100.0, 300.0));
+    harness.run_steps(2);
+    turn_wheel(&mut harness);
     let [view] = views(&harness)[..] else {
         panic!("one step")
     };
@@ -493,13 +498,7 @@ fn the_wheel_turns_over_the_hint_of_an_empty_scene() {
         harness.state_mut().commands.clear();
         harness.hover_at(place);
         harness.run_steps(2);
-        harness.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Line,
-            delta: vec2(0.0, 1.0),
-            phase: egui::TouchPhase::Move,
-            modifiers: Modifiers::NONE,
-        });
-        harness.run_steps(2);
+        turn_wheel(&mut harness);
         let [view] = views(&harness)[..] else {
             panic!("{name}: {:?}", harness.state().commands)
         };
