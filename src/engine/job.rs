@@ -429,7 +429,8 @@ impl Job {
         collected
     }
 
-    /// Judges the noise where all pixels of the region have the same number of samples: in the same order whoever rendered them.
+    /// Judges the noise once all pixels of the region have the same number of samples. The tiles are read in a fixed order, so that the result does not
+    /// depend on the threads.
     fn judge(&mut self, film: &RenderFilm) {
         let samples = self.least_samples();
         let are_equal = self.active.iter().all(|&index| self.done[index] == samples);

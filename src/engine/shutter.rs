@@ -10,7 +10,8 @@ use super::packed_scene::PackedScene;
 use crate::render::light_layers::LightGroups;
 use crate::render::shutter::Shutter;
 
-/// The moments of the next picture; None where all its samples see the scene as it is. Whoever sets it takes it away again when the scene changes.
+/// The moments of the next picture; None where all its samples see the scene as it is. It does not follow changes of the scene: [`open_shutter`] sets it
+/// anew for each picture.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct OpenShutter(pub Option<Shutter>);
 

@@ -9,7 +9,7 @@ use smol_str::SmolStr;
 use super::{Authored, AuthoredScene, DocumentOrder, SceneId};
 use crate::document::{Document, Object};
 
-/// As few stems are compared one by one.
+/// Up to this number, stems are compared one by one.
 const FEW: usize = 4;
 
 /// The ids of elements of the file that are no entities, such as textures.

@@ -100,7 +100,7 @@ fn string(text: &Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
-/// Those that OpenEXR names itself have fields of their own in the crate.
+/// The attributes of the file. The crate has fields of their own for the names that OpenEXR defines.
 fn attributes(image: &LayeredImage) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     for (name, attribute) in &image.attributes {

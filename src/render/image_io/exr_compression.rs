@@ -20,7 +20,7 @@ pub enum ExrCompression {
     Pxr24,
     /// Halves in blocks of a fixed size, with loss; the rest is not compressed.
     B44,
-    /// As [`Self::B44`], and flat blocks take less.
+    /// The method of [`Self::B44`], with smaller blocks where all pixels of a block are equal.
     B44a,
     /// A cosine transform of 32 rows at a time, with loss.
     Dwaa,
@@ -29,7 +29,7 @@ pub enum ExrCompression {
 }
 
 impl ExrCompression {
-    /// All of them, in the order in which they are offered.
+    /// All methods in the order in which they are offered.
     pub const ALL: [Self; 10] = [
         Self::None,
         Self::Rle,

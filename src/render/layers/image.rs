@@ -11,13 +11,13 @@ use crate::render::film::Film;
 use crate::render::image_io::ImageRgb;
 use crate::render::layered_image::{Channel, LayeredImage, Samples};
 
-/// The names of what is in layers.
+/// The names that layers refer to.
 pub struct LayerNames<'a> {
-    /// That of an instance, as [`crate::accel::Hit::instance`] counts them.
+    /// The name of an instance, as [`crate::accel::Hit::instance`] counts them.
     pub object: &'a dyn Fn(u32) -> String,
-    /// That of a material, by [`crate::material::MaterialId`].
+    /// The name of a material, by [`crate::material::MaterialId`].
     pub material: &'a dyn Fn(u32) -> String,
-    /// Those of the light groups.
+    /// The names of the light groups.
     pub light_groups: &'a [String],
 }
 

@@ -160,7 +160,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         }
     };
     written.map_err(CommandError::file)?;
-    // Whoever takes the radiance on may want to denoise it otherwise.
+    // Files with radiance go to other programs, which may have another denoiser.
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
         let path = noisy_path(path);
         write_image(&path, &noisy, &display.tone()).map_err(CommandError::file)?;
