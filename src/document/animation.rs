@@ -250,7 +250,8 @@ fn step_between(from: &TransformOp, to: &TransformOp, share: f64) -> Option<Tran
     })
 }
 
-fn affine_between(from: &Affine3A, to: &Affine3A, share: f64) -> Affine3A {
+/// The map at this share of the way from one to another: place and size go straight, the turn goes along the shortest arc.
+pub fn affine_between(from: &Affine3A, to: &Affine3A, share: f64) -> Affine3A {
     let (size, turn, place) = from.to_scale_rotation_translation();
     let (end_size, end_turn, end_place) = to.to_scale_rotation_translation();
     Affine3A::from_scale_rotation_translation(

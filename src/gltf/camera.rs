@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Mat4, Vec3};
 
 use super::GltfError;
+use super::motion::Placement;
 use super::scene::{Builder, object, with, with_child, with_float, with_world};
 use super::schema::Camera;
 use crate::document::{Category, Object, TransformOp, Value};
@@ -23,27 +24,27 @@ const FARTHEST_REACH: f32 = 1e12;
 
 impl Builder<'_> {
     /// Adds the sensor of a camera of the file.
-    pub(super) fn camera(&mut self, camera: &Camera, id: String, world: Mat4) {
+    pub(super) fn camera(&mut self, camera: &Camera, id: String, placement: &Placement) {
         // Cameras of the file look along -z with +x to the right.
-        let pose = world * Mat4::from_rotation_y(PI);
+        let turn = Mat4::from_rotation_y(PI);
         let sensor = |plugin: &str, near: f32, far: f32| {
             let sensor = with_float(object(Category::Sensor, plugin), "near_clip", near);
             with_float(sensor, "far_clip", far)
         };
-        let (sensor, pose, aspect) = match (&camera.perspective, &camera.orthographic) {
+        let (sensor, turn, aspect) = match (&camera.perspective, &camera.orthographic) {
             (Some(lens), _) => {
                 let near = lens.znear.max(f32::MIN_POSITIVE);
                 let far = lens.zfar.unwrap_or(FARTHEST * near);
                 let sensor = with_float(sensor("perspective", near, far), "fov", lens.yfov.to_degrees());
                 let sensor = with(sensor, "fov_axis", Value::String("y".into()));
-                (sensor, pose, lens.aspect_ratio.unwrap_or(ASPECT))
+                (sensor, turn, lens.aspect_ratio.unwrap_or(ASPECT))
             }
             (None, Some(lens)) => {
                 let scale = Mat4::from_scale(Vec3::new(lens.xmag.abs(), lens.xmag.abs(), 1.0));
                 let near = lens.znear.max(f32::MIN_POSITIVE);
                 (
                     sensor("orthographic", near, lens.zfar),
-                    pose * scale,
+                    turn * scale,
                     (lens.xmag / lens.ymag).abs(),
                 )
             }
@@ -52,7 +53,7 @@ impl Builder<'_> {
                 return;
             }
         };
-        let sensor = with_film(with_world(sensor, pose), aspect);
+        let sensor = with_film(with_world(sensor, placement, turn), aspect);
         let id = Some(id.into());
         self.sensors.push(Object { id, ..sensor });
     }

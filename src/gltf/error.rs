@@ -34,6 +34,12 @@ pub enum GltfError {
     Primitive { index: usize, what: String },
     #[error("node {0} is its own ancestor, or the child of two nodes")]
     Tree(usize),
+    /// A sampler of an animation.
+    #[error("sampler {index} {what}")]
+    Sampler { index: usize, what: String },
+    /// The most poses of nodes that are computed for key frames.
+    #[error("the animations need more than {0} poses of nodes, which are too many")]
+    Poses(usize),
     #[error("image {index}: {what}")]
     Image { index: usize, what: String },
     /// A number of the scene that the file becomes.

@@ -1,15 +1,17 @@
 //! Reads glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
 //!
 //! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
-//! format how they belong together. Nothing here draws or knows entities. Animations, skins and morph targets are not read: things have
-//! their pose at rest.
+//! format how they belong together. Nothing here draws or knows entities. Animations of nodes become key frames; skins and morph targets are not
+//! read: meshes have their shape at rest.
 
 mod accessor;
+mod animation;
 mod camera;
 mod error;
 pub mod files;
 mod material;
 mod mesh;
+mod motion;
 mod nodes;
 mod picture;
 mod placed;

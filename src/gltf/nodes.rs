@@ -2,22 +2,35 @@
 
 use std::collections::HashSet;
 
-use glam::{Mat4, Quat, Vec3, Vec4};
+use glam::{Mat4, Quat, Vec3};
 
+use super::animation::{Animations, rotation};
 use super::schema::Node;
 use super::{Gltf, GltfError};
 
 /// The nodes of the scene.
 #[derive(Default)]
 pub(super) struct PlacedNodes {
-    /// The indices with world transforms, which are finite; parents come first.
-    pub nodes: Vec<(usize, Mat4)>,
+    /// The nodes; parents come first.
+    pub nodes: Vec<PlacedNode>,
     /// One sentence for each node without a pose.
     pub warnings: Vec<String>,
 }
 
+/// A node of the scene.
+pub(super) struct PlacedNode {
+    /// The node's index in the file.
+    pub index: usize,
+    /// The world transform at 0 s, which is finite.
+    pub world: Mat4,
+    /// The place of the parent in the list.
+    pub parent: Option<usize>,
+    /// Whether the node or one above it moves.
+    pub moves: bool,
+}
+
 impl Gltf {
-    pub(super) fn placed_nodes(&self) -> Result<PlacedNodes, GltfError> {
+    pub(super) fn placed_nodes(&self, animations: &Animations) -> Result<PlacedNodes, GltfError> {
         let nodes = &self.root.nodes;
         let roots = match (self.root.scene, self.root.scenes.first()) {
             (None, None) => {
@@ -27,7 +40,7 @@ impl Gltf {
             (Some(scene), _) => self.get("scene", &self.root.scenes, scene)?.nodes.clone(),
             (None, Some(first)) => first.nodes.clone(),
         };
-        let mut waiting: Vec<(usize, Mat4)> = roots.into_iter().rev().map(|root| (root, Mat4::IDENTITY)).collect();
+        let mut waiting: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
         let mut placed = PlacedNodes::default();
         let mut seen = vec![false; nodes.len()];
         while let Some((index, parent)) = waiting.pop() {
@@ -35,30 +48,44 @@ impl Gltf {
             if std::mem::replace(&mut seen[index], true) {
                 return Err(GltfError::Tree(index));
             }
-            let world = parent * node.local();
+            let above = parent.map(|place: usize| &placed.nodes[place]);
+            let curves = animations.nodes.get(&index);
+            let local = curves.map_or_else(|| node.local(), |curves| curves.local(node, 0.0));
+            let world = above.map_or(Mat4::IDENTITY, |above| above.world) * local;
+            let moves = curves.is_some() || above.is_some_and(|above| above.moves);
             if !world.is_finite() {
-                let name = node.name.as_deref().unwrap_or("unnamed");
                 placed.warnings.push(format!(
-                    "node {index} ({name}) has a transform that is not finite: it is left out with what hangs on it"
+                    "{} has a transform that is not finite: it is left out with what hangs on it",
+                    self.node_title(index)
                 ));
                 continue;
             }
-            placed.nodes.push((index, world));
-            waiting.extend(node.children.iter().rev().map(|&child| (child, world)));
+            let place = placed.nodes.len();
+            placed.nodes.push(PlacedNode {
+                index,
+                world,
+                parent,
+                moves,
+            });
+            waiting.extend(node.children.iter().rev().map(|&child| (child, Some(place))));
         }
         Ok(placed)
     }
 }
 
 impl Node {
-    fn local(&self) -> Mat4 {
-        // A quaternion without a direction turns nothing.
-        let rotation = |turn| Vec4::from_array(turn).try_normalize().map(Quat::from_vec4);
+    /// Whether a thing of the scene stands at the node.
+    pub(super) fn places_something(&self) -> bool {
+        self.mesh.is_some() || self.camera.is_some() || self.extensions.light.is_some()
+    }
+
+    /// Parent from local, at rest.
+    pub(super) fn local(&self) -> Mat4 {
         match self.matrix {
             Some(matrix) => Mat4::from_cols_array(&matrix),
             None => Mat4::from_scale_rotation_translation(
                 self.scale.map_or(Vec3::ONE, Vec3::from),
-                self.rotation.and_then(rotation).unwrap_or(Quat::IDENTITY),
+                self.rotation.map_or(Quat::IDENTITY, rotation),
                 self.translation.map_or(Vec3::ZERO, Vec3::from),
             ),
         }

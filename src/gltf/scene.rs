@@ -9,6 +9,8 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Mat4, Vec3};
 
 use super::mesh::VERTEX_COLOR;
+use super::motion::{Allowance, Placement, is_sound};
+use super::nodes::PlacedNodes;
 use super::picture::Picture;
 use super::schema::{Light, Node, Primitive};
 use super::{Gltf, GltfError, is_supported};
@@ -33,6 +35,9 @@ pub struct Imported {
     /// One sentence for each thing of the file that is left out.
     pub warnings: Vec<String>,
 }
+
+/// The most things that a warning names.
+const MOST_NAMES: usize = 5;
 
 pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
@@ -96,13 +101,18 @@ impl Gltf {
         for name in self.root.extensions_used.iter().filter(|name| !is_supported(name)) {
             builder.warn(format!("the extension {name} is not read"));
         }
-        if !self.root.animations.is_empty() {
-            builder.warn("animations are not read".to_owned());
-        }
-        let placed = self.placed_nodes()?;
-        placed.warnings.into_iter().for_each(|warning| builder.warn(warning));
-        for (index, world) in placed.nodes {
-            builder.node(index, world)?;
+        let animations = self.animations();
+        let placed = self.placed_nodes(&animations)?;
+        let warnings = animations.warnings.iter().chain(&placed.warnings);
+        warnings.for_each(|warning| builder.warn(warning.clone()));
+        builder.warn_of_deformation(&placed);
+        let mut allowance = Allowance::default();
+        for (place, node) in placed.nodes.iter().enumerate() {
+            let about = self.get("node", &self.root.nodes, node.index)?;
+            if about.places_something() {
+                let placement = self.placement(&placed, &animations, place, &mut allowance)?;
+                builder.node(node.index, about, placement)?;
+            }
         }
         builder.finish()
     }
@@ -151,45 +161,76 @@ impl Builder<'_> {
         name
     }
 
-    fn node(&mut self, index: usize, world: Mat4) -> Result<(), GltfError> {
+    /// Says which meshes of the scene would change their shape.
+    fn warn_of_deformation(&mut self, placed: &PlacedNodes) {
         let gltf = self.gltf;
-        let node = gltf.get("node", &gltf.root.nodes, index)?;
-        let world = {
-            let mut affine = world.transpose();
-            affine.w_axis = glam::Vec4::W;
-            affine.transpose()
+        let list = |is_one: &dyn Fn(&Node) -> bool| {
+            let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
+            let name = |node: &Node| {
+                let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
+                let name = node.name.clone().or_else(|| mesh?.name.clone());
+                format!("`{}`", name.as_deref().unwrap_or("mesh"))
+            };
+            let names: Vec<String> = nodes.filter(|node| is_one(node)).map(name).collect();
+            let others = names.len().saturating_sub(MOST_NAMES);
+            match others {
+                0 => (names.len(), names.join(", ")),
+                _ => (
+                    names.len(),
+                    format!("{} and {others} more", names[..MOST_NAMES].join(", ")),
+                ),
+            }
         };
-        let places_something = node.mesh.is_some() || node.camera.is_some() || node.extensions.light.is_some();
-        if places_something && !is_invertible(&Affine3A::from_mat4(world)) {
+        match list(&|node| node.mesh.is_some() && node.skin.is_some()) {
+            (0, _) => {}
+            (1, name) => self.warn(format!("skins are not read: {name} stays in its pose at rest")),
+            (_, names) => self.warn(format!("skins are not read: {names} stay in their pose at rest")),
+        }
+        let has_targets = |node: &Node| {
+            let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
+            mesh.is_some_and(|mesh| mesh.primitives.iter().any(|primitive| !primitive.targets.is_empty()))
+        };
+        match list(&has_targets) {
+            (0, _) => {}
+            (1, name) => self.warn(format!("morph targets are not read: {name} keeps its shape at rest")),
+            (_, names) => self.warn(format!("morph targets are not read: {names} keep their shape at rest")),
+        }
+    }
+
+    fn node(&mut self, index: usize, node: &Node, mut placement: Placement) -> Result<(), GltfError> {
+        let gltf = self.gltf;
+        if !is_invertible(&Affine3A::from_mat4(placement.world)) {
             // A scale of zero is how files hide a node for a while (section 3.5.3).
-            let name = node.name.as_deref().unwrap_or("unnamed");
-            self.warn(format!(
-                "node {index} ({name}) is flattened by its transform: it is left out"
-            ));
+            let title = gltf.node_title(index);
+            self.warn(format!("{title} is flattened by its transform: it is left out"));
             return Ok(());
         }
+        if !is_sound(&placement) {
+            let title = gltf.node_title(index);
+            self.warn(format!(
+                "{title} is flattened by its animation, or goes to infinity: it stands still"
+            ));
+            placement = Placement::still(placement.world);
+        }
         if let Some(mesh) = node.mesh {
-            if node.skin.is_some() {
-                self.warn("skins are not read: meshes have their pose at rest".to_owned());
-            }
-            self.mesh(node, mesh, world)?;
+            self.mesh(node, mesh, &placement)?;
         }
         if let Some(camera) = node.camera {
             let camera = gltf.get("camera", &gltf.root.cameras, camera)?;
             let name = node.name.as_deref().or(camera.name.as_deref()).unwrap_or("camera");
             let id = self.unique(name);
-            self.camera(camera, id, world);
+            self.camera(camera, id, &placement);
         }
         if let Some(light) = &node.extensions.light {
             let lights = &gltf.root.extensions.lights.lights;
             let light = gltf.get("light", lights, light.light)?;
             let name = node.name.as_deref().or(light.name.as_deref()).unwrap_or("unnamed");
-            self.light(light, name, world);
+            self.light(light, name, &placement);
         }
         Ok(())
     }
 
-    fn mesh(&mut self, node: &Node, mesh: usize, world: Mat4) -> Result<(), GltfError> {
+    fn mesh(&mut self, node: &Node, mesh: usize, placement: &Placement) -> Result<(), GltfError> {
         let gltf = self.gltf;
         let about = gltf.get("mesh", &gltf.root.meshes, mesh)?;
         let name = node.name.as_deref().or(about.name.as_deref()).unwrap_or("mesh");
@@ -199,14 +240,15 @@ impl Builder<'_> {
                 self.warn(format!("points and lines are left out ({name})"));
                 continue;
             }
-            if !primitive.targets.is_empty() {
-                self.warn("morph targets are not read: meshes have their shape at rest".to_owned());
-            }
             let Some(mesh) = self.known_mesh(number, primitive, name)? else {
                 continue;
             };
-            let map = Affine3A::from_mat4(world);
+            let map = Affine3A::from_mat4(placement.world);
             self.bounds = self.bounds.union(mesh.bounds.transformed(&map));
+            for (_, world) in &placement.keys {
+                let bounds = mesh.bounds.transformed(&Affine3A::from_mat4(*world));
+                self.bounds = self.bounds.union(bounds);
+            }
             let given = primitive.material;
             let material = given.filter(|&material| material < gltf.root.materials.len());
             if let Some(missing) = given.filter(|_| material.is_none()) {
@@ -222,7 +264,7 @@ impl Builder<'_> {
                     shape = with(shape, "flip_normals", Value::Boolean(true));
                 }
             }
-            shape = with_world(shape, world);
+            shape = with_world(shape, placement, Mat4::IDENTITY);
             shape.children.push(Child::Reference {
                 name: None,
                 id: self.material(material, mesh.has_colors).into(),
@@ -275,28 +317,34 @@ impl Builder<'_> {
         id
     }
 
-    fn light(&mut self, light: &Light, name: &str, world: Mat4) {
+    fn light(&mut self, light: &Light, name: &str, placement: &Placement) {
         let power = self.possible_light(Vec3::from(light.color) * light.intensity, &format!("light `{name}`"));
         let emitter = |plugin: &str| object(Category::Emitter, plugin);
-        let forward = world.transform_vector3(Vec3::NEG_Z);
+        // Lights of the file shine along -z.
+        let turn = Mat4::from_rotation_y(PI);
         self.emitters.push(match light.kind.as_str() {
             "directional" => {
-                let emitter = with_color(emitter("directional"), "irradiance", power);
-                with(emitter, "direction", Value::Vector(forward))
+                let mut emitter = with_color(emitter("directional"), "irradiance", power);
+                let forward = |world: Mat4| Value::Vector(world.transform_vector3(Vec3::NEG_Z));
+                match placement.moves() {
+                    // A direction that turns would not go along an arc.
+                    true => emitter = with_world(emitter, placement, turn),
+                    false => emitter.properties.push(placement.property("direction", forward)),
+                }
+                emitter
             }
             "point" => {
-                let emitter = with_color(emitter("point"), "intensity", power);
-                with(emitter, "position", Value::Point(world.w_axis.truncate()))
+                let mut emitter = with_color(emitter("point"), "intensity", power);
+                let place = |world: Mat4| Value::Point(world.w_axis.truncate());
+                emitter.properties.push(placement.property("position", place));
+                emitter
             }
             "spot" => {
                 let outer = light.spot.outer_cone_angle.to_degrees();
                 let emitter = with_color(emitter("spot"), "intensity", power);
                 let emitter = with_float(emitter, "cutoff_angle", outer);
                 let inner = light.spot.inner_cone_angle.to_degrees().min(outer);
-                with_world(
-                    with_float(emitter, "beam_width", inner),
-                    world * Mat4::from_rotation_y(PI),
-                )
+                with_world(with_float(emitter, "beam_width", inner), placement, turn)
             }
             other => {
                 let sentence = format!("lights of type `{other}` are not supported: one is left out");
@@ -397,9 +445,11 @@ pub(super) fn with_child(mut object: Object, child: Object) -> Object {
     object
 }
 
-pub(super) fn with_world(object: Object, world: Mat4) -> Object {
-    if world == Mat4::IDENTITY {
-        return object;
+/// With the pose of a node, before which a turn is done.
+pub(super) fn with_world(mut object: Object, placement: &Placement, turn: Mat4) -> Object {
+    if placement.moves() || placement.world * turn != Mat4::IDENTITY {
+        let value = |world: Mat4| Value::Transform(vec![TransformOp::Matrix(world * turn)]);
+        object.properties.push(placement.property("to_world", value));
     }
-    with(object, "to_world", Value::Transform(vec![TransformOp::Matrix(world)]))
+    object
 }

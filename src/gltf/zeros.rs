@@ -3,17 +3,20 @@
 
 use super::schema::Root;
 
-/// The most zeros of one accessor, and of all meshes together.
+/// The most zeros of one accessor, and of all meshes and animations together.
 pub const MOST_ZEROS: usize = 1 << 26;
 
 /// Bytes of memory for such an element, in the mesh and in its file.
 const ZERO_BYTES: u64 = 64;
 
-/// The number of zeros in the meshes of a file, without the accessors that exceed the limit by themselves.
+/// The number of zeros in the meshes and animations of a file, without the accessors that exceed the limit by themselves.
 pub fn count_zeros(root: &Root) -> usize {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let accessors = primitives.flat_map(|primitive| primitive.attributes.values());
-    let zeros = accessors
+    let attributes = primitives.flat_map(|primitive| primitive.attributes.values());
+    let samplers = root.animations.iter().flat_map(|animation| &animation.samplers);
+    let curves = samplers.flat_map(|sampler| [&sampler.input, &sampler.output]);
+    let zeros = attributes
+        .chain(curves)
         .filter_map(|&index| root.accessors.get(index))
         .filter(|accessor| accessor.buffer_view.is_none() && accessor.count <= MOST_ZEROS);
     zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))

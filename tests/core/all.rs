@@ -46,6 +46,7 @@ mod film;
 mod fuzz_corpus;
 mod generated_meshes;
 mod gltf;
+mod gltf_animation;
 mod gltf_meshes;
 mod inspect;
 mod lanes;

@@ -95,16 +95,7 @@ fn a_binary_file_renders_as_the_scene_it_is_converted_to() {
     std::fs::remove_file(shop.path("model.glb")).expect("is there");
     std::fs::rename(shop.path("out"), shop.path("moved")).expect("can be moved");
     render("moved/scene.xml", "converted.exr");
-    // The files differ in the name of their scene.
-    let colors = |name: &str| {
-        let image = sunroom::texture::load_image(&shop.read(name)).expect("a picture");
-        let row = |y| (0..image.width()).map(move |x| (x, y));
-        let places = (0..image.height()).flat_map(row);
-        places
-            .map(|(x, y)| image.pixel(x, y).to_array().map(f32::to_bits))
-            .collect::<Vec<_>>()
-    };
-    assert!(colors("direct.exr") == colors("converted.exr"));
+    assert!(colors(&shop, "direct.exr") == colors(&shop, "converted.exr"));
     for part in ["mesh-0.ply", "mesh-1.ply"] {
         assert!(shop.path("moved/scene-files").join(part).is_file(), "{part}");
     }
@@ -113,6 +104,58 @@ fn a_binary_file_renders_as_the_scene_it_is_converted_to() {
     let plaster = image.pixel(10, 16);
     assert!(plaster.x > 0.3 && plaster.x > 2.0 * plaster.y, "{plaster}");
     assert_eq!(image.pixel(1, 1), Vec3::ZERO);
+}
+
+/// The colours of a picture.
+fn colors(shop: &Workshop, name: &str) -> Vec<[u32; 3]> {
+    let image = sunroom::texture::load_image(&shop.read(name)).expect("a picture");
+    let row = |y| (0..image.width()).map(move |x| (x, y));
+    let places = (0..image.height()).flat_map(row);
+    places
+        .map(|(x, y)| image.pixel(x, y).to_array().map(f32::to_bits))
+        .collect()
+}
+
+/// A shining square of one unit hangs on a node that turns by 180 degrees about z in a second; the camera rises by a unit in the next second.
+const MOVING: &str = r#"
+  "materials": [{"emissiveFactor": [1, 1, 1]}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6, "material": 0}]}],
+  "cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 2, "znear": 0.1, "zfar": 10}}],
+  "nodes": [{"children": [1]}, {"mesh": 0, "translation": [0.5, -0.5, 0]}, {"camera": 0, "translation": [0, 0, 4]}],
+  "animations": [{"samplers": [{"input": 2, "output": 3}, {"input": 4, "output": 5}],
+    "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}, {"sampler": 1, "target": {"node": 2, "path": "translation"}}]}]"#;
+
+#[test]
+fn frames_show_what_the_animations_of_a_file_move() {
+    let shop = Workshop::new();
+    let mut parts = squares(0.5);
+    parts.floats("SCALAR", &[0.0, 0.5, 1.0]);
+    let half = 0.5f32.sqrt();
+    parts.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half, 0.0, 0.0, 1.0, 0.0]);
+    parts.floats("SCALAR", &[1.0, 2.0]);
+    parts.floats("VEC3", &[0.0, 0.0, 4.0, 0.0, 1.0, 4.0]);
+    shop.put("model.glb", parts.binary(MOVING));
+    let options = [
+        "--frames", "0..4", "--fps", "2", "--size", "32x32", "--spp", "1", "--strict", "-q",
+    ];
+    shop.done(&[&["render", "model.glb", "-o", "#.exr"], &options[..]].concat());
+    // A unit is eight pixels, and the middle is at (16, 16).
+    for (frame, [x, y]) in [[24, 16], [16, 8], [8, 16], [8, 20], [8, 24]].into_iter().enumerate() {
+        let picture = sunroom::texture::load_image(&shop.read(&format!("{frame}.exr"))).expect("a picture");
+        for (far, expected) in [(1, 1.0), (7, 0.0)] {
+            for (right, down) in [(-far, 0), (far, 0), (0, -far), (0, far)] {
+                let (x, y) = ((x + right) as u32, (y + down) as u32);
+                assert_eq!(picture.pixel(x, y).x, expected, "{frame}: {x}, {y}");
+            }
+        }
+    }
+    // The scene that it is converted to has the same key frames.
+    shop.done(&["convert", "--strict", "model.glb", "scene.xml"]);
+    shop.done(&[&["render", "scene.xml", "-o", "converted-#.exr"], &options[..]].concat());
+    for frame in 0..5 {
+        let names = ["", "converted-"].map(|kind| format!("{kind}{frame}.exr"));
+        assert!(colors(&shop, &names[0]) == colors(&shop, &names[1]), "{frame}");
+    }
 }
 
 /// A shining square over a floor, both alike at the left and at the right, seen from the front. `NORMAL` stands for what the square has besides

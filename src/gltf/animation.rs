@@ -1,0 +1,350 @@
+//! Animations: the curves along which nodes move, turn and grow (glTF 2.0, section 3.11).
+//!
+//! All animations play together from 0 s on. An animation that cannot be read, or that drives a part of a node's pose that an earlier one drives, is left out
+//! as a whole, because files hold alternatives ("walk", "run") as well as the parts of one motion.
+
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
+
+use glam::{Mat4, Quat, Vec3, Vec4};
+
+use super::schema::{Animation, AnimationSampler, Node};
+use super::{Gltf, GltfError};
+
+/// A scale that takes the place of smaller ones, 0 above all, by which animations hide things: nothing may be flattened.
+const LEAST_SCALE: f32 = 1e-4;
+
+/// The animations of a file.
+#[derive(Default)]
+pub(super) struct Animations {
+    /// By the index of the node.
+    pub nodes: HashMap<usize, Curves>,
+    /// One sentence for each thing that is left out.
+    pub warnings: Vec<String>,
+}
+
+/// The moving parts of a node's pose.
+#[derive(Clone, Default)]
+pub(super) struct Curves {
+    translation: Option<Curve<3>>,
+    rotation: Option<Curve<4>>,
+    scale: Option<Curve<3>>,
+}
+
+/// Numbers that depend on the time.
+#[derive(Clone)]
+struct Curve<const N: usize> {
+    /// Rising, in seconds; at least one.
+    times: Rc<[[f32; 1]]>,
+    /// One value for each time; for cubic curves three: the tangent before, the value, the tangent after.
+    values: Rc<[[f32; N]]>,
+    way: Way,
+}
+
+/// The way from one value to the next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Step,
+    Linear,
+    Cubic,
+}
+
+/// A part of a pose.
+#[derive(Clone)]
+enum Part {
+    Translation(Curve<3>),
+    Rotation(Curve<4>),
+    Scale(Curve<3>),
+}
+
+/// The accessors that were read already, because many curves share their times.
+#[derive(Default)]
+struct Known {
+    times: HashMap<usize, Rc<[[f32; 1]]>>,
+    triples: HashMap<usize, Rc<[[f32; 3]]>>,
+    quadruples: HashMap<usize, Rc<[[f32; 4]]>>,
+}
+
+impl Gltf {
+    pub(super) fn animations(&self) -> Animations {
+        let mut all = Animations::default();
+        let mut known = Known::default();
+        // The titles of the animations that drive a part of a node.
+        let mut drivers: HashMap<(usize, &str), String> = HashMap::new();
+        for (index, animation) in self.root.animations.iter().enumerate() {
+            let title = match &animation.name {
+                Some(name) => format!("animation {index} ({name})"),
+                None => format!("animation {index}"),
+            };
+            let parts = match self.parts(animation, &title, &mut known, &mut all.warnings) {
+                Ok(parts) => parts,
+                Err(error) => {
+                    all.warnings.push(format!("{title} is left out: {error}"));
+                    continue;
+                }
+            };
+            let rival = parts.keys().find_map(|key| Some((key, drivers.get(key)?)));
+            if let Some(((node, path), rival)) = rival {
+                let node = self.node_title(*node);
+                let sentence = format!("{title} is left out: it drives the {path} of {node}, as {rival} does");
+                all.warnings.push(sentence);
+                continue;
+            }
+            for ((node, path), part) in parts {
+                drivers.insert((node, path), title.clone());
+                let curves = all.nodes.entry(node).or_default();
+                match part {
+                    Part::Translation(curve) => curves.translation = Some(curve),
+                    Part::Rotation(curve) => curves.rotation = Some(curve),
+                    Part::Scale(curve) => curves.scale = Some(curve),
+                }
+            }
+        }
+        all
+    }
+
+    /// The node's index with its name.
+    pub(super) fn node_title(&self, index: usize) -> String {
+        let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
+        format!("node {index} ({})", name.unwrap_or("unnamed"))
+    }
+
+    /// The curves of an animation, by the node and the path of their targets.
+    fn parts<'a>(
+        &self,
+        animation: &'a Animation,
+        title: &str,
+        known: &mut Known,
+        warnings: &mut Vec<String>,
+    ) -> Result<BTreeMap<(usize, &'a str), Part>, GltfError> {
+        let mut parts = BTreeMap::new();
+        let mut passed_over = Vec::new();
+        for channel in &animation.channels {
+            let path = channel.target.path.as_str();
+            // Targets without a node belong to extensions.
+            let Some(index) = channel.target.node else {
+                continue;
+            };
+            if !["translation", "rotation", "scale"].contains(&path) {
+                let what = match path {
+                    "weights" => "morph weights",
+                    _ => path,
+                };
+                let sentence = format!("{title}: the {what} of {} are not read", self.node_title(index));
+                passed_over.push(sentence);
+                continue;
+            }
+            let node = self.get("node", &self.root.nodes, index)?;
+            if node.matrix.is_some() {
+                let node = self.node_title(index);
+                passed_over.push(format!("{title}: {node} has a matrix and stands still"));
+                continue;
+            }
+            let sampler = self.get("sampler", &animation.samplers, channel.sampler)?;
+            let part = match path {
+                "translation" => Part::Translation(self.curve(channel.sampler, sampler, known, "VEC3")?),
+                "rotation" => Part::Rotation(self.curve(channel.sampler, sampler, known, "VEC4")?),
+                _ => Part::Scale(self.curve(channel.sampler, sampler, known, "VEC3")?),
+            };
+            parts.entry((index, path)).or_insert(part);
+        }
+        warnings.append(&mut passed_over);
+        Ok(parts)
+    }
+
+    fn curve<const N: usize>(
+        &self,
+        index: usize,
+        sampler: &AnimationSampler,
+        known: &mut Known,
+        kind: &str,
+    ) -> Result<Curve<N>, GltfError>
+    where
+        Known: Holds<N>,
+    {
+        let bad = |what: String| GltfError::Sampler { index, what };
+        let way = match sampler.interpolation.as_deref().unwrap_or("LINEAR") {
+            "STEP" => Way::Step,
+            "LINEAR" => Way::Linear,
+            "CUBICSPLINE" => Way::Cubic,
+            other => return Err(bad(format!("has the unknown interpolation `{other}`"))),
+        };
+        let times: Rc<[[f32; 1]]> = self.shared::<1>(sampler.input, "SCALAR", known)?;
+        let values = self.shared(sampler.output, kind, known)?;
+        let expected = match way {
+            Way::Cubic => times.len().saturating_mul(3),
+            Way::Step | Way::Linear => times.len(),
+        };
+        if times.is_empty() {
+            return Err(bad("has no keys".to_owned()));
+        }
+        if values.len() != expected {
+            let (keys, found) = (times.len(), values.len());
+            return Err(bad(format!(
+                "has {keys} times, to which {expected} values belong, but {found} values"
+            )));
+        }
+        if !times.is_sorted_by(|a, b| a[0] < b[0]) || !times.iter().all(|time| time[0].is_finite()) {
+            return Err(bad("has times that do not rise".to_owned()));
+        }
+        if !values.iter().flatten().all(|number| number.is_finite()) {
+            return Err(bad("has values that are not finite".to_owned()));
+        }
+        Ok(Curve { times, values, way })
+    }
+
+    /// The elements of an accessor, which are read once.
+    fn shared<const N: usize>(&self, index: usize, kind: &str, known: &mut Known) -> Result<Rc<[[f32; N]]>, GltfError>
+    where
+        Known: Holds<N>,
+    {
+        if let Some(elements) = known.of_width().get(&index) {
+            return Ok(elements.clone());
+        }
+        let elements: Rc<[[f32; N]]> = self.vectors(index, kind, None)?.into();
+        known.of_width().insert(index, elements.clone());
+        Ok(elements)
+    }
+}
+
+/// Accessors whose elements have so many numbers.
+trait Holds<const N: usize> {
+    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; N]]>>;
+}
+
+impl Holds<1> for Known {
+    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 1]]>> {
+        &mut self.times
+    }
+}
+
+impl Holds<3> for Known {
+    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 3]]>> {
+        &mut self.triples
+    }
+}
+
+impl Holds<4> for Known {
+    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 4]]>> {
+        &mut self.quadruples
+    }
+}
+
+impl Curves {
+    /// Parent from local at a time in seconds.
+    pub fn local(&self, node: &Node, time: f32) -> Mat4 {
+        let triple = |curve: &Option<Curve<3>>, rest: Option<[f32; 3]>| match curve {
+            Some(curve) => Some(curve.at(time, |from, to, share| {
+                Vec3::from(from).lerp(Vec3::from(to), share).to_array()
+            })),
+            None => rest,
+        };
+        let turn = |curve: &Curve<4>| {
+            // Along the shortest arc.
+            curve.at(time, |from, to, share| {
+                rotation(from).slerp(rotation(to), share).to_array()
+            })
+        };
+        let scale = triple(&self.scale, node.scale).map_or(Vec3::ONE, Vec3::from);
+        let seen = |size: f32| size.abs().max(LEAST_SCALE).copysign(size);
+        Mat4::from_scale_rotation_translation(
+            match self.scale {
+                Some(_) => Vec3::from_array(scale.to_array().map(seen)),
+                None => scale,
+            },
+            self.rotation
+                .as_ref()
+                .map(turn)
+                .or(node.rotation)
+                .map_or(Quat::IDENTITY, rotation),
+            triple(&self.translation, node.translation).map_or(Vec3::ZERO, Vec3::from),
+        )
+    }
+
+    /// Whether all values hold from key to key.
+    pub fn only_step(&self) -> bool {
+        self.ways().all(|way| way == Way::Step)
+    }
+
+    fn ways(&self) -> impl Iterator<Item = Way> {
+        let ways = [
+            self.translation.as_ref().map(|curve| curve.way),
+            self.rotation.as_ref().map(|curve| curve.way),
+            self.scale.as_ref().map(|curve| curve.way),
+        ];
+        ways.into_iter().flatten()
+    }
+
+    /// The number of times that [`Self::times`] adds at most.
+    pub fn most_times(&self) -> usize {
+        let count = |times: Option<&Rc<[[f32; 1]]>>| times.map_or(0, |times| 2 * times.len());
+        count(self.translation.as_ref().map(|curve| &curve.times))
+            + count(self.rotation.as_ref().map(|curve| &curve.times))
+            + count(self.scale.as_ref().map(|curve| &curve.times))
+    }
+
+    /// Adds the times in seconds between which nothing jumps or bends.
+    pub fn add_times(&self, times: &mut Vec<f32>) {
+        self.translation.iter().for_each(|curve| curve.add_times(times));
+        self.rotation.iter().for_each(|curve| curve.add_times(times));
+        self.scale.iter().for_each(|curve| curve.add_times(times));
+    }
+}
+
+/// A turn from the numbers of a file. A quaternion without a direction turns nothing.
+pub(super) fn rotation(turn: [f32; 4]) -> Quat {
+    let unit = Vec4::from_array(turn).try_normalize();
+    unit.map_or(Quat::IDENTITY, Quat::from_vec4)
+}
+
+/// The moment of a jump: a rounding before the key. Frames at n / 24 s must not come before a key that has the same time in single precision.
+fn jump(time: f32) -> f32 {
+    time.next_down()
+}
+
+impl<const N: usize> Curve<N> {
+    /// The value at a time in seconds, with the function by which linear curves go from one value to the next.
+    fn at(&self, time: f32, mix: impl Fn([f32; N], [f32; N], f32) -> [f32; N]) -> [f32; N] {
+        let after = match self.way {
+            Way::Step => self.times.partition_point(|key| jump(key[0]) <= time),
+            Way::Linear | Way::Cubic => self.times.partition_point(|key| key[0] <= time),
+        };
+        let value = |key: usize| match self.way {
+            Way::Step | Way::Linear => self.values[key],
+            Way::Cubic => self.values[3 * key + 1],
+        };
+        let Some(before) = after.checked_sub(1) else {
+            return value(0);
+        };
+        if self.way == Way::Step || after == self.times.len() {
+            return value(before);
+        }
+        let (start, end) = (self.times[before][0], self.times[after][0]);
+        let share = (time - start) / (end - start);
+        match self.way {
+            Way::Cubic => {
+                let [leaving, arriving] = [self.values[3 * before + 2], self.values[3 * after]];
+                let (square, cube) = (share * share, share * share * share);
+                let (from, to) = (value(before), value(after));
+                std::array::from_fn(|i| {
+                    (2.0 * cube - 3.0 * square + 1.0) * from[i]
+                        + (cube - 2.0 * square + share) * (end - start) * leaving[i]
+                        + (3.0 * square - 2.0 * cube) * to[i]
+                        + (cube - square) * (end - start) * arriving[i]
+                })
+            }
+            Way::Step | Way::Linear => mix(value(before), value(after), share),
+        }
+    }
+
+    fn add_times(&self, times: &mut Vec<f32>) {
+        let keys = self.times.iter().map(|key| key[0]);
+        match self.way {
+            Way::Linear | Way::Cubic => times.extend(keys),
+            Way::Step => {
+                times.push(self.times[0][0]);
+                times.extend(keys.skip(1).flat_map(|key| [jump(key).next_down(), jump(key)]));
+            }
+        }
+    }
+}
