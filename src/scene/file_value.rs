@@ -19,6 +19,8 @@ pub(crate) enum FileValue<'p> {
     Color(&'p Parameter<Rgb>),
     Float(&'p Parameter<f32>),
     Texture(&'p Texture),
+    /// A texture that has this value everywhere.
+    UniformTexture(f32),
     Number(f32),
     Flag(bool),
     Name(&'p str),
@@ -50,8 +52,9 @@ impl<'p> ParameterRef<'p> {
         match self {
             Self::Reflectance(color) | Self::Normals(color) => meet(info, FileValue::Color(color)),
             Self::Float(number) => meet(info, FileValue::Float(number)),
-            // A number is no texture, and the format wants one.
-            Self::Height(Parameter::Constant(_)) | Self::Extension(false) => {}
+            Self::Extension(false) => {}
+            // The format wants a texture here, and does not take a number for one.
+            Self::Height(Parameter::Constant(height)) => meet(info, FileValue::UniformTexture(*height)),
             Self::Height(Parameter::Texture(texture)) => meet(info, FileValue::Texture(texture)),
             Self::Number(number) => meet(info, FileValue::Number(*number)),
             Self::Flag(flag) | Self::Extension(flag) => meet(info, FileValue::Flag(*flag)),

@@ -646,6 +646,43 @@ fn round_trip(scene: &SceneDescription, target: &Path) -> String {
     text
 }
 
+/// A bump map that has no picture yet is flat, and is there again after saving.
+#[test]
+fn a_uniform_height_is_written_and_read() {
+    let scene = clean(
+        "<bsdf type='bumpmap' id='flat'><texture type='uniform'><float name='value' value='0.25'/></texture>
+           <bsdf type='diffuse'/></bsdf>",
+    );
+    let heights = scene.materials.iter().filter_map(|found| match &found.material {
+        Material::BumpMap { height, .. } => height.constant(),
+        _ => None,
+    });
+    assert_eq!(heights.collect::<Vec<_>>(), [0.25]);
+    round_trip(&scene, &std::env::temp_dir().join("scene.xml"));
+}
+
+/// Whatever the editor makes of a plugin's name, a saved file gives back.
+#[test]
+fn a_new_material_of_every_plugin_is_written_and_read() {
+    let mut scene =
+        clean("<bsdf type='diffuse' id='inner'/><bsdf type='diffuse' id='other'/><bsdf type='diffuse' id='outer'/>");
+    let [inner, other, outer] = ["inner", "other", "outer"].map(|id| {
+        let found = scene
+            .materials
+            .iter()
+            .position(|one| one.identity.id.as_deref() == Some(id));
+        found.expect("a material of this id")
+    });
+    for plugin in Material::PLUGINS {
+        let outermost = &mut scene.materials[outer];
+        outermost.material = Material::of_plugin(plugin).expect("a plugin of this name");
+        let nests = ["twosided", "mask", "bumpmap", "normalmap", "blendbsdf"].contains(&plugin);
+        outermost.first = nests.then_some(inner);
+        outermost.second = (plugin == "blendbsdf").then_some(other);
+        round_trip(&scene, &std::env::temp_dir().join("scene.xml"));
+    }
+}
+
 #[test]
 fn layers_are_those_of_mitsuba_and_our_own() {
     let (scene, diagnostics) = describe(

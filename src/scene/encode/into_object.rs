@@ -9,6 +9,7 @@ use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
+use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
 use crate::scene::{Bitmap, FileValue, Parameter, Texture, TextureFilter, TextureWrap};
 
@@ -28,6 +29,11 @@ impl IntoObject<'_> {
             FileValue::Color(color) => self.put_color(name, color),
             FileValue::Float(number) => self.put_float(name, number),
             FileValue::Texture(texture) => self.put_texture(name, texture),
+            FileValue::UniformTexture(number) => {
+                let mut uniform = with_float(Object::new(Category::Texture, UNIFORM), "value", number);
+                uniform.name = Some(name.into());
+                self.object.children.push(uniform.into());
+            }
             FileValue::Number(number) => self.put(name, Value::Float(number)),
             FileValue::Flag(flag) => self.put(name, Value::Boolean(flag)),
             FileValue::Name(text) => self.put(name, Value::String(text.to_owned())),

@@ -6,6 +6,7 @@ use super::ior_names;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use super::sensors::read_fov;
+use super::spectra::{UNIFORM, uniform};
 use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::{Category, Reader, Severity, Value};
@@ -102,8 +103,12 @@ impl FromFile<'_, '_, '_> {
             self.reader.diagnostics().error(extra.span, message);
         }
         let pictures = &mut *self.pictures;
-        if let Some(texture) = self.reader.nested(object, |reader| read_texture(reader, pictures)) {
-            *value = Parameter::Texture(texture);
+        let height = self.reader.nested(object, |reader| match object.plugin.as_str() {
+            UNIFORM => uniform(reader).map(Parameter::Constant),
+            _ => read_texture(reader, pictures).map(Parameter::Texture),
+        });
+        if let Some(height) = height {
+            *value = height;
         }
     }
 

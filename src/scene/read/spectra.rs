@@ -17,7 +17,8 @@ const BLACK_BODY: &str = "blackbody";
 const REGULAR: &str = "regular";
 const IRREGULAR: &str = "irregular";
 pub(crate) const D65: &str = "d65";
-const PLUGINS: [&str; 7] = ["uniform", D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
+pub(crate) const UNIFORM: &str = "uniform";
+const PLUGINS: [&str; 7] = [UNIFORM, D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
 
 /// The range that black bodies are seen in where the file does not give one, in nm.
 const VISIBLE_NM: [f32; 2] = [360.0, 830.0];
@@ -35,16 +36,19 @@ pub(crate) fn is_spectral_only(plugin: &str) -> bool {
 /// The colour of a spectrum, or the texture inside of a `d65`. None has been reported.
 pub(crate) fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let color = match reader.object().plugin.as_str() {
-        "uniform" => {
-            reader.ignore(&["wavelength_min", "wavelength_max"]);
-            Rgb::splat(needed(reader, "value", |reader| reader.float("value"))?)
-        }
+        UNIFORM => Rgb::splat(uniform(reader)?),
         D65 => return d65(reader, role, pictures),
         "srgb" => srgb(reader)?,
         "rawconstant" => needed(reader, "value", raw_constant)?,
         _ => integrated(reader, role)?,
     };
     Some(color.into())
+}
+
+/// The value of a `uniform`. Where it is None, the fault has been reported.
+pub(crate) fn uniform(reader: &mut Reader) -> Option<f32> {
+    reader.ignore(&["wavelength_min", "wavelength_max"]);
+    needed(reader, "value", |reader| reader.float("value"))
 }
 
 /// The colour of a spectrum that is given by wavelengths. Where it is None, the fault has been reported.
