@@ -163,8 +163,9 @@ fn a_drag_of_the_axes_orbits() {
             _ => None,
         })
         .collect();
-    assert!(!views.is_empty() && views.len() == harness.state().commands.len());
+    assert!(!views.is_empty() && views.len() + 1 == harness.state().commands.len());
     // About the selected cube, which is at the origin.
+    assert_eq!(harness.state().commands[0], Command::TurnAbout(Vec3::ZERO));
     assert!(views.iter().all(|view| (view.translation.length() - 10.0).abs() < 1e-3));
 }
 

@@ -58,6 +58,7 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         dimensions: false,
         seeing: Default::default(),
         isolated: false,
+        has_textures: false,
         flying: false,
     }
 }

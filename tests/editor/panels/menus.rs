@@ -53,6 +53,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 dimensions: false,
                 seeing: Default::default(),
                 isolated: false,
+                has_textures: false,
                 flying: false,
             },
             camera: None,

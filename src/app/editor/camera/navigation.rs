@@ -46,6 +46,8 @@ pub struct Navigation {
     pub scene_size: f32,
     /// The world's upward direction.
     pub up: Vec3,
+    /// The point that the view was turned about last, in world space. See [`Navigation::pivot_ahead`].
+    pub pivot: Option<Vec3>,
 }
 
 impl Default for Navigation {
@@ -54,6 +56,7 @@ impl Default for Navigation {
             speed: 1.0,
             scene_size: 1.0,
             up: Vec3::Y,
+            pivot: None,
         }
     }
 }

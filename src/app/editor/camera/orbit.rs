@@ -16,7 +16,20 @@ const LEAST: f32 = 0.1;
 /// An orthographic picture never becomes narrower than this share of the scene, or wider than its inverse.
 const NARROWEST: f32 = 1e-4;
 
+/// The share of its distance that a point may be beside the axis of the view and still counts as straight ahead.
+const BESIDE: f32 = 0.01;
+
 impl Navigation {
+    /// The point that the view was turned about last, as long as it is straight ahead: then the user still looks at it, whatever came before it.
+    pub(crate) fn pivot_ahead(&self, world_from_camera: &Affine3A) -> Option<Vec3> {
+        let pivot = self.pivot?;
+        let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
+        let offset = pivot - Vec3::from(world_from_camera.translation);
+        let distance = offset.dot(forward);
+        let beside = offset.distance(distance * forward);
+        (distance > 0.0 && beside <= BESIDE * distance).then_some(pivot)
+    }
+
     /// Turns the view by a drag in points, and the camera around `center` with it.
     pub(crate) fn orbit(&self, world_from_camera: Affine3A, center: Vec3, drag: Vec2) -> Affine3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
@@ -155,6 +168,22 @@ mod tests {
         // The front of things moves to the right, and the camera to its left.
         let right = navigation.orbit(pose(), Vec3::ZERO, Vec2::new(50.0, 0.0));
         assert!(right.translation.x > 0.5 && forward(&right).x < -0.1);
+    }
+
+    #[test]
+    fn the_pivot_stays_as_long_as_it_is_straight_ahead() {
+        let mut navigation = Navigation::default();
+        assert_eq!(navigation.pivot_ahead(&pose()), None);
+        let pivot = Vec3::new(0.0, 0.0, -3.0);
+        navigation.pivot = Some(pivot);
+        let turned = navigation.orbit(pose(), pivot, Vec2::new(123.0, -45.0));
+        for seen in [pose(), turned, navigation.axis_view(turned, pivot, AxisView::Top)] {
+            assert_eq!(navigation.pivot_ahead(&seen), Some(pivot));
+        }
+        for way in [Vec3::X, Vec3::Y, 6.0 * Vec3::Z] {
+            let gone = translated(pose(), way);
+            assert_eq!(navigation.pivot_ahead(&gone), None, "{way}");
+        }
     }
 
     #[test]

@@ -105,6 +105,7 @@ impl Command {
             | Self::SelectAll
             | Self::SelectGroup
             | Self::Pick(..)
+            | Self::TurnAbout(_)
             | Self::SetSpeed(_)
             | Self::StoreView(_)
             | Self::SetGizmo(_)

@@ -43,7 +43,7 @@ pub mod uv_projection;
 use std::path::PathBuf;
 
 use bevy::math::{Affine2, Affine3A};
-use bevy::prelude::{Entity, Rect, Vec2};
+use bevy::prelude::{Entity, Rect, Vec2, Vec3};
 
 use self::uv_projection::Projection;
 use crate::scene::write::OnChange;
@@ -134,7 +134,9 @@ pub enum Command {
     LookThrough(Entity),
     /// Puts the sensor in use to where the view is.
     MoveCameraToView,
-    /// Looks along an axis of the world, at the selection or what is ahead.
+    /// Remembers the point that the view is turned about; views along an axis keep it in the middle.
+    TurnAbout(Vec3),
+    /// Looks along an axis of the world, at the selection, the point that the view was turned about, or what is ahead.
     LookAlong(AxisView),
     /// Switches between perspective and orthographic, so that what is in the middle keeps its size.
     SwitchProjection,

@@ -2,7 +2,7 @@
 
 use bevy::math::{Affine2, Mat2, Vec2};
 
-use crate::scene::Material;
+use crate::scene::{Material, Texture};
 
 /// A transform of uv in parts. A picture is repeated first, then sheared, turned and shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +78,15 @@ impl TextureGroup {
         let labels: Vec<&str> = self.parameters.iter().map(|(_, label)| *label).collect();
         labels.join(", ")
     }
+}
+
+/// Whether one of the materials has a texture that can be placed.
+pub(crate) fn has_textures<'m>(materials: impl IntoIterator<Item = &'m Material>) -> bool {
+    let mut found = false;
+    for material in materials {
+        material.for_each_texture(&mut |texture| found |= !matches!(texture, Texture::MeshAttribute { .. }));
+    }
+    found
 }
 
 /// The groups of the textures of materials, in the order of their first textures.
@@ -169,6 +178,7 @@ mod tests {
             }
             .into(),
         );
+        assert!(has_textures([&Material::default(), &material]) && !has_textures([&Material::default()]));
         let groups = texture_groups([&material, &Material::default()]);
         let names: Vec<String> = groups.iter().map(TextureGroup::name).collect();
         assert_eq!(names.len(), 2, "{names:?}");

@@ -128,8 +128,10 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             edit.spawn((called, shape(ShapeKind::Rectangle), pose, light))
         }
         AdditionKind::Camera => {
-            let (pose, sensor, film) = camera(edit.world);
-            edit.spawn((called, sensor, film, ToWorld(pose)))
+            let (view, sensor, film) = camera(edit.world);
+            // At another place it looks as the view does.
+            let translation = addition.at.map_or(view.translation, Into::into);
+            edit.spawn((called, sensor, film, ToWorld(Affine3A { translation, ..view })))
         }
         AdditionKind::Emitter(plugin) => {
             let emitter = emitter(plugin, above.distance(foot).max(size))?;

@@ -81,7 +81,7 @@ pub fn make_way(world: &mut World, command: &Command) {
         return;
     };
     if let Some(course) = flights.course.take()
-        && !matches!(command, Command::MoveView(_))
+        && !matches!(command, Command::MoveView(_) | Command::TurnAbout(_))
     {
         world.resource_mut::<FreeView>().set_if_neq(course.end);
     }

@@ -227,6 +227,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::MoveView(pose) => view::move_view(world, pose),
         Command::SwitchProjection => projection::switch(world)?,
         Command::LookThrough(entity) => view::look_through(world, entity),
+        Command::TurnAbout(point) => world.resource_mut::<ViewSettings>().navigation.pivot = Some(point),
         Command::LookAlong(axis) => view::look_along(world, axis),
         Command::StoreView(number) => view::store(world, number),
         Command::RecallView(number) => view::recall(world, number)?,

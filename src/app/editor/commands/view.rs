@@ -53,24 +53,35 @@ pub fn rounded_view(world: &World) -> Option<Affine3A> {
 
 /// Moves the view as [`move_view`], but by a short flight, and sets the point that is looked at.
 fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
+    if center.is_some() {
+        world.resource_mut::<ViewSettings>().navigation.pivot = center;
+    }
     let from = view_pose(world);
     let lens = world.resource::<FreeView>().lens;
     let pose = Some(pose);
     flight::go(world, from, FreeView { pose, lens }, center);
 }
 
-/// The distance of the middle of the selection along the view, or of what is ahead.
+/// The distance along the view of the middle of the selection, of the point that the view was turned about, or of what is ahead.
 pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
     let selected = selected_bounds(world);
     let selected = (!selected.is_empty()).then(|| (selected.center() - Vec3::from(pose.translation)).dot(forward));
+    let navigation = &world.resource::<ViewSettings>().navigation;
+    let pivot = || {
+        navigation
+            .pivot_ahead(pose)
+            .map(|pivot| pivot.distance(pose.translation.into()))
+    };
     let ahead = || picking::distance_ahead(world.resource::<PackedScene>());
-    let nowhere = || 0.5 * world.resource::<ViewSettings>().navigation.scene_size;
     let distance = selected.filter(|distance| *distance > 0.0);
-    distance.or_else(ahead).unwrap_or_else(nowhere)
+    distance
+        .or_else(pivot)
+        .or_else(ahead)
+        .unwrap_or(0.5 * navigation.scene_size)
 }
 
-/// Looks along an axis at the selection, or at what is ahead.
+/// Looks along an axis at the selection, else at the point that the view was turned about, or at what is ahead.
 pub fn look_along(world: &mut World, axis: AxisView) {
     let Some(pose) = view_pose(world) else { return };
     let selected = selected_bounds(world);

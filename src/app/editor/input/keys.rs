@@ -144,6 +144,7 @@ mod tests {
             dimensions: false,
             seeing: Default::default(),
             isolated: false,
+            has_textures: false,
             flying: false,
         };
         shortcuts(&presses, &context)

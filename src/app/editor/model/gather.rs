@@ -10,6 +10,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
+use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
@@ -222,6 +223,7 @@ pub fn gather_status(
         being_saved: history.is_being_saved(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(picture.view.denoising),
+        shows_picture: picture.view.display.mode == DisplayMode::Shaded,
         awaited_image: picture.awaited_image.as_deref().cloned(),
         is_full: settings.control.full_until_change,
         noise_trend: picture.trend.clone(),

@@ -24,6 +24,7 @@ use crate::app::editor::command::material_tree::can_wrap;
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::texture_placing::has_textures;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
@@ -180,6 +181,12 @@ pub struct Inspected {
 }
 
 impl Inspected {
+    /// Whether it is a shape with textures that can be placed.
+    pub(crate) fn has_textures(&self) -> bool {
+        let is_surface = self.shape.as_ref().is_some_and(|shape| !shape.is_frame());
+        is_surface && has_textures(self.materials.iter().map(|entry| &*entry.material))
+    }
+
     /// An entity with nothing to edit yet.
     pub fn new(entity: Entity, name: impl Into<String>) -> Self {
         Self {
@@ -307,8 +314,10 @@ pub struct StatusModel {
     pub being_saved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
-    /// Whether a denoised picture is shown or on its way.
+    /// Whether there is a denoised picture, or one is on its way.
     pub denoiser: DenoiserState,
+    /// Whether the display mode is the picture itself, which alone is denoised.
+    pub shows_picture: bool,
     /// The image that is saved when the full film is there.
     pub awaited_image: Option<AwaitedImage>,
     /// Whether the full film is traced until the next change.

@@ -69,7 +69,7 @@ fn buttons(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut V
     if pause.on_hover_text(hint).clicked() {
         commands.push(Command::SetPaused(!paused));
     }
-    let restart = ui.button("Restart");
+    let restart = ui.button("Start again");
     let hint = actions::hint("Begin the picture anew", "restart", context.bound);
     if restart.on_hover_text(hint).clicked() {
         commands.push(Command::Restart);
@@ -118,6 +118,7 @@ fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionC
             commands.extend(command);
             ui.close();
         }
+        shown.response.on_disabled_hover_text(action.missing());
     });
 }
 

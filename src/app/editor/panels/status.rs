@@ -83,11 +83,11 @@ fn parts(model: &StatusModel) -> Vec<Part> {
         ));
     }
     match model.denoiser {
-        DenoiserState::Shown { seconds, samples } => parts.push(Part::new(
+        DenoiserState::Shown { seconds, samples } if model.shows_picture => parts.push(Part::new(
             format!("denoised at {samples} spp in {seconds:.2} s"),
             "What is shown; the picture behind it goes on",
         )),
-        DenoiserState::Off | DenoiserState::Waiting | DenoiserState::Unavailable => {}
+        DenoiserState::Shown { .. } | DenoiserState::Off | DenoiserState::Waiting | DenoiserState::Unavailable => {}
     }
     if status.triangles > 0 {
         parts.push(Part::new(
@@ -302,6 +302,22 @@ mod tests {
         assert_eq!((part.trend[0], part.trend[CURVE_POINTS - 1]), (1.0, 0.0));
         assert!(part.trend.windows(2).all(|pair| pair[0] >= pair[1]));
         assert_eq!([percent(0.123), percent(0.0042)], ["12 %", "0.42 %"]);
+    }
+
+    #[test]
+    fn only_the_picture_itself_is_denoised() {
+        let told = |shows_picture: bool| {
+            let model = StatusModel {
+                shows_picture,
+                denoiser: DenoiserState::Shown {
+                    samples: 16,
+                    seconds: 0.25,
+                },
+                ..StatusModel::default()
+            };
+            parts(&model).iter().any(|part| part.text.starts_with("denoised"))
+        };
+        assert!(told(true) && !told(false));
     }
 
     #[test]

@@ -102,7 +102,9 @@ pub(super) fn axes_widget(
     };
     let hovered = pointer.and_then(nearest).copied();
     if response.drag_started() {
-        state.center = Some(center());
+        let center = center();
+        commands.push(Command::TurnAbout(center));
+        state.center = Some(center);
     }
     if response.dragged()
         && let Some(center) = state.center

@@ -1,16 +1,16 @@
 //! The box around the selection with its dimensions, drawn over the picture.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Stroke};
+use bevy_egui::egui::{Color32, Painter, Pos2, Stroke};
 
-use super::marks::tag;
+use super::marks::Tags;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::math::Aabb;
 use crate::scene::LengthUnit;
 
 /// Draws the edges of the box, and its extents beside three of them.
-pub(super) fn paint(painter: &Painter, screen: &Screen, bounds: &Aabb, unit: LengthUnit) {
+pub(super) fn paint(painter: &Painter, screen: &Screen, bounds: &Aabb, unit: LengthUnit, tags: &mut Tags) {
     let Some(middle) = screen.project(bounds.center()) else {
         return;
     };
@@ -36,7 +36,7 @@ pub(super) fn paint(painter: &Painter, screen: &Screen, bounds: &Aabb, unit: Len
             .max_by(|a, b| outward(a).total_cmp(&outward(b)));
         if let Some(at) = outermost {
             let text = format!("{} {}", ["X", "Y", "Z"][axis], unit.text(extent[axis]));
-            tag(painter, at, Align2::CENTER_CENTER, &text);
+            tags.tag(painter, at, &text);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Texts and frames that are visible on any picture.
 
-use bevy_egui::egui::{self, Align2, Color32, CornerRadius, FontId, Frame, Margin, Pos2, Rect, Stroke, Ui};
+use bevy_egui::egui::{self, Align2, Color32, CornerRadius, FontId, Frame, Margin, Pos2, Rect, Stroke, Ui, Vec2};
 
 /// The background of texts over the picture: white texts are legible on it whatever is behind.
 pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
@@ -26,9 +26,76 @@ pub(crate) fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
 
 /// A text that can be read on any picture.
 pub(crate) fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) -> Rect {
+    tag_at(painter, text, |size| align.anchor_size(corner, size))
+}
+
+/// A tag in the rectangle that `place` gives for its size.
+fn tag_at(painter: &egui::Painter, text: &str, place: impl FnOnce(Vec2) -> Rect) -> Rect {
     let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));
-    let rect = align.anchor_size(corner, layout.size() + egui::vec2(12.0, 6.0));
+    let rect = place(layout.size() + egui::vec2(12.0, 6.0));
     painter.rect_filled(rect, 3.0, BACKING);
     painter.galley(rect.min + egui::vec2(6.0, 3.0), layout, Color32::WHITE);
     rect
+}
+
+/// Tags beside things in the picture, none over another.
+#[derive(Debug, Default)]
+pub(crate) struct Tags {
+    taken: Vec<Rect>,
+}
+
+/// The least distance between two tags, in points.
+const BETWEEN: f32 = 2.0;
+
+impl Tags {
+    /// A text with its middle as near to this place as there is room above or below.
+    pub(crate) fn tag(&mut self, painter: &egui::Painter, middle: Pos2, text: &str) {
+        let rect = tag_at(painter, text, |size| self.free(Rect::from_center_size(middle, size)));
+        self.taken.push(rect);
+    }
+
+    /// The nearest place for a rectangle above or below its own where there is no tag yet.
+    fn free(&self, wanted: Rect) -> Rect {
+        let column = wanted.expand2(egui::vec2(BETWEEN, f32::INFINITY));
+        let beside = || self.taken.iter().filter(|taken| taken.intersects(column));
+        let is_free = |place: &Rect| beside().all(|taken| !taken.expand(0.5 * BETWEEN).intersects(*place));
+        let at = |top: f32| wanted.translate(egui::vec2(0.0, top - wanted.top()));
+        let next_to = beside().flat_map(|taken| [taken.top() - BETWEEN - wanted.height(), taken.bottom() + BETWEEN]);
+        let places = std::iter::once(wanted).chain(next_to.map(at)).filter(is_free);
+        let distance = |place: &Rect| (place.top() - wanted.top()).abs();
+        places
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(wanted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_tag_lies_over_another() {
+        let mut tags = Tags::default();
+        let size = egui::vec2(60.0, 20.0);
+        let wanted = [
+            (100.0, 100.0),
+            (110.0, 104.0),
+            (90.0, 97.0),
+            (100.0, 100.0),
+            (300.0, 100.0),
+            (130.0, 125.0),
+        ];
+        for (x, y) in wanted {
+            let wanted = Rect::from_center_size(Pos2::new(x, y), size);
+            let place = tags.free(wanted);
+            assert!(tags.taken.iter().all(|taken| !taken.intersects(place)), "{place:?}");
+            assert_eq!(place.center().x, x);
+            assert!((place.center().y - y).abs() <= 2.0 * (size.y + BETWEEN), "{place:?}");
+            tags.taken.push(place);
+        }
+        assert_eq!(tags.taken[0].center(), Pos2::new(100.0, 100.0));
+        assert_eq!(tags.taken[4].center(), Pos2::new(300.0, 100.0), "nothing is there");
+        // It goes to the side that is nearer.
+        assert!(tags.taken[1].center().y > 104.0 && tags.taken[2].center().y < 97.0);
+    }
 }

@@ -49,7 +49,7 @@ use crate::math::Aabb;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::Rest;
-use marks::{tag, thin_frame};
+use marks::{Tags, tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
 use state::{ScreenPixels, ViewportState};
@@ -307,12 +307,14 @@ fn paint_over(
         icons::paint(&painter, screen, model.icons, |entity| {
             Level::of(entity, model.keys.selection, state.pointer.hovered).color()
         });
+        let mut tags = Tags::default();
         if model.keys.dimensions
             && let Some(bounds) = model.extent
         {
-            extent::paint(&painter, screen, &bounds, model.gizmo.unit);
+            extent::paint(&painter, screen, &bounds, model.gizmo.unit, &mut tags);
         }
-        rulers::paint(&painter, screen, model, state.pointer.measured_from, pointer);
+        let begun = state.pointer.measured_from;
+        rulers::paint(&painter, screen, model, begun, pointer, &mut tags);
         if model.keys.tool.blocks_out() {
             state.blocking.paint(&painter, screen, &model.blocking());
         } else if model.keys.tool == Tool::PlaceTexture {
@@ -339,10 +341,10 @@ fn paint_over(
         safe_frame(&painter, picture);
     }
     let next = state.blocking.hint(&model.blocking());
-    if let Some(hint) = next.as_deref().or(model.keys.tool.hint()) {
+    let hint = next.as_deref().or(model.keys.tool.hint()).map(|hint| {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
-        tag(&painter, at, Align2::CENTER_TOP, hint);
-    }
+        tag(&painter, at, Align2::CENTER_TOP, hint)
+    });
     let mut notes = Vec::new();
     if model.camera.is_some_and(|camera| camera.is_orthographic()) {
         notes.push("Orthographic".to_owned());
@@ -377,6 +379,10 @@ fn paint_over(
     }
     let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
     if !notes.is_empty() {
+        // Together they may be wider than the picture.
+        if let Some(hint) = hint {
+            corner.y = hint.bottom() + 4.0;
+        }
         corner.y = tag(&painter, corner, Align2::LEFT_TOP, &notes.join("   ")).bottom() + 4.0;
     }
     if model.keys.overlay.shown && model.picture.is_some() {

@@ -98,7 +98,11 @@ impl PointerState {
                 (Tool::Region, PointerButton::Primary) if what != DragUse::Orbit => DragUse::Box,
                 _ => what,
             };
-            self.hold = Some(hold_of(what, pressed_at, screen, model, *pose));
+            let hold = hold_of(what, pressed_at, screen, model, *pose);
+            if let Hold::Orbit { center } = hold {
+                commands.push(Command::TurnAbout(center));
+            }
+            self.hold = Some(hold);
         }
         if is_over && self.hold.is_some() && response.clicked_by(PointerButton::Primary) {
             self.click(ui, pointer, screen, model, commands);
@@ -305,11 +309,14 @@ fn pressed_button(ui: &Ui) -> Option<PointerButton> {
     ui.input(|input| buttons.into_iter().find(|button| input.pointer.button_pressed(*button)))
 }
 
-/// The middle of the selection; without one the point straight ahead.
+/// The middle of the selection; without one the point straight ahead that the view was turned about before, or the surface there.
 pub(super) fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
     let selected = gizmo::bounds(model.gizmo.targets);
     if !selected.is_empty() {
         return selected.center();
+    }
+    if let Some(pivot) = model.navigation.pivot_ahead(&pose) {
+        return pivot;
     }
     let ahead = screen.ray(screen.picture.center());
     match picking::seen_surface(model.packed, &ahead, |_| false) {

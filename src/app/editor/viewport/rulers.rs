@@ -1,9 +1,9 @@
 //! Measuring: the point under the pointer, and the distances that were measured.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{self, Align2, Color32, Painter, Pos2, Stroke};
+use bevy_egui::egui::{self, Color32, Painter, Pos2, Stroke};
 
-use super::marks::tag;
+use super::marks::Tags;
 use super::model::ViewportModel;
 use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::screen::Screen;
@@ -31,9 +31,10 @@ pub(super) fn paint(
     model: &ViewportModel,
     begun: Option<Vec3>,
     pointer: Option<Pos2>,
+    tags: &mut Tags,
 ) {
     for ruler in model.rulers {
-        paint_ruler(painter, screen, ruler, model.gizmo.unit);
+        paint_ruler(painter, screen, ruler, model.gizmo.unit, tags);
     }
     if !model.keys.tool.measures() {
         return;
@@ -45,11 +46,11 @@ pub(super) fn paint(
         dot(painter, at);
     }
     if let (Some(from), Some(to)) = (begun, under) {
-        paint_ruler(painter, screen, &Ruler { from, to }, model.gizmo.unit);
+        paint_ruler(painter, screen, &Ruler { from, to }, model.gizmo.unit, tags);
     }
 }
 
-fn paint_ruler(painter: &Painter, screen: &Screen, ruler: &Ruler, unit: LengthUnit) {
+fn paint_ruler(painter: &Painter, screen: &Screen, ruler: &Ruler, unit: LengthUnit, tags: &mut Tags) {
     let Some(ends) = screen.segment(ruler.from, ruler.to) else {
         return;
     };
@@ -58,8 +59,8 @@ fn paint_ruler(painter: &Painter, screen: &Screen, ruler: &Ruler, unit: LengthUn
     for at in [ruler.from, ruler.to].into_iter().filter_map(|end| screen.project(end)) {
         dot(painter, at);
     }
-    let middle = ends[0].lerp(ends[1], 0.5) - egui::vec2(0.0, 10.0);
-    tag(painter, middle, Align2::CENTER_BOTTOM, &ruler.text(unit));
+    let middle = ends[0].lerp(ends[1], 0.5) - egui::vec2(0.0, 20.0);
+    tags.tag(painter, middle, &ruler.text(unit));
 }
 
 fn dot(painter: &Painter, at: Pos2) {

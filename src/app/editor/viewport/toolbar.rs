@@ -125,9 +125,13 @@ pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, comman
             };
             let help = hint(help, action, keys.bound);
             let Some(action) = actions::find(action) else { continue };
-            if icon_button(ui, icon, keys.tool == tool, action.label, &help).clicked() {
-                commands.extend((action.command)(keys));
-            }
+            let command = (action.command)(keys);
+            ui.add_enabled_ui(command.is_some(), |ui| {
+                let help = if ui.is_enabled() { &help } else { action.missing() };
+                if icon_button(ui, icon, keys.tool == tool, action.label, help).clicked() {
+                    commands.extend(command);
+                }
+            });
         }
     });
 }

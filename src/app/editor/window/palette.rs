@@ -75,7 +75,7 @@ impl Hit<'_> {
 /// The label of an action; "Add" is left out in the menu with that title.
 fn title(action: &Action) -> String {
     match action.group {
-        Group::Add => {
+        Group::Add if action.name.starts_with("add-") => {
             let mut letters = action.label.chars();
             let first = letters.next().into_iter().flat_map(char::to_lowercase);
             format!("Add {}{}", first.collect::<String>(), letters.as_str())

@@ -20,7 +20,7 @@ use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::keys;
 use crate::app::editor::input::press::Press;
-use crate::app::editor::model::EditorModel;
+use crate::app::editor::model::{EditorModel, Inspected};
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
 use crate::app::editor::picture::awaited_image::EndedImage;
@@ -143,6 +143,7 @@ pub fn show_window(
         dimensions: settings.dimensions,
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
+        has_textures: model.inspected.as_ref().is_some_and(Inspected::has_textures),
         flying: false,
     };
     let menus = MenuState {

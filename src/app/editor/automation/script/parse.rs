@@ -195,6 +195,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         dimensions: settings.dimensions,
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
+        has_textures: true,
         flying: false,
     }
 }

@@ -32,6 +32,23 @@ fn selected(world: &World) -> Vec<Entity> {
 }
 
 #[test]
+fn a_camera_is_added_at_a_place_or_where_the_view_is() {
+    let mut world = bare_world();
+    let camera = add(&mut world, AdditionKind::Camera);
+    say(&mut world, Command::LookThrough(camera));
+    let view = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.5), Vec3::new(1.0, 2.0, 3.0));
+    say(&mut world, Command::MoveView(view));
+    for (at, expected) in [(None, Vec3::new(1.0, 2.0, 3.0)), (Some(Vec3::Y), Vec3::Y)] {
+        let kind = AdditionKind::Camera;
+        say(&mut world, Command::Add(Addition { at, ..kind.into() }));
+        let added = world.resource::<Selection>().active().expect("it was added");
+        let pose = world.get::<ToWorld>(added).expect("a pose").0;
+        assert_eq!(Vec3::from(pose.translation), expected);
+        assert_eq!(pose.matrix3, view.matrix3);
+    }
+}
+
+#[test]
 fn sides_are_brought_in_line() {
     for (side, to, expected) in [
         (Side::Low, Reference::Bounds, [-0.9, -0.8, -0.5]),

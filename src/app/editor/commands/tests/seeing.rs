@@ -1,6 +1,7 @@
 //! What the view leaves out: it follows commands, and is told to the renderer.
 
 use super::*;
+use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::seeing::{CutOpen, Seeing, Walls};
@@ -47,6 +48,28 @@ fn views_along_an_axis_hide_walls_until_another_view() {
     });
     say(&mut world, Command::LookAlong(AxisView::Top));
     assert_eq!((sight(&world).passes_backs, walls(&world)), (false, Walls::Shown));
+}
+
+#[test]
+fn views_along_an_axis_are_about_the_point_that_the_view_was_turned_about() {
+    let (mut world, _) = with_camera();
+    let looked_at = |world: &World, distance: f32| {
+        let pose = view_pose(world).expect("a view");
+        Vec3::from(pose.translation) + distance * Vec3::from(pose.matrix3.z_axis)
+    };
+    let pivot = Vec3::new(0.0, 0.0, 7.0);
+    say(&mut world, Command::TurnAbout(pivot));
+    for view in [AxisView::Top, AxisView::Right, AxisView::Back] {
+        say(&mut world, Command::LookAlong(view));
+        assert!(looked_at(&world, 7.0).abs_diff_eq(pivot, 1e-4), "{view:?}");
+    }
+    // The user has turned away from it.
+    let away = Affine3A::from_rotation_y(1.0);
+    say(&mut world, Command::MoveView(away));
+    say(&mut world, Command::LookAlong(AxisView::Top));
+    let size = world.resource::<ViewSettings>().navigation.scene_size;
+    let ahead = Vec3::from(0.5 * size * away.matrix3.z_axis);
+    assert!(looked_at(&world, 0.5 * size).abs_diff_eq(ahead, 1e-4));
 }
 
 #[test]

@@ -44,6 +44,8 @@ pub struct ActionContext<'a> {
     pub seeing: Seeing,
     /// Whether some shapes are shown alone.
     pub isolated: bool,
+    /// Whether the selected shape has textures that can be placed.
+    pub has_textures: bool,
     /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
 }
@@ -104,6 +106,14 @@ impl Group {
 }
 
 impl Action {
+    /// The reason why there is no command, as a tool tip.
+    pub fn missing(&self) -> &'static str {
+        match self.name {
+            "place-texture" => "For a selected shape with a picture or a checkerboard in its material",
+            _ => "For what is selected",
+        }
+    }
+
     /// Whether it switches something that is on now, or chooses what is chosen already.
     pub fn is_on(&self, context: &ActionContext) -> bool {
         match self.name {

@@ -75,11 +75,9 @@ pub const ACTIONS: &[Action] = &[
         "place-texture",
         "Place texture",
         &[plain(Key::U)],
-        |context| {
-            Some(Command::SetTool(match context.tool {
-                Tool::PlaceTexture => Tool::Select,
-                _ => Tool::PlaceTexture,
-            }))
+        |context| match context.tool {
+            Tool::PlaceTexture => Some(Command::SetTool(Tool::Select)),
+            _ => context.has_textures.then_some(Command::SetTool(Tool::PlaceTexture)),
         },
     ),
     action(Group::Arrange, "project-texture", "Project texture…", &[], |context| {
