@@ -15,7 +15,7 @@
 use std::mem::discriminant;
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Affine3A, Mat3A, Mat4, Vec3};
 
 use super::{Child, Document, Interpolation, Key, Object, Track, TransformOp, Value};
 
@@ -60,7 +60,11 @@ impl Track {
     }
 
     /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys are of another type.
+    ///
+    /// Whole turns stay whole: where keys are half a turn or more apart, and the steps of the new one are of other kinds, what it changes becomes one
+    /// more step of all keys, which moves nothing in the others.
     pub fn with_key(&self, time: f64, value: Value) -> Option<Self> {
+        let time = key_time(time);
         let mut track = self.clone();
         let value = match (&self.keys[0].value, value) {
             (Value::Spectrum(_), Value::Rgb(color)) if color == Vec3::splat(color.x) => Value::Spectrum(color.x),
@@ -71,6 +75,12 @@ impl Track {
                     }
                 }
                 Value::Rgb(color)
+            }
+            (Value::Transform(_), Value::Transform(steps)) if track.has_far_turns() => {
+                let Value::Transform(old) = self.at(time) else {
+                    return None;
+                };
+                Value::Transform(track.with_steps_like(&old, steps))
             }
             (_, value) => value,
         };
@@ -83,6 +93,87 @@ impl Track {
             None => track.keys.insert(place, Key { time, value }),
         }
         Some(track)
+    }
+
+    /// Whether keys that follow each other are half a turn or more apart, which steps of other kinds cannot tell.
+    fn has_far_turns(&self) -> bool {
+        let far = |pair: (&TransformOp, &TransformOp)| match pair {
+            (TransformOp::Rotate { degrees, .. }, TransformOp::Rotate { degrees: end, .. }) => {
+                (end - degrees).abs() >= 180.0
+            }
+            _ => false,
+        };
+        let pairs = self
+            .keys
+            .windows(2)
+            .map(|pair| [steps_of(&pair[0]), steps_of(&pair[1])]);
+        pairs
+            .into_iter()
+            .any(|[one, other]| are_alike(one, other) && one.iter().zip(other).any(far))
+    }
+
+    /// The steps `now` of a new key in the kinds that all keys have; `old` are the steps there so far. If these kinds cannot say them, all keys get one
+    /// more step.
+    fn with_steps_like(&mut self, old: &[TransformOp], now: Vec<TransformOp>) -> Vec<TransformOp> {
+        if are_alike(old, &now) || !self.keys.iter().all(|key| are_alike(steps_of(key), old)) {
+            return now;
+        }
+        let mut steps = old.to_vec();
+        let (last, neutral) = match now.split_last() {
+            Some((TransformOp::Translate(by), before)) if before == old => {
+                (TransformOp::Translate(*by), TransformOp::Translate(Vec3::ZERO))
+            }
+            _ => {
+                let is_tail = steps.len() > 1 && matches!(steps.last(), Some(TransformOp::Matrix(_)));
+                if is_tail {
+                    steps.pop();
+                }
+                let tail = TransformOp::compose(&now) * TransformOp::compose(&steps).inverse();
+                (
+                    TransformOp::Matrix(Mat4::from(tail)),
+                    TransformOp::Matrix(Mat4::IDENTITY),
+                )
+            }
+        };
+        if steps.len() == old.len() {
+            for key in &mut self.keys {
+                if let Value::Transform(steps) = &mut key.value {
+                    steps.push(neutral);
+                }
+            }
+        }
+        steps.push(last);
+        steps
+    }
+
+    /// The track of a thing that stands elsewhere: `by` is applied to the transform, or to the place, of every key.
+    pub fn moved(&self, by: &Affine3A) -> Self {
+        let mut track = self.clone();
+        for key in &mut track.keys {
+            match &mut key.value {
+                Value::Transform(steps) if by.matrix3 == Mat3A::IDENTITY => {
+                    let offset = Vec3::from(by.translation);
+                    match steps.last_mut() {
+                        Some(TransformOp::Translate(last)) => *last += offset,
+                        Some(TransformOp::LookAt { origin, target, .. }) => {
+                            *origin += offset;
+                            *target += offset;
+                        }
+                        _ => steps.push(TransformOp::Translate(offset)),
+                    }
+                }
+                Value::Transform(steps) => steps.push(TransformOp::Matrix(Mat4::from(*by))),
+                Value::Point(place) => *place = by.transform_point3(*place),
+                Value::Vector(direction) => *direction = by.transform_vector3(*direction),
+                _ => {}
+            }
+        }
+        track
+    }
+
+    /// Whether there is a key at this time in seconds.
+    pub fn has_key(&self, time: f64) -> bool {
+        self.keys.iter().any(|key| key.time == key_time(time))
     }
 
     /// The times of the first and the last key in seconds.
@@ -103,16 +194,21 @@ impl Document {
 
     /// The times of the first and the last key in seconds; None if nothing moves.
     pub fn animated_span(&self) -> Option<(f64, f64)> {
-        let mut spans = Vec::new();
-        let mut waiting = vec![&*self.root];
-        while let Some(object) = waiting.pop() {
-            let tracks = object.properties.iter().filter_map(|property| property.keys.as_ref());
-            spans.extend(tracks.map(|track| track.span()));
-            waiting.extend(object.objects());
-        }
-        let both = |(first, last): (f64, f64), (start, end)| (first.min(start), last.max(end));
-        spans.into_iter().reduce(both)
+        span_of(&self.root)
     }
+}
+
+/// The times of the first and the last key of an object and all in it, in seconds; None if nothing moves.
+pub fn span_of(object: &Object) -> Option<(f64, f64)> {
+    let mut spans = Vec::new();
+    let mut waiting = vec![object];
+    while let Some(object) = waiting.pop() {
+        let tracks = object.properties.iter().filter_map(|property| property.keys.as_ref());
+        spans.extend(tracks.map(|track| track.span()));
+        waiting.extend(object.objects());
+    }
+    let both = |(first, last): (f64, f64), (start, end)| (first.min(start), last.max(end));
+    spans.into_iter().reduce(both)
 }
 
 /// The object at a time; None if it has no keys and nothing in it has.
@@ -145,7 +241,7 @@ pub fn key_changes(object: &mut Object, time: f64) {
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child
-            && moves(inner)
+            && is_animated(inner)
         {
             key_changes(Arc::make_mut(inner), time);
         }
@@ -153,8 +249,13 @@ pub fn key_changes(object: &mut Object, time: f64) {
 }
 
 /// Whether a value of the object, or of one in it, has keys.
-fn moves(object: &Object) -> bool {
-    object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(moves)
+pub fn is_animated(object: &Object) -> bool {
+    object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(is_animated)
+}
+
+/// The time that a key has for a moment, both in seconds: files hold times in single precision.
+pub fn key_time(time: f64) -> f64 {
+    f64::from(time as f32)
 }
 
 /// Takes all keys away: the values of the moment remain.
@@ -164,7 +265,7 @@ pub fn stand_still(object: &mut Object) {
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child
-            && moves(inner)
+            && is_animated(inner)
         {
             stand_still(Arc::make_mut(inner));
         }
@@ -248,6 +349,22 @@ fn step_between(from: &TransformOp, to: &TransformOp, share: f64) -> Option<Tran
         }
         _ => return None,
     })
+}
+
+fn steps_of(key: &Key) -> &[TransformOp] {
+    match &key.value {
+        Value::Transform(steps) => steps,
+        _ => &[],
+    }
+}
+
+/// Whether each step can go its own way to the other's.
+fn are_alike(one: &[TransformOp], other: &[TransformOp]) -> bool {
+    one.len() == other.len()
+        && one
+            .iter()
+            .zip(other)
+            .all(|(one, other)| step_between(one, other, 0.0).is_some())
 }
 
 /// The map at this share of the way from one to another: place and size go straight, the turn goes along the shortest arc.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Vec3};
 
 use super::{
-    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, LengthUnit, Material,
+    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Keys, LengthUnit, Material,
     Placements, Sensor, Shape, ShapeKind,
 };
 use crate::color::Rgb;
@@ -27,6 +27,8 @@ pub struct SceneDescription {
     pub integrator: IntegratorSettings,
     /// The unit of length.
     pub unit: LengthUnit,
+    /// The moment, in seconds, of which all values are.
+    pub time: f64,
     /// The cameras; empty if the file has none.
     pub sensors: Vec<SensorDescription>,
     /// The materials, nested ones too.
@@ -109,6 +111,8 @@ pub struct Identity {
     pub span: Span,
     /// The source in the file; None for what was made in the editor.
     pub authored: Option<Authored>,
+    /// The values at other times; None for what stands still.
+    pub keys: Option<Keys>,
 }
 
 /// A camera with its film.

@@ -124,7 +124,7 @@ impl Thing {
             (Self::Sensor(one), Self::Sensor(two)) => scene.sensors[one].is_alike(&other_scene.sensors[two]),
             _ => false,
         };
-        is_alike && (&one.id, &one.name) == (&two.id, &two.name)
+        is_alike && (&one.id, &one.name, &one.keys) == (&two.id, &two.name, &two.keys)
     }
 
     /// The components that the description gives the thing's entity.
@@ -134,6 +134,7 @@ impl Thing {
             order: Some(DocumentOrder(identity.order)),
             id: identity.id.clone().map(SceneId),
             name: Some(Name::new(identity.name.clone())),
+            keys: identity.keys.clone(),
             ..ObjectState::default()
         };
         match self {
@@ -208,6 +209,31 @@ impl Recognised {
             shapes: pairs(&before.shapes, &now.shapes),
             emitters: pairs(&before.emitters, &now.emitters),
             sensors: pairs(&before.sensors, &now.sensors),
+        }
+    }
+
+    /// As [`Self::new`], for two readings of one file at different times: what is at the same place is the same.
+    pub(super) fn in_order(before: &SceneDescription, now: &SceneDescription) -> Self {
+        let counts = |scene: &SceneDescription| {
+            let (shapes, sensors) = (scene.shapes.len(), scene.sensors.len());
+            [
+                scene.materials.len(),
+                scene.groups.len(),
+                shapes,
+                scene.emitters.len(),
+                sensors,
+            ]
+        };
+        let all = |count: usize| (0..count).map(Some).collect();
+        match counts(now) {
+            same if same != counts(before) => Self::new(before, now),
+            [materials, groups, shapes, emitters, sensors] => Self {
+                materials: all(materials),
+                groups: all(groups),
+                shapes: all(shapes),
+                emitters: all(emitters),
+                sensors: all(sensors),
+            },
         }
     }
 

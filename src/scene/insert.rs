@@ -68,6 +68,9 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             }
         };
         world.entity_mut(entity).insert(Name::new(name));
+        if let Some(keys) = &identity.keys {
+            world.entity_mut(entity).insert(keys.clone());
+        }
         inserted.all.push(entity);
         entity
     };

@@ -13,8 +13,8 @@ use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::file_base::FileBase;
-use super::moment::{show_moment, shown_time};
 use super::opening::{Arrived, Opening};
+use super::posing;
 use super::read::settle;
 use super::scene_file::{Asked, SceneFile};
 use super::spawn::Spawning;
@@ -212,9 +212,7 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
         let opening = Opening::new(spawning, (id, asset, asked));
         go_on_opening(world, opening);
     } else {
-        let time = shown_time(world);
-        let reload = spawn::update(world, &asset.description);
-        show_moment(world, time);
+        let reload = posing::update(world, &asset.description);
         taken_in(world, (id, asset, asked), None, reload);
     }
 }
@@ -275,7 +273,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
 /// Makes the entities what has just been read of the scene's own file without the asset server. Edits stay as in a reload.
 pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnostics: Arc<Diagnostics>) {
     let scene = Arc::new(scene);
-    let reload = spawn::update(world, &scene);
+    let reload = posing::update(world, &scene);
     if let Some(mut known) = world.get_resource_mut::<KnownTexts>() {
         known.forget();
     }

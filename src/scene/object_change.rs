@@ -5,8 +5,9 @@ use bevy::prelude::*;
 
 use super::object_state::{with_components, write_component};
 use super::{
-    AreaLight, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Locked, Material, MemberOf,
-    ObjectState, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
+    AreaLight, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Keys, Locked, Material,
+    MemberOf, ObjectState, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld,
+    UsesMaterial,
 };
 
 /// The side of a change: the state before or after it.
@@ -110,6 +111,7 @@ impl Part {
                 textures * TEXTURE
             }),
             Self::Emitter(_) | Self::AreaLight(_) => 2 * TEXTURE,
+            Self::Keys(values) => sum(values, Keys::bytes),
             _ => 0,
         }
     }

@@ -6,8 +6,8 @@
 use bevy::prelude::*;
 
 use super::{
-    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Locked, Material,
-    MemberOf, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Keys, Locked,
+    Material, MemberOf, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 macro_rules! object_state {
@@ -103,6 +103,7 @@ macro_rules! with_components {
             member_of: MemberOf,
             instance_of: InstanceOf,
             placements: Placements,
+            keys: Keys,
             hidden: Hidden,
             locked: Locked,
         }

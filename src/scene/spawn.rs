@@ -14,6 +14,7 @@ use super::description::SceneDescription;
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::free_name::free_name;
 use super::insert::names;
+use super::moment::ShownTime;
 use super::write::entities::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
@@ -89,6 +90,7 @@ impl Spawning {
     /// Does what is left to do once everything is there.
     pub fn finish(self, world: &mut World) {
         let entities = self.entities.unwrap_or_default();
+        world.insert_resource(ShownTime(self.scene.time));
         update_cameras(world, &entities.sensors);
         world.insert_resource(FileBase {
             scene: self.scene.clone(),

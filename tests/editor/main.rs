@@ -15,6 +15,7 @@ mod blocking;
 mod corpus;
 mod editing;
 mod gizmo;
+mod keys;
 mod orientation;
 mod panels;
 mod shell;

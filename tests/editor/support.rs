@@ -59,6 +59,8 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         seeing: Default::default(),
         isolated: false,
         has_textures: false,
+        timeline_shown: false,
+        playing: false,
         flying: false,
     }
 }

@@ -216,6 +216,7 @@ impl Plugin for EditorPlugin {
                         model::thumbnails::update_thumbnails,
                         picture::noise_trend::follow_noise,
                         model::gather::gather_status,
+                        model::timeline::gather_timeline,
                         window::title::follow_title,
                         viewport::outlining::collect_outline,
                         viewport::gather::gather_viewport,
@@ -224,6 +225,7 @@ impl Plugin for EditorPlugin {
                         .in_set(EditorSystems::Gather),
                     (
                         commands::saving::go_on.run_if(resource_exists::<commands::saving::SaveUnderWay>),
+                        commands::timeline::play_on,
                         commands::apply_commands,
                         commands::flight::fly_on,
                         commands::full_film::follow_awaited_image,

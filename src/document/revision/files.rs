@@ -9,7 +9,7 @@ use super::elements::Element;
 use super::source::{Destination, Place, Source};
 use super::values::revise_attribute;
 use crate::document::paths::{file_candidates, file_name, settle, settle_covered};
-use crate::document::{Category, Child, Document, Object, Property, SourceId, Value, WriteError};
+use crate::document::{Category, Child, Document, Object, Property, SourceId, Track, Value, WriteError};
 use crate::files::Access;
 
 /// Makes the names in a tree that `origin` was read as, and that was changed since, relative to the destination.
@@ -52,18 +52,26 @@ impl<'d> FileNames<'d> {
 
     /// The property of an object of this kind as it reads in a file of `folder`. What a film names is written, not read.
     pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
-        let moved = match &property.value {
-            Value::String(name) if property.name == "filename" && owner != Category::Film => {
-                self.moved(name, self.folder(property.span.source), folder)
-            }
-            _ => None,
+        if property.name != "filename" || owner == Category::Film {
+            return Cow::Borrowed(property);
+        }
+        let from = self.folder(property.span.source);
+        let moved = |value: &mut Value| match value {
+            Value::String(name) => self.moved(name, from, folder).map(|moved| *name = moved).is_some(),
+            _ => false,
         };
-        match moved {
-            Some(name) => Cow::Owned(Property {
-                value: Value::String(name),
-                ..property.clone()
-            }),
-            None => Cow::Borrowed(property),
+        let mut own = property.clone();
+        let mut is_moved = moved(&mut own.value);
+        if let Some(track) = &mut own.keys {
+            let mut keys = Track::clone(track);
+            for key in &mut keys.keys {
+                is_moved |= moved(&mut key.value);
+            }
+            *track = Arc::new(keys);
+        }
+        match is_moved {
+            true => Cow::Owned(own),
+            false => Cow::Borrowed(property),
         }
     }
 

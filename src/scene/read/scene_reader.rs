@@ -9,10 +9,11 @@ use smol_str::SmolStr;
 
 use super::mesh_search::MeshSearch;
 use super::picture_search::PictureSearch;
+use crate::document::animation::is_animated;
 use crate::document::paths::settle;
 use crate::document::{Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span};
 use crate::scene::description::{Identity, SceneDescription};
-use crate::scene::{Authored, Material, ShapeKind};
+use crate::scene::{Authored, Keys, Material, ShapeKind};
 
 /// An object's place among all objects of the document.
 pub struct Place<'a> {
@@ -40,6 +41,8 @@ pub struct SceneReader<'a> {
     pub crowd_orders: Vec<u32>,
     /// The number of crowds that have become shapes.
     pub crowds_read: usize,
+    /// Whether anything in the document has keys.
+    pub is_animated: bool,
     pub description: SceneDescription,
 }
 
@@ -114,9 +117,11 @@ impl<'a> SceneReader<'a> {
             crowds: &document.crowds,
             crowd_orders,
             crowds_read: 0,
+            is_animated: is_animated(&document.root),
             description: SceneDescription {
                 path,
                 sources,
+                time: document.time,
                 ..Default::default()
             },
             folder,
@@ -154,6 +159,7 @@ impl<'a> SceneReader<'a> {
             order: self.order(object),
             span: object.span,
             authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
+            keys: self.is_animated.then(|| Keys::of(object, &self.index)).flatten(),
         }
     }
 

@@ -19,6 +19,7 @@ use crate::document::{Severity, SourceError, SourceFile};
 use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
+use crate::scene::file_moment::follow_file;
 use crate::scene::moment::shown_time;
 use crate::scene::read::{self, settle};
 use crate::scene::{AuthoredScene, SceneAccess, loading, spawn};
@@ -148,6 +149,7 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
         let reason = diagnostics.line(error);
         return Err(SaveError::Broken { path, reason });
     }
+    follow_file(world);
     let count = spawn::edited_twice(world, &scene);
     if on_change == OnChange::Refuse && count > 0 {
         let edited_twice = Some(count);

@@ -11,16 +11,18 @@ mod error;
 pub mod gather;
 mod known;
 mod parts;
-mod patch;
+pub(in crate::scene) mod patch;
 mod portable;
 mod save;
 pub(crate) mod snapshot;
 mod spectra;
-mod steps;
+pub(in crate::scene) mod steps;
 mod writer;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use bevy::prelude::World;
 
 pub use self::changed::OnChange;
 pub use self::error::SaveError;
@@ -30,13 +32,14 @@ use self::parts::Moves;
 pub use self::portable::Extensions;
 pub(crate) use self::save::{Following, MOST_ATTEMPTS, Save, Written};
 pub use self::save::{save, save_with};
-use self::writer::Writer;
+pub(in crate::scene) use self::writer::Writer;
 pub(in crate::scene) use self::writer::identities;
+use super::AuthoredScene;
 use super::assets::gltf_scene::is_called_gltf;
 use super::description::SceneDescription;
 use super::read::mesh_search::MeshSearch;
 use super::read::settle;
-use crate::document::animation::{key_changes, stand_still};
+use crate::document::animation::stand_still;
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Document, SourceFile};
 use crate::files::{self, Access, LARGEST_DATA, write_atomically};
@@ -166,23 +169,31 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
 /// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and others are
 /// relative to the scene's folder. `target`: where it will be written.
 fn in_place(scene: &SceneDescription, target: &Path) -> Document {
-    let mut root = Writer::new(scene, folder(&home(scene, target))).root();
-    let time = scene.remains.origin.as_ref().map_or(0.0, |origin| origin.time);
-    key_changes(&mut root, time);
+    let root = Writer::new(scene, folder(&home(scene, target))).root();
     Document {
         search_folders: scene.remains.search_folders.clone(),
-        time,
+        time: scene.time,
         ..Document::new(target, root)
     }
 }
 
 /// The file the scene was read from.
-fn home(scene: &SceneDescription, otherwise: &Path) -> PathBuf {
-    let origin = scene.remains.origin.as_ref();
+pub(in crate::scene) fn home(scene: &SceneDescription, otherwise: &Path) -> PathBuf {
+    home_in(&scene.remains, otherwise)
+}
+
+/// The file that the scene of the world was read from.
+pub(in crate::scene) fn home_of(world: &World) -> PathBuf {
+    let remains = world.get_resource::<AuthoredScene>();
+    remains.map_or_else(PathBuf::new, |remains| home_in(remains, Path::new("")))
+}
+
+fn home_in(remains: &AuthoredScene, otherwise: &Path) -> PathBuf {
+    let origin = remains.origin.as_ref();
     origin.map_or_else(|| otherwise.to_owned(), |origin| settle(&origin.path))
 }
 
-fn folder(path: &Path) -> &Path {
+pub(in crate::scene) fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 

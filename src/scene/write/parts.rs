@@ -20,12 +20,19 @@ pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
 
 fn rename_inside(object: &mut Object, folder: &Path, target: &Path, moves: &mut Moves) {
     for property in &mut object.properties {
-        let Value::String(name) = &mut property.value else {
+        if property.name != "filename" {
             continue;
-        };
-        let part = settle(&folder.join(&*name));
-        if property.name == "filename" && is_part(&part) {
-            *name = file_name(&place(part, target, moves), folder);
+        }
+        let keys = property.keys.as_mut().map(|track| &mut Arc::make_mut(track).keys);
+        let keyed = keys.into_iter().flatten().map(|key| &mut key.value);
+        for value in std::iter::once(&mut property.value).chain(keyed) {
+            let Value::String(name) = value else {
+                continue;
+            };
+            let part = settle(&folder.join(&*name));
+            if is_part(&part) {
+                *name = file_name(&place(part, target, moves), folder);
+            }
         }
     }
     for child in &mut object.children {

@@ -25,6 +25,12 @@ const SUPERSEDES: [(&str, &[&str]); 8] = [
 /// Parameters that depend on each other: writing one writes the other, if the file does not have it.
 const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
 
+/// The parameters that mean the same as this one in another way.
+pub(in crate::scene) fn superseded_by(name: &str) -> &'static [&'static str] {
+    let found = SUPERSEDES.iter().find(|(winner, _)| *winner == name);
+    found.map_or(&[], |(_, others)| others)
+}
+
 /// A plugin on its way into the file. What each child is, references followed, is known.
 pub struct Draft {
     pub object: Object,
@@ -192,10 +198,8 @@ impl Draft {
     }
 
     fn remove_superseded(&mut self, name: &str) {
-        for (_, others) in SUPERSEDES.iter().filter(|(winner, _)| *winner == name) {
-            for other in *others {
-                self.remove(other);
-            }
+        for other in superseded_by(name) {
+            self.remove(other);
         }
     }
 

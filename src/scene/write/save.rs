@@ -106,7 +106,7 @@ impl Save {
             return Ok(None);
         };
         let (scene, entities) = self.scene.describe();
-        let time = scene.remains.origin.as_ref().map_or(0.0, |origin| origin.time);
+        let time = scene.time;
         let (files, moves) = plan(&scene, &target)?;
         copy_parts(&moves)?;
         let Some(files) = replace_files(&rest.expected, files, self.overwrites)? else {

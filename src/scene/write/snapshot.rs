@@ -11,10 +11,12 @@ use crate::scene::description::{
     DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
     SensorDescription, ShapeDescription,
 };
+use crate::scene::file_moment::follow_file;
+use crate::scene::moment::shown_time;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, InstanceOf,
-    IntegratorSettings, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup,
-    ToWorld, UsesMaterial,
+    IntegratorSettings, Keys, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape,
+    ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// So many things are copied at once at the end.
@@ -88,11 +90,13 @@ type Changes = Or<(
         Changed<FirstNested>,
         Changed<SecondNested>,
         Changed<DeclaredIn>,
+        Changed<Keys>,
     )>,
 )>;
 
 impl Snapshot {
     pub fn begin(world: &mut World) -> Self {
+        follow_file(world);
         let since = world.increment_change_tick();
         let mut things: Vec<(DocumentOrder, Entity)> = world
             .query::<(&DocumentOrder, Entity)>()
@@ -119,6 +123,28 @@ impl Snapshot {
         snapshot
     }
 
+    /// These things alone, without their materials, but with the groups and materials that they cannot be read without.
+    pub fn of_things(world: &World, things: &[Entity]) -> Self {
+        let mut wanted: Vec<Entity> = Vec::new();
+        let mut waiting = things.to_vec();
+        while let Some(thing) = waiting.pop() {
+            if wanted.contains(&thing) {
+                continue;
+            }
+            wanted.push(thing);
+            waiting.extend(world.get::<FirstNested>(thing).map(|nested| nested.0));
+            waiting.extend(world.get::<SecondNested>(thing).map(|nested| nested.0));
+            waiting.extend(world.get::<MemberOf>(thing).map(|group| group.0));
+            waiting.extend(world.get::<InstanceOf>(thing).map(|group| group.0));
+        }
+        let mut snapshot = Self::default();
+        for thing in wanted {
+            snapshot.copy(world, thing);
+        }
+        snapshot.copy_settings(world);
+        snapshot
+    }
+
     /// Copies this number of things. True once the copy is complete: it is of the present moment then, and must not go on.
     pub fn step(&mut self, world: &mut World, things: usize) -> bool {
         for entity in self.rest.by_ref().take(things).collect::<Vec<_>>() {
@@ -127,6 +153,7 @@ impl Snapshot {
         if self.rest.len() > 0 {
             return false;
         }
+        follow_file(world);
         let since = world.increment_change_tick();
         let outdated = self.outdated(world);
         self.since = since;
@@ -199,6 +226,7 @@ impl Snapshot {
             order: order.0,
             span: authored.map(|authored| authored.object.span).unwrap_or_default(),
             authored: authored.cloned(),
+            keys: thing.get::<Keys>().cloned(),
         };
         let to_world = thing.get::<ToWorld>().map(|pose| pose.0);
         let (kind, index);
@@ -289,6 +317,7 @@ impl Snapshot {
             scene.integrator = *settings;
         }
         scene.unit = world.get_resource().copied().unwrap_or_default();
+        scene.time = shown_time(world);
         if let Some(remains) = world.get_resource::<AuthoredScene>() {
             scene.remains = remains.clone();
         }

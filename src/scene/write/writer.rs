@@ -8,15 +8,16 @@ use smol_str::SmolStr;
 
 use super::defaults::Defaults;
 use super::patch::Draft;
+use crate::document::animation::{is_animated, key_changes};
 use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
 use crate::scene::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::encode::{lights, objects};
-use crate::scene::{Authored, IntegratorSettings, LengthUnit};
+use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
 
 /// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
 
-pub(super) struct Writer<'s> {
+pub(in crate::scene) struct Writer<'s> {
     scene: &'s SceneDescription,
     folder: &'s Path,
     /// The id of each material in the file, if it has one or is referred to.
@@ -24,10 +25,12 @@ pub(super) struct Writer<'s> {
     /// The place where each material is written; None for those that are no longer needed.
     places: Vec<Option<DeclarationPlace>>,
     defaults: Defaults,
+    /// Whether things are written with their keys, and have the values of these.
+    keys: bool,
 }
 
 impl<'s> Writer<'s> {
-    pub(super) fn new(scene: &'s SceneDescription, folder: &'s Path) -> Self {
+    pub(in crate::scene) fn new(scene: &'s SceneDescription, folder: &'s Path) -> Self {
         let count = scene.materials.len();
         let mut writer = Self {
             scene,
@@ -39,6 +42,7 @@ impl<'s> Writer<'s> {
                 .collect(),
             places: vec![None; count],
             defaults: Defaults::default(),
+            keys: true,
         };
         // The uses of materials in the order in which they are written.
         let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
@@ -68,6 +72,11 @@ impl<'s> Writer<'s> {
         }
         writer.name_what_is_referred_to(&uses);
         writer
+    }
+
+    /// Writes the values as the components have them, and no keys.
+    pub(in crate::scene) fn without_keys(self) -> Self {
+        Self { keys: false, ..self }
     }
 
     /// The number of materials that this one is declared inside of.
@@ -110,7 +119,7 @@ impl<'s> Writer<'s> {
         }
     }
 
-    pub(super) fn root(&self) -> Object {
+    pub(in crate::scene) fn root(&self) -> Object {
         let scene = self.scene;
         let mut parts: Vec<(u32, Child)> = Vec::new();
         if let Some((order, child)) = self.integrator() {
@@ -118,10 +127,8 @@ impl<'s> Writer<'s> {
         }
         for sensor in &scene.sensors {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
-            parts.push(finish(
-                &sensor.identity,
-                Draft::new(sensor.identity.authored.as_ref(), current),
-            ));
+            let draft = self.with_keys(Draft::new(sensor.identity.authored.as_ref(), current), &sensor.identity);
+            parts.push(finish(&sensor.identity, draft));
         }
         for (index, material) in scene.materials.iter().enumerate() {
             if self.places[index] == Some(DeclarationPlace::TopLevel) {
@@ -143,7 +150,7 @@ impl<'s> Writer<'s> {
         }
         for emitter in &scene.emitters {
             let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
-            let draft = self.draft(emitter.identity.authored.as_ref(), current);
+            let draft = self.draft(&emitter.identity, current);
             parts.push(finish(&emitter.identity, draft));
         }
         parts.extend(scene.remains.rest.iter().cloned());
@@ -184,7 +191,7 @@ impl<'s> Writer<'s> {
     fn shape(&self, index: usize) -> Object {
         let shape = &self.scene.shapes[index];
         let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
-        let draft = self.draft(shape.identity.authored.as_ref(), current);
+        let draft = self.draft(&shape.identity, current);
         let mut object = match shape.instance_of {
             None if shape.shape.is_frame() => draft.object,
             Some(group) => {
@@ -217,23 +224,37 @@ impl<'s> Writer<'s> {
         let settings = &self.scene.integrator;
         let current = objects::integrator(settings);
         match &self.scene.remains.integrator {
-            Some((order, authored)) => Some((*order, Draft::new(Some(authored), current).object)),
+            Some((order, authored)) => {
+                let mut object = Draft::new(Some(authored), current).object;
+                key_changes(&mut object, self.scene.time);
+                Some((*order, object))
+            }
             None => (current != objects::integrator(&IntegratorSettings::default())).then_some((0, current)),
         }
     }
 
     /// The object to write. Of new things, parameters that equal the default are left out.
-    fn draft(&self, authored: Option<&Authored>, current: Object) -> Draft {
-        match authored {
+    fn draft(&self, identity: &Identity, current: Object) -> Draft {
+        let authored = identity.authored.as_ref();
+        let draft = match authored {
             Some(_) => Draft::new(authored, current),
             None => Draft::new(None, self.defaults.left_out(current)),
+        };
+        self.with_keys(draft, identity)
+    }
+
+    fn with_keys(&self, mut draft: Draft, identity: &Identity) -> Draft {
+        let keys = identity.keys.as_ref().filter(|_| self.keys);
+        if keys.is_some() || is_animated(&draft.object) {
+            Keys::attach(keys, &mut draft.object, self.scene.time);
         }
+        draft
     }
 
     fn material(&self, index: usize) -> Object {
         let material = &self.scene.materials[index];
         let authored: Option<&Authored> = material.identity.authored.as_ref();
-        let draft = self.draft(authored, objects::material(&material.material, self.folder));
+        let draft = self.draft(&material.identity, objects::material(&material.material, self.folder));
         // The plugin that a stand-in replaces may have bsdfs inside that were never read; they stay.
         let is_stand_in = authored.is_some_and(|authored| authored.is_stand_in());
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);

@@ -107,9 +107,9 @@ fn keys_of_the_clipboard_are_refused_and_escape_leaves_the_key() {
 #[test]
 fn flying_takes_keys_too() {
     let mut harness = list();
-    choose(&mut harness, "Fly ahead", Modifiers::SHIFT, Key::K);
-    let k = Shortcut::plain(Key::K);
-    assert_eq!(harness.state().bound.of("fly-ahead"), Some(&[k][..]));
+    choose(&mut harness, "Fly ahead", Modifiers::SHIFT, Key::J);
+    let j = Shortcut::plain(Key::J);
+    assert_eq!(harness.state().bound.of("fly-ahead"), Some(&[j][..]));
 }
 
 #[test]

@@ -54,6 +54,8 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 seeing: Default::default(),
                 isolated: false,
                 has_textures: false,
+                timeline_shown: false,
+                playing: false,
                 flying: false,
             },
             camera: None,

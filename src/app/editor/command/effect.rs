@@ -3,6 +3,7 @@
 use super::Command;
 use super::blocking::Reshaping;
 use super::shell::ShellCommand;
+use crate::scene::KeyEdit;
 
 /// The effect of a command on the history and the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,7 @@ impl Command {
             | Self::SetFilm(..)
             | Self::SetIntegrator(_)
             | Self::SetSampler(_)
+            | Self::Key(_, KeyEdit::Move { .. })
             | Self::Reshape(.., Reshaping::Push) => Effect::Drag,
             Self::Import(_)
             | Self::UseFile(_)
@@ -70,6 +72,7 @@ impl Command {
             | Self::DropPreset { .. }
             | Self::SetUnit(_)
             | Self::SetAccel(_)
+            | Self::Key(..)
             | Self::BakeLights => Effect::Edit,
             Self::MoveView(_)
             | Self::FrameSelection
@@ -87,6 +90,8 @@ impl Command {
             | Self::CutOpen
             | Self::Isolate(_)
             | Self::SetLightLayers(_)
+            | Self::SetTime(_)
+            | Self::StepTime(_)
             | Self::Undo
             | Self::Redo
             | Self::GoTo(_)
@@ -133,6 +138,9 @@ impl Command {
             | Self::InspectPaths(_)
             | Self::SetDenoising(_)
             | Self::ShowPanels(_)
+            | Self::SetPlaying(_)
+            | Self::SetTimeline(_)
+            | Self::ShowTimeline(_)
             | Self::Shell(_) => Effect::None,
         }
     }
@@ -144,7 +152,7 @@ impl Command {
 
     /// Whether the command is one of many that follow each other while the view or something in it moves.
     pub(crate) fn moves_picture(&self) -> bool {
-        matches!(self, Self::MoveView(_)) || self.effect() == Effect::Drag
+        matches!(self, Self::MoveView(_) | Self::SetTime(_)) || self.effect() == Effect::Drag
     }
 
     /// Whether the command is about single pixels of the picture.

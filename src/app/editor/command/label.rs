@@ -5,6 +5,7 @@ use bevy::prelude::Entity;
 use super::Command;
 use super::asset_kind::AssetKind;
 use super::blocking::{BlockKind, Reshaping};
+use crate::scene::KeyEdit;
 
 impl Command {
     /// The label of an edit in the history. The names of its things follow there.
@@ -65,6 +66,11 @@ impl Command {
             Self::SetUnit(_) => "Set unit of length",
             Self::SetAccel(_) => "Edit hierarchy",
             Self::BakeLights => "Bake light mix",
+            Self::Key(_, KeyEdit::Set) => "Set key of",
+            Self::Key(_, KeyEdit::Remove) => "Remove key of",
+            Self::Key(_, KeyEdit::RemoveAll) => "Remove keys of",
+            Self::Key(_, KeyEdit::Move { .. }) => "Move key of",
+            Self::Key(_, KeyEdit::Interpolate(_)) => "Set interpolation of",
             _ => "",
         }
     }
@@ -73,6 +79,11 @@ impl Command {
     pub(crate) fn targets(&self) -> Vec<Entity> {
         match self {
             Self::OnSelection(command) => command.targets(),
+            Self::Key(targets, _) => {
+                let mut things: Vec<Entity> = targets.iter().map(|(thing, _)| *thing).collect();
+                things.dedup();
+                things
+            }
             Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
             Self::SetShape(entity, _)
             | Self::Reshape(entity, ..)

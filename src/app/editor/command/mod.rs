@@ -37,6 +37,7 @@ pub mod shortcut;
 pub mod snapping;
 pub mod stored_view;
 pub mod texture_placing;
+pub mod timeline;
 pub mod tool;
 pub mod uv_projection;
 
@@ -48,8 +49,8 @@ use bevy::prelude::{Entity, Rect, Vec2, Vec3};
 use self::uv_projection::Projection;
 use crate::scene::write::OnChange;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, SamplerSettings, Sensor, Shape,
-    SquarePath,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, KeyEdit, KeyPath, LengthUnit, Material, SamplerSettings,
+    Sensor, Shape, SquarePath,
 };
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
@@ -73,6 +74,7 @@ use ruler::Ruler;
 use seeing::Seeing;
 use selection::Extend;
 use shell::ShellCommand;
+use timeline::{TimeStep, Timeline};
 use tool::Tool;
 
 /// A command of the user with all its data. Applied to the same state, it always does the same.
@@ -301,6 +303,21 @@ pub enum Command {
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
     BakeLights,
+
+    // Time. All times are in seconds.
+    /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each selected thing, and other
+    /// edits are of all tracks of the selection.
+    Key(Vec<(Entity, KeyPath)>, KeyEdit),
+    /// Shows the scene at a time. Playing ends.
+    SetTime(f64),
+    /// Shows the scene at the time of another frame or key.
+    StepTime(TimeStep),
+    /// Plays the frames of the timeline, or holds.
+    SetPlaying(bool),
+    /// Sets the frames of the timeline.
+    SetTimeline(Timeline),
+    /// Shows the timeline below the picture, or not.
+    ShowTimeline(bool),
 
     // Rendering and display.
     /// Pauses rendering, or continues it.

@@ -7,7 +7,7 @@ use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
 use super::{
-    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing,
+    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing, timeline,
     uv_projection, view,
 };
 use crate::app::editor::command::Command;
@@ -153,6 +153,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
         Command::SetUnit(unit) => super::world::set_unit(edit.world, unit),
         Command::BakeLights => mixing::bake(edit)?,
+        Command::Key(targets, how) => timeline::edit(edit, &targets, how)?,
         Command::OnSelection(command) => {
             several::carry_to_others(edit, &command);
             apply(edit, *command)?;

@@ -267,6 +267,14 @@ impl Copier {
         state.order = Some(DocumentOrder(self.order));
         state.declared_in = None;
         if let Some(to_world) = &mut state.to_world {
+            let by = pose * to_world.0.inverse();
+            state.keys = state.keys.map(|keys| {
+                if by == Affine3A::IDENTITY {
+                    keys
+                } else {
+                    keys.moved(&by)
+                }
+            });
             *to_world = ToWorld(pose);
         }
         self.order = self.order.saturating_add(1);

@@ -33,6 +33,7 @@ mod taken;
 mod tests;
 pub(crate) mod texturing;
 pub mod things;
+pub(crate) mod timeline;
 mod titles;
 mod uv_projection;
 mod view;
@@ -65,6 +66,7 @@ use crate::engine::{InputStamp, PackedScene};
 use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
+    show_moment, shown_time,
 };
 pub(crate) use files::keep_image;
 pub(crate) use finished::awaits_denoised;
@@ -165,6 +167,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
     let mut edit = Edit::begin(world);
     match apply_edit::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
+            edit.follow_keys();
             let title = title.after(edit.world);
             keep_what_is_there(edit.world);
             edit.finish(title, merges.then_some((interaction, (label, targets))));
@@ -193,12 +196,18 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         }
         Command::Copy => files::copy(world)?,
 
-        Command::Undo => history::undo(world)?,
-        Command::Redo => history::redo(world)?,
+        Command::Undo => history::undo(world).map(|()| keep_moment(world))?,
+        Command::Redo => history::redo(world).map(|()| keep_moment(world))?,
         Command::GoTo(steps) => {
             while world.resource::<History>().len().0 > steps && history::undo(world).is_ok() {}
             while world.resource::<History>().len().0 < steps && history::redo(world).is_ok() {}
+            keep_moment(world);
         }
+        Command::SetTime(time) => timeline::set_time(world, time)?,
+        Command::StepTime(step) => timeline::step(world, step)?,
+        Command::SetPlaying(plays) => timeline::play(world, plays),
+        Command::SetTimeline(timeline) => world.resource_mut::<ViewSettings>().timeline = timeline.within_range(),
+        Command::ShowTimeline(shown) => world.resource_mut::<ViewSettings>().timeline_shown = Some(shown),
 
         Command::Select(entities, how) => select(world, &entities, how),
         Command::SelectAll => {
@@ -311,6 +320,11 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         _ => {}
     }
     Ok(())
+}
+
+/// Steps of the history were made at other times than the one that is shown.
+fn keep_moment(world: &mut World) {
+    show_moment(world, shown_time(world));
 }
 
 fn select(world: &mut World, entities: &[Entity], how: Extend) {

@@ -39,6 +39,7 @@ impl Title {
             | Command::Nudge(_)
             | Command::Drop
             | Command::SnapToGrid => Some(selected()),
+            Command::Key(targets, _) if targets.is_empty() => Some(selected()),
             _ => Some(subject(world, &targets)),
         };
         Self {

@@ -145,6 +145,8 @@ mod tests {
             seeing: Default::default(),
             isolated: false,
             has_textures: false,
+            timeline_shown: false,
+            playing: false,
             flying: false,
         };
         shortcuts(&presses, &context)

@@ -10,6 +10,7 @@ pub mod mixed;
 pub(crate) mod outline;
 pub mod panel_textures;
 pub mod thumbnails;
+pub mod timeline;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,6 +38,7 @@ use crate::scene::{
 };
 use mixed::Mixed;
 use panel_textures::PanelTextures;
+use timeline::TimelineModel;
 
 /// One line of the outliner.
 #[derive(Clone, Debug, PartialEq)]
@@ -355,6 +357,8 @@ pub struct Model {
     pub notices: Arc<Vec<Notice>>,
     /// The unit of length of the scene.
     pub unit: LengthUnit,
+    /// The timeline.
+    pub timeline: TimelineModel,
     /// The status line.
     pub status: StatusModel,
     /// Scene files beside the open one.

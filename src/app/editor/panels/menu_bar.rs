@@ -39,6 +39,9 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         ui.menu_button("Add", |ui| add_menu(ui, context, commands));
         ui.menu_button("Arrange", |ui| arrange_menu(ui, context, commands));
         ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
+        ui.menu_button("Time", |ui| {
+            group(ui, Group::Time, &["first-frame", "set-key"], context, commands)
+        });
         ui.menu_button("Render", |ui| render_menu(ui, context, commands));
         ui.menu_button("Window", |ui| window_menu(ui, &state, commands));
         ui.separator();

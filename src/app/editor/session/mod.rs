@@ -7,6 +7,7 @@ pub mod layout;
 pub mod options;
 pub mod panel_sizes;
 pub(crate) mod picture_cache;
+pub mod playback;
 pub mod preferences;
 pub mod recovery;
 pub mod requests;

@@ -11,7 +11,9 @@ use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::stored_view::StoredViews;
+use crate::app::editor::command::timeline::Timeline;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::session::playback::Playback;
 
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]
@@ -48,6 +50,12 @@ pub struct ViewSettings {
     pub seeing: Seeing,
     /// The shapes that are shown alone. If it is empty, all are shown.
     pub isolated: Vec<Entity>,
+    /// The frames of the timeline.
+    pub timeline: Timeline,
+    /// Whether the frames are played, and since when.
+    pub playback: Playback,
+    /// Whether the timeline is shown. None: if the scene has keys.
+    pub timeline_shown: Option<bool>,
     /// Whether the panels are shown; otherwise the viewport fills the window.
     pub panels_shown: bool,
 }
@@ -80,6 +88,9 @@ impl Default for ViewSettings {
             grid: GridSettings::default(),
             seeing: Seeing::default(),
             isolated: Vec::new(),
+            timeline: Timeline::default(),
+            playback: Playback::default(),
+            timeline_shown: None,
             panels_shown: true,
         }
     }

@@ -144,6 +144,8 @@ pub fn show_window(
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
         has_textures: model.inspected.as_ref().is_some_and(Inspected::has_textures),
+        timeline_shown: model.timeline.is_shown(settings.timeline_shown),
+        playing: settings.playback.is_playing(),
         flying: false,
     };
     let menus = MenuState {

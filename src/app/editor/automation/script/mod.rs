@@ -15,6 +15,7 @@ mod placing;
 mod rendering;
 mod set;
 mod texturing;
+mod timeline;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use super::error::ScriptError;
 use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
-use super::{blocking, keys, layers, placing, rendering, texturing};
+use super::{blocking, keys, layers, placing, rendering, texturing, timeline};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -35,7 +35,7 @@ use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::write::OnChange;
-use crate::scene::{AreaLight, Material};
+use crate::scene::{AreaLight, KeyEdit, Material};
 
 /// The request of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 64] = [
+pub const VERBS: [(&str, &str); 72] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -142,6 +142,14 @@ pub const VERBS: [(&str, &str); 64] = [
     ("compare", "off | wipe FRACTION | difference | noisy FRACTION"),
     ("bind", "ACTION KEY|none|usual"),
     ("tutorial-step", "NUMBER|off (1 to 5)"),
+    ("time", "SECONDS"),
+    ("frame", "NUMBER"),
+    ("timeline", "FPS FIRST LAST (frames)"),
+    ("key", "NAME [PROPERTY, else its place]"),
+    ("unkey", "NAME [PROPERTY, else all that have a key now]"),
+    ("stand-still", "NAME [PROPERTY, else all] (removes all keys)"),
+    ("move-key", "NAME PROPERTY FROM TO (seconds)"),
+    ("interpolate", "NAME PROPERTY linear|ease|step"),
     ("wait", "SAMPLES|done"),
     ("screenshot", "FILE"),
 ];
@@ -180,6 +188,7 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
 
 fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
     let settings = world.resource::<ViewSettings>();
+    let model = &world.resource::<EditorModel>().0;
     ActionContext {
         display: settings.display,
         overlay: settings.overlay,
@@ -196,6 +205,8 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
         has_textures: true,
+        timeline_shown: model.timeline.is_shown(settings.timeline_shown),
+        playing: settings.playback.is_playing(),
         flying: false,
     }
 }
@@ -408,6 +419,21 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 .ok_or("expected off or 1 to 5")?;
             Command::Shell(ShellCommand::ShowTutorial(Some(step)))
         }
+        ("time", [time]) => Command::SetTime(parse_float(time)?.into()),
+        ("frame", [frame]) => {
+            let timeline = world.resource::<ViewSettings>().timeline;
+            Command::SetTime(timeline.time(parse_float(frame)?.into()))
+        }
+        ("timeline", [fps, first, last]) => timeline::frames(fps, first, last)?,
+        ("key", [name, path @ ..]) if path.len() <= 1 => timeline::set(world, name, path.first().copied())?,
+        ("unkey", [name, path @ ..]) if path.len() <= 1 => {
+            timeline::remove(world, name, path.first().copied(), KeyEdit::Remove)?
+        }
+        ("stand-still", [name, path @ ..]) if path.len() <= 1 => {
+            timeline::remove(world, name, path.first().copied(), KeyEdit::RemoveAll)?
+        }
+        ("move-key", [name, path, from, to]) => timeline::shift(world, name, path, [from, to])?,
+        ("interpolate", [name, path, way]) => timeline::interpolate(world, name, path, way)?,
         ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
         ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),

@@ -46,6 +46,10 @@ pub struct ActionContext<'a> {
     pub isolated: bool,
     /// Whether the selected shape has textures that can be placed.
     pub has_textures: bool,
+    /// Whether the timeline is shown.
+    pub timeline_shown: bool,
+    /// Whether the timeline plays.
+    pub playing: bool,
     /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
 }
@@ -78,6 +82,8 @@ pub enum Group {
     Arrange,
     /// The menu of camera and display.
     View,
+    /// The menu of the timeline and of keys.
+    Time,
     /// Samples, denoiser, comparison.
     Render,
     /// Panels, preferences, help.
@@ -86,12 +92,13 @@ pub enum Group {
 
 impl Group {
     /// The groups with their headings, in the order of the menus.
-    pub const ALL: [(Self, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str); 8] = [
         (Self::File, "File"),
         (Self::Edit, "Edit"),
         (Self::Add, "Add"),
         (Self::Arrange, "Arrange"),
         (Self::View, "View"),
+        (Self::Time, "Time"),
         (Self::Render, "Render"),
         (Self::Window, "Window"),
     ];
@@ -127,6 +134,8 @@ impl Action {
             "isolate" => context.isolated,
             "panels" => context.panels_shown,
             "pause" => context.paused,
+            "timeline-shown" => context.timeline_shown,
+            "play" => context.playing,
             "denoise" => context.denoising,
             "snap-always" => context.gizmo.snap.always,
             "snap-align" => context.gizmo.snap.aligns,
@@ -170,6 +179,8 @@ impl ActionContext<'_> {
             Command::SetGrid(grid) => self.grid = *grid,
             Command::ShowDimensions(shown) => self.dimensions = *shown,
             Command::ShowPanels(shown) => self.panels_shown = *shown,
+            Command::ShowTimeline(shown) => self.timeline_shown = *shown,
+            Command::SetPlaying(plays) => self.playing = *plays,
             _ => {}
         }
     }

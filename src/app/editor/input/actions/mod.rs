@@ -5,6 +5,7 @@ mod action;
 mod arrange;
 pub mod bindings;
 mod table;
+mod time;
 mod view;
 
 pub use action::{Action, ActionContext, Group};
@@ -25,6 +26,7 @@ const MENUS: &[&[Action]] = &[
     arrange::ALIGN_WITH_ACTIVE,
     arrange::DISTRIBUTE,
     view::ACTIONS,
+    time::ACTIONS,
     table::RENDER,
     table::WINDOW,
 ];

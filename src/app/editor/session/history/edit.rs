@@ -9,7 +9,7 @@ use super::entry::{Change, Entry, MergeKey, SettingsState, Standpoint, StepKind}
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
-use crate::scene::{ObjectChange, ObjectState, ToWorld};
+use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, keys_after, pose};
 
 /// An edit under way: remembers what each entity was before it was first touched.
 pub struct Edit<'w> {
@@ -100,6 +100,30 @@ impl<'w> Edit<'w> {
     pub(crate) fn delete(&mut self, entity: Entity) {
         self.touch(entity);
         ObjectState::default().write(self.world, entity);
+    }
+
+    /// Makes keys of values that were changed and have tracks, and gives everything with tracks the values of these: they may have been changed.
+    pub(crate) fn follow_keys(&mut self) {
+        let mut moving = Vec::new();
+        for (entity, before) in &self.before {
+            let is_moving = before.keys.is_some() || self.world.get::<Keys>(*entity).is_some();
+            if !is_moving || !ObjectState::is_in_scene(self.world, *entity) {
+                continue;
+            }
+            match keys_after(self.world, *entity, before).map(Keys::some) {
+                Some(Some(keys)) => {
+                    self.world.entity_mut(*entity).insert(keys);
+                }
+                Some(None) => {
+                    self.world.entity_mut(*entity).remove::<Keys>();
+                }
+                None => {}
+            }
+            moving.push(*entity);
+        }
+        if !moving.is_empty() {
+            pose(self.world, &moving);
+        }
     }
 
     /// Puts everything back.

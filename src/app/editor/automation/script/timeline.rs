@@ -1,0 +1,71 @@
+//! The words of scripts about time and key frames.
+
+use bevy::prelude::*;
+
+use super::error::ScriptError;
+use super::names::{count, named, unknown};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::timeline::Timeline;
+use crate::document::Interpolation;
+use crate::document::value::parse_float;
+use crate::scene::{KeyEdit, KeyPath, Keys, place_path, shown_time};
+
+/// `timeline FPS FIRST LAST`
+pub fn frames(fps: &str, first: &str, last: &str) -> Result<Command, ScriptError> {
+    let timeline = Timeline {
+        fps: parse_float(fps)?.into(),
+        first: count(first)?,
+        last: count(last)?,
+    };
+    match timeline == timeline.within_range() {
+        true => Ok(Command::SetTimeline(timeline)),
+        false => Err("expected frames per second, and a last frame that is not before the first".into()),
+    }
+}
+
+/// `key NAME [PROPERTY]`
+pub fn set(world: &mut World, name: &str, path: Option<&str>) -> Result<Command, ScriptError> {
+    let thing = named(world, name)?;
+    let path = match path {
+        Some(path) => KeyPath::new(path),
+        None => place_path(world, thing).ok_or("it has no place")?,
+    };
+    Ok(Command::Key(vec![(thing, path)], KeyEdit::Set))
+}
+
+/// `unkey NAME [PROPERTY]`, `stand-still NAME [PROPERTY]`
+pub fn remove(world: &mut World, name: &str, path: Option<&str>, edit: KeyEdit) -> Result<Command, ScriptError> {
+    let thing = named(world, name)?;
+    if let Some(path) = path {
+        return Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit));
+    }
+    let time = shown_time(world);
+    let keys = world.get::<Keys>(thing).ok_or("it has no keys")?;
+    let wanted = keys
+        .tracks()
+        .filter(|(_, track)| edit != KeyEdit::Remove || track.has_key(time));
+    let targets: Vec<(Entity, KeyPath)> = wanted.map(|(path, _)| (thing, path.clone())).collect();
+    match targets.is_empty() {
+        true => Err(format!("it has no key at {time} s").into()),
+        false => Ok(Command::Key(targets, edit)),
+    }
+}
+
+/// `move-key NAME PROPERTY FROM TO`
+pub fn shift(world: &mut World, name: &str, path: &str, times: [&str; 2]) -> Result<Command, ScriptError> {
+    let thing = named(world, name)?;
+    let [from, to] = times.map(|time| parse_float(time).map(f64::from));
+    let edit = KeyEdit::Move { from: from?, to: to? };
+    Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit))
+}
+
+/// `interpolate NAME PROPERTY linear|ease|step`
+pub fn interpolate(world: &mut World, name: &str, path: &str, way: &str) -> Result<Command, ScriptError> {
+    let thing = named(world, name)?;
+    let known = Interpolation::ALL.into_iter().find(|known| known.name() == way);
+    let known = known.ok_or_else(|| unknown("interpolation", way, Interpolation::ALL.map(Interpolation::name)))?;
+    Ok(Command::Key(
+        vec![(thing, KeyPath::new(path))],
+        KeyEdit::Interpolate(known),
+    ))
+}

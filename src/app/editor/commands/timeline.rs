@@ -1,0 +1,148 @@
+//! Times and keys: shows another moment, plays, sets keys and moves them.
+
+use std::time::Instant;
+
+use bevy::prelude::*;
+
+use super::note_input;
+use super::things::selected;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::timeline::TimeStep;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::scene::{KeyEdit, KeyPath, Keys, SceneStatus, edit_keys, place_path, show_moment, shown_time};
+
+/// Shows the scene at a time in seconds. Playing ends.
+pub fn set_time(world: &mut World, time: f64) -> Result<(), CommandError> {
+    if !time.is_finite() || time.abs() > 1e9 {
+        return Err("There is no such time.".into());
+    }
+    world.resource_mut::<ViewSettings>().playback.stop();
+    show_moment(world, time);
+    Ok(())
+}
+
+/// Shows the scene at the time of another frame or key.
+pub fn step(world: &mut World, step: TimeStep) -> Result<(), CommandError> {
+    let timeline = world.resource::<ViewSettings>().timeline;
+    let now = shown_time(world);
+    // A time within a frame counts as its start, up to rounding.
+    let frame = timeline.frame(now);
+    let to = match step {
+        TimeStep::FirstFrame => timeline.time(timeline.first.into()),
+        TimeStep::LastFrame => timeline.time(timeline.last.into()),
+        TimeStep::PreviousFrame => timeline.time((frame - 1e-4).ceil() - 1.0),
+        TimeStep::NextFrame => timeline.time((frame + 1e-4).floor() + 1.0),
+        TimeStep::PreviousKey | TimeStep::NextKey => {
+            let is_next = step == TimeStep::NextKey;
+            let near = 1e-4 / timeline.fps;
+            let times = key_times(world).into_iter();
+            let found = match is_next {
+                true => times.filter(|time| *time > now + near).min_by(f64::total_cmp),
+                false => times.filter(|time| *time < now - near).max_by(f64::total_cmp),
+            };
+            let found = found.ok_or("There is no further key.")?;
+            // Files have times in single precision: the frame that is meant is exact.
+            let frame = timeline.snapped(found);
+            if (frame - found).abs() < 1e-6 * (1.0 + found.abs()) {
+                frame
+            } else {
+                found
+            }
+        }
+    };
+    set_time(world, to)
+}
+
+/// The times of the keys of the selection, or else of everything.
+fn key_times(world: &mut World) -> Vec<f64> {
+    let selection = world.resource::<Selection>().clone();
+    let mut all = world.query::<(Entity, &Keys)>();
+    let mut times = |wanted: &dyn Fn(Entity) -> bool| {
+        let keys = all.iter(world).filter(|(entity, _)| wanted(*entity));
+        let tracks = keys.flat_map(|(_, keys)| keys.tracks());
+        let times = tracks.flat_map(|(_, track)| track.keys.iter().map(|key| key.time));
+        times.collect::<Vec<f64>>()
+    };
+    let of_selection = times(&|entity| selection.contains(entity));
+    match of_selection.is_empty() {
+        true => times(&|_| true),
+        false => of_selection,
+    }
+}
+
+/// Plays the frames, or holds.
+pub fn play(world: &mut World, plays: bool) {
+    let timeline = world.resource::<ViewSettings>().timeline;
+    let mut now = shown_time(world);
+    let end = timeline.time(timeline.last.into());
+    if now < timeline.time(timeline.first.into()) || now >= end - 1e-6 {
+        now = timeline.time(timeline.first.into());
+    }
+    let playback = &mut world.resource_mut::<ViewSettings>().playback;
+    match plays {
+        true => playback.start(now),
+        false => playback.stop(),
+    }
+}
+
+/// Shows the frame that is due while the timeline plays. Frames are left out if the machine is slow.
+pub(crate) fn play_on(world: &mut World) {
+    let is_opening = world
+        .get_resource::<SceneStatus>()
+        .is_some_and(|status| status.is_opening);
+    if is_opening {
+        return;
+    }
+    let settings = world.resource::<ViewSettings>();
+    let (Some((from, since)), timeline) = (settings.playback.started(), settings.timeline) else {
+        return;
+    };
+    let first = timeline.time(timeline.first.into());
+    let passed = from - first + Instant::now().saturating_duration_since(since).as_secs_f64();
+    let frame = (timeline.frame(passed.rem_euclid(timeline.duration())) + 1e-9).floor();
+    let time = timeline.time(f64::from(timeline.first) + frame);
+    if time != shown_time(world) {
+        note_input(world, true);
+        show_moment(world, time);
+    }
+}
+
+/// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its tracks.
+pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
+    let targets = match targets {
+        [] => targets_of_selection(edit, how)?,
+        targets => targets.to_vec(),
+    };
+    for (thing, path) in targets {
+        match edit_keys(edit.world, thing, &path, how)? {
+            Some(keys) => edit.set(thing, keys),
+            None => edit.remove::<Keys>(thing),
+        }
+    }
+    Ok(())
+}
+
+fn targets_of_selection(edit: &Edit, how: KeyEdit) -> Result<Vec<(Entity, KeyPath)>, CommandError> {
+    let mut targets = Vec::new();
+    let time = shown_time(edit.world);
+    for thing in selected(edit)? {
+        if how == KeyEdit::Set {
+            targets.extend(place_path(edit.world, thing).map(|path| (thing, path)));
+        } else if let Some(keys) = edit.world.get::<Keys>(thing) {
+            let tracks = keys.tracks().filter(|(_, track)| match how {
+                KeyEdit::Remove => track.has_key(time),
+                KeyEdit::Move { from, .. } => track.has_key(from),
+                _ => true,
+            });
+            targets.extend(tracks.map(|(path, _)| (thing, path.clone())));
+        }
+    }
+    match (targets.is_empty(), how) {
+        (true, KeyEdit::Set) => Err("What is selected has no place.".into()),
+        (true, KeyEdit::Remove | KeyEdit::Move { .. }) => Err("What is selected has no key at this time.".into()),
+        (true, _) => Err("What is selected has no keys.".into()),
+        (false, _) => Ok(targets),
+    }
+}

@@ -1,0 +1,288 @@
+//! The key frames of a thing: for each value that moves, its track.
+//!
+//! The components of an entity have the values of the moment that is shown. [`Keys`] has those of all times, by the names that the values have in the
+//! file, so that everything that a file can say can move in one way: [`super::posing`] writes the values of a time into the plugins of the file and
+//! reads the components from them.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Display};
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use smol_str::{SmolStr, format_smolstr};
+
+use super::write::patch::superseded_by;
+use crate::document::animation::{is_animated, key_time};
+use crate::document::{Category, Child, Index, Interpolation, Key, Object, Property, Span, Track, Value};
+
+/// The parameters that say where a thing is, in the order in which they are looked for.
+const PLACES: [&str; 3] = ["to_world", "position", "direction"];
+
+/// Where a value stands in the plugin of a thing: the parameter's name, after the names of the plugins around it, with a dot between: `to_world`,
+/// `emitter.radiance`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct KeyPath(SmolStr);
+
+impl KeyPath {
+    /// The path of these words.
+    pub fn new(path: impl Into<SmolStr>) -> Self {
+        Self(path.into())
+    }
+
+    /// The words.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether it says where the thing is.
+    pub fn is_place(&self) -> bool {
+        PLACES.contains(&self.as_str())
+    }
+}
+
+impl Display for KeyPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The tracks of the values of a thing that move; absent on things that stand still.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct Keys {
+    tracks: BTreeMap<KeyPath, Arc<Track>>,
+    /// Whether it refers to something that moves and is no thing itself, such as a texture at the top level of the file.
+    follows: bool,
+}
+
+impl Keys {
+    /// The tracks of a plugin in the file. None if nothing of it moves.
+    pub(super) fn of(object: &Object, index: &Index) -> Option<Self> {
+        let mut keys = Self::default();
+        keys.collect(object, index, "");
+        (!keys.is_empty()).then_some(keys)
+    }
+
+    fn collect(&mut self, object: &Object, index: &Index, before: &str) {
+        for property in &object.properties {
+            if let Some(track) = &property.keys {
+                let path = KeyPath(format_smolstr!("{before}{}", property.name));
+                self.tracks.insert(path, track.clone());
+            }
+        }
+        for (place, child) in object.children.iter().enumerate() {
+            let Some(inner) = index.resolve(child).filter(|inner| is_part(inner)) else {
+                continue;
+            };
+            match child {
+                Child::Object(_) if is_animated(inner) => {
+                    self.collect(inner, index, &format!("{before}{}.", step(object, place)));
+                }
+                Child::Object(_) => {}
+                Child::Reference { .. } => self.follows |= is_animated(inner),
+            }
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.tracks.is_empty() && !self.follows
+    }
+
+    /// Whether it refers to something that moves.
+    pub(super) fn follows(&self) -> bool {
+        self.follows
+    }
+
+    /// An estimate of the memory that it has allocated. Tracks count as if nothing else held them.
+    pub(super) fn bytes(&self) -> usize {
+        /// The size of the steps of a transform.
+        const VALUE: usize = 128;
+        let tracks = self.tracks.values();
+        tracks.map(|track| track.keys.len() * (size_of::<Key>() + VALUE)).sum()
+    }
+
+    /// The tracks, in the order of their paths.
+    pub fn tracks(&self) -> impl Iterator<Item = (&KeyPath, &Arc<Track>)> {
+        self.tracks.iter()
+    }
+
+    /// The track of a value.
+    pub fn track(&self, path: &KeyPath) -> Option<&Arc<Track>> {
+        self.tracks.get(path)
+    }
+
+    /// The keys with another track for this value, or none.
+    pub fn with(&self, path: &KeyPath, track: Option<Track>) -> Self {
+        let mut keys = self.clone();
+        match track {
+            Some(track) => keys.tracks.insert(path.clone(), Arc::new(track)),
+            None => keys.tracks.remove(path),
+        };
+        keys
+    }
+
+    /// These keys as a component: None if there is none.
+    pub fn some(self) -> Option<Self> {
+        (!self.is_empty()).then_some(self)
+    }
+
+    /// The path by which these keys or the plugin say where the thing is.
+    pub fn place_in(keys: Option<&Self>, object: &Object) -> KeyPath {
+        let has_track = |name: &&&str| keys.is_some_and(|keys| keys.track(&KeyPath::new(**name)).is_some());
+        let has_value = |name: &&&str| object.properties.iter().any(|property| property.name == **name);
+        let name = PLACES.iter().find(has_track).or_else(|| PLACES.iter().find(has_value));
+        KeyPath::new(*name.unwrap_or(&PLACES[0]))
+    }
+
+    /// Gives a plugin these tracks and no others. The values become those of the time in seconds.
+    pub(super) fn attach(keys: Option<&Self>, object: &mut Object, time: f64) {
+        detach(object);
+        for (path, track) in keys.into_iter().flat_map(Self::tracks) {
+            if let Some(property) = property_at(object, path.as_str()) {
+                property.value = track.at(time);
+                property.keys = Some(track.clone());
+            }
+        }
+    }
+}
+
+/// Takes all tracks off a plugin. What is a thing of its own inside keeps them.
+pub(super) fn detach(object: &mut Object) {
+    for property in &mut object.properties {
+        property.keys = None;
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child
+            && is_part(inner)
+            && is_animated(inner)
+        {
+            detach(Arc::make_mut(inner));
+        }
+    }
+}
+
+/// The value at a path; None if the plugin does not say it.
+pub(super) fn value_at<'o>(object: &'o Object, path: &str) -> Option<&'o Value> {
+    if let Some(property) = object.properties.iter().find(|property| property.name == path) {
+        return Some(&property.value);
+    }
+    let (place, rest) = inner(object, path)?;
+    match &object.children[place] {
+        Child::Object(inner) => value_at(inner, rest),
+        Child::Reference { .. } => None,
+    }
+}
+
+/// The property at a path, which is added if the plugin that it belongs to is there and has nothing else in its place.
+fn property_at<'o>(object: &'o mut Object, path: &str) -> Option<&'o mut Property> {
+    if let Some(place) = object.properties.iter().position(|property| property.name == path) {
+        return Some(&mut object.properties[place]);
+    }
+    if let Some((place, rest)) = inner(object, path) {
+        return match &mut object.children[place] {
+            Child::Object(inner) => property_at(Arc::make_mut(inner), rest),
+            Child::Reference { .. } => None,
+        };
+    }
+    if path.contains('.') || object.children.iter().any(|child| child.name() == Some(path)) {
+        return None;
+    }
+    let others = superseded_by(path);
+    object.properties.retain(|property| !others.contains(&&*property.name));
+    let property = Property::new(path, Value::Float(0.0), Span::default());
+    object.properties.push(property);
+    object.properties.last_mut()
+}
+
+/// The place of the plugin that a path goes into, and the rest of the path.
+fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
+    let (first, rest) = path.split_once('.')?;
+    let place = (0..object.children.len()).find(|place| step(object, *place) == first)?;
+    Some((place, rest))
+}
+
+/// The step of a path into a plugin inside another: the parameter that it is for, or else its tag. Several of one name are numbered.
+fn step(object: &Object, place: usize) -> SmolStr {
+    let base = |child: &Child| match child {
+        Child::Object(inner) => inner.name.clone().unwrap_or_else(|| inner.category.tag().into()),
+        Child::Reference { name, .. } => name.clone().unwrap_or_default(),
+    };
+    let own = base(&object.children[place]);
+    match object.children[..place]
+        .iter()
+        .filter(|child| base(child) == own)
+        .count()
+    {
+        0 => own,
+        before => format_smolstr!("{own}#{}", before + 1),
+    }
+}
+
+/// Whether a plugin inside that of a thing is a part of the thing, and no thing of its own.
+fn is_part(inner: &Object) -> bool {
+    !matches!(inner.category, Category::Bsdf | Category::Shape)
+}
+
+/// A change of the track of a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeyEdit {
+    /// Sets a key of the present value at the time that is shown.
+    Set,
+    /// Removes the key at the time that is shown; the last key goes with the track.
+    Remove,
+    /// Removes all keys: the value of the moment that is shown remains.
+    RemoveAll,
+    /// Moves a key from one time to another, in seconds, in place of a key there.
+    Move {
+        /// The time of the key.
+        from: f64,
+        /// Its new time.
+        to: f64,
+    },
+    /// Sets the way from key to key.
+    Interpolate(Interpolation),
+}
+
+impl KeyEdit {
+    /// The track after the edit. `time` is shown, `value` is the one of that time, `track` is the present one. None: the value has no keys then. An
+    /// error, in words, if it cannot be done.
+    pub(super) fn apply(
+        self,
+        track: Option<&Track>,
+        value: Option<&Value>,
+        time: f64,
+    ) -> Result<Option<Track>, String> {
+        let time = key_time(time);
+        let Some(track) = track else {
+            let value = match (self, value) {
+                (Self::Set, Some(value)) => value.clone(),
+                (Self::Set, None) => return Err("there is no such value".to_owned()),
+                _ => return Err("it has no keys".to_owned()),
+            };
+            return Ok(Some(Track {
+                keys: vec![Key { time, value }],
+                interpolation: Interpolation::default(),
+            }));
+        };
+        let mut track = track.clone();
+        let place = |track: &Track, time: f64| {
+            let place = track.keys.iter().position(|key| key.time == key_time(time));
+            place.ok_or_else(|| format!("it has no key at {time} s"))
+        };
+        match self {
+            Self::Set => return Ok(track.with_key(time, track.at(time))),
+            Self::RemoveAll => return Ok(None),
+            Self::Remove => {
+                track.keys.remove(place(&track, time)?);
+            }
+            Self::Move { from, to } => {
+                let key = track.keys.remove(place(&track, from)?);
+                let to = key_time(to);
+                track.keys.retain(|key| key.time != to);
+                let place = track.keys.partition_point(|key| key.time < to);
+                track.keys.insert(place, Key { time: to, ..key });
+            }
+            Self::Interpolate(interpolation) => track.interpolation = interpolation,
+        }
+        Ok((!track.keys.is_empty()).then_some(track))
+    }
+}

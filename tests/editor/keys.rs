@@ -1,0 +1,311 @@
+//! Key frames in the editor: keys are set, moved, played, undone and saved, and the file says what was shown.
+
+use bevy::prelude::*;
+use sunroom::app::editor::automation::script::parse::{self, Step};
+use sunroom::app::editor::commands::apply;
+use sunroom::app::editor::commands::bare_world::bare_world;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::document::{self, parse_str};
+use sunroom::scene::write::{gather, save, to_document};
+use sunroom::scene::*;
+
+/// A step of its own; the error in words.
+fn say(world: &mut World, line: &str) -> Result<(), String> {
+    world.resource_mut::<Requests>().interaction += 1;
+    match parse::line(world, line) {
+        Ok(Some(Step::Do(command))) => apply(world, command).map_err(|error| error.to_string()),
+        Ok(other) => panic!("{line}: {other:?}"),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+#[track_caller]
+fn do_all(world: &mut World, lines: &[&str]) {
+    for line in lines {
+        assert_eq!(say(world, line), Ok(()), "{line}");
+    }
+}
+
+fn find(world: &mut World, name: &str) -> Entity {
+    let mut names = world.query::<(Entity, &Name)>();
+    let found = names.iter(world).find(|(_, known)| known.as_str() == name);
+    found.map(|(entity, _)| entity).expect("a thing of that name")
+}
+
+fn place(world: &mut World, name: &str) -> Vec3 {
+    let thing = find(world, name);
+    world.get::<ToWorld>(thing).expect("a place").0.translation.into()
+}
+
+fn radius(world: &mut World, name: &str) -> f32 {
+    let thing = find(world, name);
+    match world.get::<Shape>(thing).expect("a shape").kind {
+        ShapeKind::Sphere { radius, .. } => radius,
+        _ => panic!("no sphere"),
+    }
+}
+
+/// A scene file that is open in the editor.
+fn opened(text: &str) -> (tempfile::TempDir, World) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, text).expect("a file");
+    let mut document = document::load(&path, &[]).expect("it can be read");
+    let scene = read::read(&mut document);
+    assert!(!document.diagnostics.has_errors(), "{:?}", document.diagnostics.list);
+    let mut world = bare_world();
+    spawn::spawn_fresh(&mut world, &scene.into());
+    world.resource_mut::<SceneStatus>().path = Some(path);
+    (folder, world)
+}
+
+/// The scenes that a file describes and that the world holds are the same at all of these times.
+#[track_caller]
+fn assert_file_shows_the_same(world: &mut World, times: &[f64]) {
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    let document = document::load(&path, &[]).expect("it can be read");
+    for &time in times {
+        show_moment(world, time);
+        let (here, there) = (gather::describe(world), read::read(&mut document.at(time)));
+        let shapes = |scene: &SceneDescription| {
+            let shapes = scene.shapes.iter();
+            shapes.map(|it| (it.shape.clone(), it.to_world)).collect::<Vec<_>>()
+        };
+        assert_eq!(shapes(&here), shapes(&there), "{time}");
+        let materials = |scene: &SceneDescription| {
+            let materials = scene.materials.iter();
+            materials.map(|it| it.material.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(materials(&here), materials(&there), "{time}");
+        let lights = |scene: &SceneDescription| {
+            let lights = scene.emitters.iter();
+            lights.map(|it| (it.emitter.clone(), it.to_world)).collect::<Vec<_>>()
+        };
+        assert_eq!(lights(&here), lights(&there), "{time}");
+        let cameras = |scene: &SceneDescription| {
+            let cameras = scene.sensors.iter();
+            cameras.map(|it| (it.sensor, it.film, it.to_world)).collect::<Vec<_>>()
+        };
+        assert_eq!(cameras(&here), cameras(&there), "{time}");
+    }
+}
+
+#[test]
+fn two_keys_make_a_thing_move() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &["add sphere name=ball at=0,-1,0 size=1", "key ball", "time 2"],
+    );
+    do_all(&mut world, &["move ball 4,0,0", "time 0.5"]);
+    assert_eq!(place(&mut world, "ball"), Vec3::X);
+    do_all(&mut world, &["interpolate ball to_world step", "time 1.999"]);
+    assert_eq!(place(&mut world, "ball"), Vec3::ZERO);
+    do_all(&mut world, &["move-key ball to_world 2 1"]);
+    assert_eq!(place(&mut world, "ball"), 4.0 * Vec3::X);
+    // A removed key gives way to the others; the last one leaves the thing where it is.
+    do_all(&mut world, &["time 0", "unkey ball"]);
+    assert_eq!(place(&mut world, "ball"), 4.0 * Vec3::X);
+    do_all(&mut world, &["stand-still ball"]);
+    let ball = find(&mut world, "ball");
+    assert!(world.get::<Keys>(ball).is_none());
+    assert_eq!(place(&mut world, "ball"), 4.0 * Vec3::X);
+}
+
+#[test]
+fn an_edit_of_a_moving_value_is_of_its_time_alone() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &["add sphere name=ball at=0,-1,0 size=1", "key ball radius"],
+    );
+    do_all(&mut world, &["time 1", "set ball radius 3", "move ball 0,1,0"]);
+    for (time, expected) in [(0.0, 1.0), (0.5, 2.0), (1.0, 3.0), (7.0, 3.0)] {
+        show_moment(&mut world, time);
+        assert_eq!(radius(&mut world, "ball"), expected, "{time}");
+        // A value without keys is the same at all times.
+        assert_eq!(place(&mut world, "ball"), Vec3::Y, "{time}");
+    }
+}
+
+#[test]
+fn undo_and_redo_at_other_times_leave_the_same_keys() {
+    let mut world = bare_world();
+    do_all(&mut world, &["add sphere name=ball at=0,-1,0 size=1", "key ball"]);
+    do_all(
+        &mut world,
+        &["time 2", "move ball 4,0,0", "time 1", "move ball 0,2,0", "time 0.5"],
+    );
+    let shown = place(&mut world, "ball");
+    assert_eq!(shown, Vec3::new(1.0, 1.0, 0.0));
+    do_all(&mut world, &["undo"]);
+    assert_eq!(place(&mut world, "ball"), Vec3::X);
+    do_all(&mut world, &["time 1.5", "undo"]);
+    assert_eq!(place(&mut world, "ball"), Vec3::ZERO);
+    do_all(&mut world, &["redo", "redo", "time 0.5"]);
+    assert_eq!(place(&mut world, "ball"), shown);
+    do_all(&mut world, &["go-to 1"]);
+    let ball = find(&mut world, "ball");
+    assert!(world.get::<Keys>(ball).is_none());
+    let labels = world.resource::<History>().len();
+    assert_eq!(labels, (1, 3));
+}
+
+/// Things of every kind that move, in words that the editor would not choose.
+const MOVING: &str = r#"<scene version="3.0.0">
+    <sensor type="thinlens" id="eye">
+        <animation name="to_world"><transform time="0"><lookat origin="0, 1, 5" target="0, 1, 0" up="0, 1, 0"/></transform>
+            <transform time="2"><lookat origin="3, 1, 4" target="0, 2, 0" up="0, 1, 0"/></transform></animation>
+        <animation name="focal_length"><string time="0" value="35mm"/><string time="1" value="70mm"/></animation>
+        <float name="aperture_radius" value="0.1"/>
+        <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/></film>
+    </sensor>
+    <texture type="checkerboard" id="board"><animation name="to_uv"><transform time="0"><scale x="1" y="1"/></transform>
+        <transform time="1"><scale x="4" y="4"/></transform></animation></texture>
+    <bsdf type="diffuse" id="tiles"><ref id="board" name="reflectance"/></bsdf>
+    <bsdf type="twosided" id="paint"><bsdf type="diffuse">
+        <animation name="reflectance"><spectrum time="0" value="0.1"/><spectrum time="2" value="0.9"/></animation></bsdf></bsdf>
+    <shape type="sphere" id="ball"><ref id="paint"/>
+        <animation name="to_world" interpolation="ease"><transform time="0"><rotate y="1" angle="0"/></transform>
+            <transform time="2"><rotate y="1" angle="720"/></transform></animation></shape>
+    <shape type="rectangle" id="lamp"><ref id="tiles"/>
+        <emitter type="area"><animation name="radiance"><rgb time="0" value="1, 1, 1"/><rgb time="1" value="5, 1, 0"/></animation></emitter></shape>
+    <shape type="shapegroup" id="grove"><shape type="cube"/></shape>
+    <shape type="instance" id="tree"><ref id="grove"/>
+        <animation name="to_world"><transform time="0"><translate x="1"/></transform><transform time="1"><translate x="2" y="1"/></transform></animation>
+    </shape>
+    <emitter type="point" id="spark"><rgb name="intensity" value="1, 1, 1"/>
+        <animation name="position"><point time="0" value="0, 0, 0"/><point time="1" value="0, 3, 0"/></animation></emitter>
+</scene>"#;
+
+#[test]
+fn whatever_moves_in_a_file_moves_in_the_window() {
+    let (_folder, mut world) = opened(MOVING);
+    assert_file_shows_the_same(&mut world, &[0.0, 0.3, 1.0, 1.7, 2.5, -1.0, 0.3, 0.0]);
+}
+
+#[test]
+fn what_was_shown_is_what_the_saved_file_shows() {
+    let (_folder, mut world) = opened(MOVING);
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    do_all(&mut world, &["time 0.7"]);
+    save(&mut world, &path).expect("it can be written");
+    assert_eq!(
+        std::fs::read_to_string(&path).expect("a file"),
+        MOVING,
+        "nothing was edited"
+    );
+    do_all(
+        &mut world,
+        &[
+            "move ball 0.3,0.2,0.1",
+            "rotate tree 0,1,0 30",
+            "time 1.3",
+            "set lamp radiance 2,3,4",
+            "set eye aperture_radius 0.3",
+        ],
+    );
+    do_all(
+        &mut world,
+        &[
+            "set spark position 1,2,3",
+            "key spark intensity",
+            "time 1.9",
+            "set spark intensity 7",
+        ],
+    );
+    do_all(
+        &mut world,
+        &[
+            "add cube name=box",
+            "key box",
+            "time 0.1",
+            "move box 1,1,1",
+            "select ball",
+            "duplicate",
+        ],
+    );
+    do_all(&mut world, &["time 0.9"]);
+    let times = [0.0, 0.1, 0.3, 0.7, 0.9, 1.3, 1.9, 2.0, 3.0];
+    let shown: Vec<Vec3> = times
+        .iter()
+        .map(|time| {
+            show_moment(&mut world, *time);
+            place(&mut world, "ball")
+        })
+        .collect();
+    save(&mut world, &path).expect("it can be written");
+    assert_file_shows_the_same(&mut world, &times);
+    for (time, shown) in times.iter().zip(shown) {
+        show_moment(&mut world, *time);
+        assert_eq!(place(&mut world, "ball"), shown, "{time}");
+    }
+}
+
+#[test]
+fn a_whole_turn_stays_one_when_one_of_its_keys_is_moved() {
+    let (_folder, mut world) = opened(MOVING);
+    do_all(&mut world, &["time 0", "move ball 0,5,0", "time 0"]);
+    let ball = find(&mut world, "ball");
+    let up = |world: &World| world.get::<ToWorld>(ball).expect("a place").0;
+    // Halfway in time is halfway of two whole turns: turned by 360 degrees, and half way down.
+    show_moment(&mut world, 1.0);
+    let there = up(&world);
+    assert!((there.translation.y - 2.5).abs() < 1e-5, "{there:?}");
+    assert!(there.matrix3.x_axis.x > 0.999, "{there:?}");
+    show_moment(&mut world, 0.5);
+    let early = up(&world);
+    assert!(early.matrix3.x_axis.x < 0.99, "it turns: {early:?}");
+    do_all(&mut world, &["time 2", "rotate ball 1,0,0 90"]);
+    show_moment(&mut world, 1.0);
+    assert!(up(&world).matrix3.x_axis.x > 0.999, "{:?}", up(&world));
+}
+
+#[test]
+fn a_copy_moves_along_beside_its_original() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &[
+            "add sphere name=ball at=0,-1,0 size=1",
+            "key ball",
+            "time 1",
+            "move ball 0,3,0",
+        ],
+    );
+    do_all(&mut world, &["select ball", "series 2 along 5,0,0"]);
+    for (time, height) in [(0.0, 0.0), (1.0, 3.0)] {
+        show_moment(&mut world, time);
+        assert_eq!(place(&mut world, "ball"), Vec3::new(0.0, height, 0.0));
+        assert_eq!(place(&mut world, "ball-2"), Vec3::new(5.0, height, 0.0));
+    }
+}
+
+#[test]
+fn what_cannot_have_keys_says_so() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &["add sphere name=ball at=0,-1,0 size=1", "material-of ball"],
+    );
+    let cases = [
+        ("key ball colour", "\"colour\" cannot be edited: there is no such value"),
+        ("unkey ball", "it has no keys"),
+        ("move-key ball to_world 0 1", "it has no keys"),
+        ("interpolate ball to_world wobbly", "no interpolation called \"wobbly\""),
+        ("time soon", "expected"),
+        ("timeline 24 5 4", "a last frame that is not before the first"),
+        ("next-key", "There is no further key"),
+    ];
+    for (line, expected) in cases {
+        let found = say(&mut world, line).expect_err(line);
+        assert!(found.contains(expected), "{line}: {found}");
+    }
+    let document = to_document(&gather::describe(&mut world), "/x.xml".as_ref());
+    assert!(
+        parse_str(document::to_xml(&document).expect("text"), "/x.xml".as_ref(), &[])
+            .animated_span()
+            .is_none()
+    );
+}
