@@ -70,6 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         sight: Default::default(),
         light_groups: Default::default(),
         layers: Default::default(),
+        before: None,
         sequence: SequenceKind::Sobol,
         seed: 0,
     };

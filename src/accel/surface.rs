@@ -4,7 +4,7 @@
 //! Vertex normals from a file go by the inverse transpose and may disagree with it; vertex normals that were computed from the triangles turn
 //! around with them. The normals of other shapes go by the inverse transpose.
 
-use glam::{Affine3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, Vec2, Vec3, Vec3A};
 
 use super::blas::Blas;
 use super::hit::{Detail, Hit, SurfacePoint};
@@ -48,6 +48,37 @@ impl Tlas {
                 mesh.normals.get(corner as usize).into_iter().for_each(prefetch);
             }
         }
+    }
+
+    /// The place in another hierarchy of the same shapes, elsewhere, of the point of a shape that is at `place` here, where `hit` is. If that has no such shape,
+    /// it is `place`.
+    pub fn place_in(&self, other: &Self, hit: &Hit, place: Vec3) -> Vec3 {
+        let Some(its) = other.transforms_at(hit) else {
+            return place;
+        };
+        let Some(own) = self.transforms_at(hit).filter(|own| *own != its) else {
+            return place;
+        };
+        let [own, its] = [own, its].map(|transforms| {
+            let whole = transforms.into_iter().flatten();
+            whole.fold(DAffine3::IDENTITY, |outer, inner| outer * inner.as_daffine3())
+        });
+        (its * own.inverse()).transform_point3(place.as_dvec3()).as_vec3()
+    }
+
+    /// The transform of the placement, if it is one, and that of the shape. None if there is nothing of this number.
+    fn transforms_at(&self, hit: &Hit) -> Option<[Option<Affine3A>; 2]> {
+        let Some(place) = (hit.instance as usize).checked_sub(self.instances.len()) else {
+            let shape = self.instances.get(hit.instance as usize)?;
+            return Some([None, Some(shape.world_from_local)]);
+        };
+        let placement = self.placements.get(place)?;
+        let member = self
+            .groups
+            .get(placement.group as usize)?
+            .instances
+            .get(hit.member as usize)?;
+        Some([Some(placement.world_from_group()), Some(member.world_from_local)])
     }
 
     /// [`Self::surface`] with no more than `detail`.

@@ -32,9 +32,10 @@ pub(super) fn dispatch_job(
     mut status: ResMut<RenderStatus>,
     mut demand: Demand,
 ) {
-    let Some(view) = demand.extracted.view.clone() else {
+    let Some(mut view) = demand.extracted.view.clone() else {
         return;
     };
+    view.before = demand.shutter.before.clone();
     renderer.prepare_backend(control.threads.get(), control.interactive);
     let incomplete = demand.extracted.meshes_loading > 0
         || demand.scene_status.pictures_loading > 0
@@ -57,7 +58,7 @@ pub(super) fn dispatch_job(
     };
     let current = job.as_ref().is_some_and(|job| {
         job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups)
-            && job.has_shutter(demand.shutter.0.as_ref())
+            && job.has_shutter(demand.shutter.shutter.as_ref())
     });
     let stop = StopCondition::new(&control, demand.extracted.film_limits());
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
@@ -83,7 +84,7 @@ pub(super) fn dispatch_job(
         let mut new = Job::new(
             demand.extracted.scene.clone(),
             view,
-            demand.shutter.0.clone(),
+            demand.shutter.shutter.clone(),
             demand.extracted.light_groups.clone(),
             begins,
             control.motion_scale < 1.0,

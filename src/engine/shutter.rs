@@ -7,16 +7,24 @@ use bevy::prelude::*;
 use super::blocking::{Limits, RenderError, load_to_completion};
 use super::detect::Dirty;
 use super::packed_scene::PackedScene;
+use crate::layer::Layer;
 use crate::render::light_layers::LightGroups;
+use crate::render::motion::FrameBefore;
 use crate::render::shutter::Shutter;
+use crate::scene::IntegratorSettings;
 
-/// The moments of the next picture; None where all its samples see the scene as it is. It does not follow changes of the scene: [`open_shutter`] sets it
-/// anew for each picture.
+/// The moments of the next picture. It does not follow changes of the scene: [`open_shutter`] sets it anew for each picture.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct OpenShutter(pub Option<Shutter>);
+pub struct OpenShutter {
+    /// The moments; None where all samples see the scene as it is.
+    pub shutter: Option<Shutter>,
+    /// The frame before, for the motion in a picture without moments.
+    pub before: Option<FrameBefore>,
+}
 
-/// Lets the samples of the next picture be spread over as many moments as `times` has. `show` brings the scene to each of them. The picture has the bits
-/// that it would have if no other had been rendered before. Returns false if it was cancelled.
+/// Lets the samples of the next picture be spread over as many moments as `times`, in frames, has. `show` brings the scene to each of them, and, if the
+/// layer of motion is wanted, to the times that lie a frame earlier. The picture has the bits that it would have if no other had been rendered before.
+/// Returns false if it was cancelled.
 pub fn open_shutter(
     app: &mut App,
     times: impl IntoIterator<Item = f64>,
@@ -24,6 +32,30 @@ pub fn open_shutter(
     mut show: impl FnMut(&mut World, f64),
 ) -> Result<bool, RenderError> {
     app.world_mut().insert_resource(OpenShutter::default());
+    let times: Vec<f64> = times.into_iter().collect();
+    let has_motion = app
+        .world()
+        .resource::<IntegratorSettings>()
+        .layers
+        .contains(Layer::Motion);
+    let mut before = Vec::new();
+    for time in times.iter().filter(|_| has_motion) {
+        show(app.world_mut(), time - 1.0);
+        if !load_to_completion(app, limits)? {
+            return Ok(false);
+        }
+        let packed = app.world().resource::<PackedScene>();
+        let frame = packed
+            .scene
+            .as_ref()
+            .zip(packed.view.as_ref())
+            .map(|(scene, view)| FrameBefore {
+                geometry: scene.geometry.clone(),
+                camera: view.camera,
+            });
+        before.push((packed.entity_of_instance.clone(), frame));
+    }
+    let mut before = before.into_iter();
     let mut moments = Vec::new();
     let mut first: Option<(Arc<[Entity]>, LightGroups)> = None;
     for time in times {
@@ -37,9 +69,12 @@ pub fn open_shutter(
         }
         let packed = app.world().resource::<PackedScene>();
         let shapes = packed.entity_of_instance.clone();
-        let Some(moment) = packed.scene.clone().zip(packed.view.clone()) else {
+        // Shapes that come or go cannot be told apart: nothing moves then.
+        let frame_before = before.next().filter(|(known, _)| **known == *shapes);
+        let Some(mut moment) = packed.scene.clone().zip(packed.view.clone()) else {
             continue;
         };
+        moment.1.before = frame_before.and_then(|(_, frame)| frame);
         let first = first.get_or_insert_with(|| (shapes.clone(), moment.1.light_groups.clone()));
         let has_layers = moment.1.light_groups.count() > 0 || !moment.1.layers.is_empty();
         if has_layers && (*first.0 != *shapes || first.1 != moment.1.light_groups) {
@@ -49,7 +84,10 @@ pub fn open_shutter(
         }
         moments.push(moment);
     }
-    let shutter = Shutter::new(&moments).filter(|_| moments.len() > 1);
-    app.world_mut().insert_resource(OpenShutter(shutter));
+    let open = OpenShutter {
+        shutter: Shutter::new(&moments).filter(|_| moments.len() > 1),
+        before: moments.into_iter().next().and_then(|(_, view)| view.before),
+    };
+    app.world_mut().insert_resource(open);
     Ok(true)
 }

@@ -33,6 +33,9 @@ pub enum Layer {
     Position,
     /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
     Uv,
+    /// The way in pixels, to the right and down, from where the surface was in the picture of the frame before to where it is now: the mean over all samples.
+    /// The sky moves with the camera's turns. Zero in a picture that is no frame of a sequence.
+    Motion,
     /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is hit. It is that of the pixel's first
     /// sample, without any filter, and of the first surface even where it has a hole.
     ObjectId,
@@ -70,7 +73,7 @@ pub struct Layers(u32);
 
 impl Layer {
     /// All layers, in the order in which they are listed and written.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Alpha,
         Self::Albedo,
         Self::Normal,
@@ -80,6 +83,7 @@ impl Layer {
         Self::Depth,
         Self::Position,
         Self::Uv,
+        Self::Motion,
         Self::ObjectId,
         Self::MaterialId,
         Self::Samples,

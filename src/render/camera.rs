@@ -187,6 +187,13 @@ impl Camera {
         ((on_plane - self.corner) / self.diagonal, p.z)
     }
 
+    /// The film coordinates of what is infinitely far away in a direction of the world; None behind the camera, and for parallel rays.
+    pub fn project_direction(&self, direction: Vec3) -> Option<Vec2> {
+        let toward = self.direction_in_camera(direction);
+        let on_plane = toward.truncate() / toward.z;
+        (!self.is_orthographic() && toward.z > 0.0).then(|| (on_plane - self.corner) / self.diagonal)
+    }
+
     /// The point that [`Self::project`] takes to these film coordinates and this distance along the view axis.
     pub fn unproject(&self, film: Vec2, depth: f32) -> Vec3 {
         let on_plane = self.corner + film * self.diagonal;

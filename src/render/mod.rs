@@ -16,6 +16,7 @@ pub mod layers;
 pub mod light_layers;
 mod mean_error;
 mod mis;
+pub mod motion;
 pub mod noise;
 pub mod observer;
 pub mod path;

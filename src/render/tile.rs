@@ -202,7 +202,7 @@ pub fn render_blocks(
         rays: 0,
         invalid: 0,
     };
-    let mut layers = PixelLayers::new(scene, view.film_layers(), pixels);
+    let mut layers = PixelLayers::new(scene, view, pixels);
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
@@ -220,13 +220,14 @@ pub fn render_blocks(
             let mut sum = PixelSum::default();
             layers.begin_pixel();
             for index in indices(pixel) {
-                let (mut sample, weight) = traced.next(Job { pixel, index });
+                let job = Job { pixel, index };
+                let (mut sample, weight) = traced.next(job);
                 result.rays += u64::from(sample.rays);
                 if index == 0 {
                     result.first_hits.push(first_hit(scene, view, pixel, &sample));
                 }
                 if is_finite(&sample) {
-                    traced.add_layers(&sample, weight, &mut layers);
+                    traced.add_layers(job, &sample, weight, &mut layers);
                     // Albedo and normal are not weighted: freedom from noise and the right range matter more for them than sharpness.
                     sample.radiance *= weight;
                     sum.add(&sample.into());
@@ -262,7 +263,7 @@ pub fn render_preview(
         first_hits: Vec::with_capacity(blocks),
         rays: 0,
     };
-    let mut layers = PixelLayers::new(scene, view.film_layers(), blocks);
+    let mut layers = PixelLayers::new(scene, view, blocks);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
     // With a single sample the filter's weight would only change the brightness.
@@ -279,7 +280,7 @@ pub fn render_preview(
         result.rays += u64::from(sample.rays);
         result.first_hits.push(first_hit(scene, view, job.pixel, &sample));
         result.blocks.push(if is_finite(&sample) {
-            traced.add_layers(&sample, 1.0, &mut layers);
+            traced.add_layers(job, &sample, 1.0, &mut layers);
             sample.into()
         } else {
             PixelSum::default()
@@ -355,10 +356,10 @@ impl Traced<'_> {
         render_sample(self.scene, self.view, job.pixel, job.index, &mut observer)
     }
 
-    /// Adds what was noted of the last sample to the layers of its pixel.
-    fn add_layers(&self, sample: &PathSample, weight: f32, layers: &mut PixelLayers) {
+    /// Adds what was noted of the last sample, that of `job`, to the layers of its pixel.
+    fn add_layers(&self, job: Job, sample: &PathSample, weight: f32, layers: &mut PixelLayers) {
         if let Some(notes) = &self.notes {
-            layers.add(sample, weight, notes, self.given.saturating_sub(1));
+            layers.add(job, sample, weight, notes, self.given.saturating_sub(1));
         }
     }
 }

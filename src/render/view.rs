@@ -7,6 +7,7 @@ use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
 use super::layers::{FilmLayers, Layers};
 use super::light_layers::LightGroups;
+use super::motion::FrameBefore;
 use super::sight::Sight;
 use crate::math::Ray;
 use crate::sampling::{Sampler, SequenceKind};
@@ -32,6 +33,8 @@ pub struct View {
     pub light_groups: LightGroups,
     /// The layers that the film keeps beside the picture; none by default.
     pub layers: Layers,
+    /// The frame before, since which motion is measured; None where nothing moves.
+    pub before: Option<FrameBefore>,
     /// The kind of random numbers.
     pub sequence: SequenceKind,
     /// The seed. Another seed gives other noise.

@@ -4,6 +4,8 @@ use std::path::Path;
 use std::process::Output;
 
 use glam::Vec3;
+use sunroom::render::image_io::exr::decode_exr;
+use sunroom::render::layered_image::LayeredImage;
 use sunroom::texture::load_image;
 
 use crate::workshop::{Workshop, sunroom};
@@ -109,6 +111,41 @@ const BLACK_BAND: &str = r#"<shape type="rectangle"><bsdf type="diffuse"><rgb na
       <transform time="1"><scale x="0.25" y="2"/><translate x="1"/></transform>
     </animation>
   </shape>"#;
+
+#[test]
+fn frames_say_how_far_things_have_moved_since_the_frame_before() {
+    let shop = Workshop::new();
+    // Two units a second are half a unit, or eight pixels, from frame to frame.
+    let path = shop.scene(&scene(BLACK_BAND));
+    let read = |name: &str, more: &[&str]| {
+        assert_code(&render(&path, &shop.path(name), &[&["--spp", "8"], more].concat()), 0);
+        let name = if more.contains(&"--frames") {
+            "motion-0002.exr"
+        } else {
+            name
+        };
+        decode_exr(&std::fs::read(shop.path(name)).expect(name)).expect("an EXR file")
+    };
+    let frame = ["--frames", "2", "--fps", "4"];
+    let value = |image: &LayeredImage, channel: &str, x: usize| {
+        let channel = image.channel(channel).expect("a channel");
+        channel.samples.value(16 * 32 + x)
+    };
+    for shutter in ["0", "0.25"] {
+        let options = [&frame[..], &["--shutter", shutter]].concat();
+        let plain = read("motion.exr", &options);
+        let image = read("motion.exr", &[&options[..], &["--aov", "motion"]].concat());
+        assert_eq!(image.layer(""), plain.layer(""), "the same bits with and without it");
+        // The band is four pixels wide to either side of its middle, and moves by two while the shutter is open.
+        for (x, expected) in [(4, 0.0), (16, 8.0), (17, 8.0), (28, 0.0)] {
+            let found = value(&image, "Motion.X", x);
+            assert!((found - expected).abs() < 1e-3, "{shutter}: {found} at {x}");
+            assert!(value(&image, "Motion.Y", x).abs() < 1e-3);
+        }
+    }
+    let still = read("still.exr", &["--aov", "motion"]);
+    assert!((0..32).all(|x| value(&still, "Motion.X", x) == 0.0));
+}
 
 #[test]
 fn a_shutter_shows_each_place_for_the_time_in_which_it_is_free() {

@@ -56,6 +56,7 @@ mod lights;
 mod many_lights;
 mod materials;
 mod meshes;
+mod motion;
 mod projected_light;
 mod sampling;
 mod sensors;

@@ -42,7 +42,7 @@ fn with_layers(layers: Layers, view: View) -> View {
 fn vectors(film: &Film, layer: Layer, camera: &Camera) -> Vec<Vec3> {
     match film.layer(layer, camera).expect("it is kept") {
         LayerPixels::Colors(pixels) | LayerPixels::Vectors(pixels) => pixels,
-        LayerPixels::Uvs(uvs) => uvs.into_iter().map(|uv| uv.extend(0.0)).collect(),
+        LayerPixels::Pairs(pairs) => pairs.into_iter().map(|pair| pair.extend(0.0)).collect(),
         LayerPixels::Numbers(numbers) => numbers.into_iter().map(Vec3::splat).collect(),
         LayerPixels::Ids(ids) => ids.into_iter().map(|id| Vec3::splat(id as f32)).collect(),
     }

@@ -175,6 +175,7 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
         sight: Default::default(),
         light_groups: LightGroups::default(),
         layers: Default::default(),
+        before: None,
         sequence: SequenceKind::Independent,
         seed: 1,
     }

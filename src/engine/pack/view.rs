@@ -106,6 +106,7 @@ pub(in crate::engine) fn pack_view(
             true => integrator.layers.and(Layers::of(&[Layer::Alpha])),
             false => integrator.layers,
         },
+        before: None,
         sequence: match sampler.sequence {
             Sequence::Sobol => SequenceKind::Sobol,
             Sequence::Independent => SequenceKind::Independent,

@@ -51,9 +51,10 @@ pub fn layered_image(
             _ => match film.layer(layer, camera) {
                 Some(LayerPixels::Colors(pixels)) => image.add_rgb(name, &pixels),
                 Some(LayerPixels::Vectors(vectors)) => image.add_xyz(name, &vectors),
-                Some(LayerPixels::Uvs(uvs)) => {
-                    image.add_float(&format!("{name}.U"), uvs.iter().map(|uv| uv.x).collect());
-                    image.add_float(&format!("{name}.V"), uvs.iter().map(|uv| uv.y).collect());
+                Some(LayerPixels::Pairs(pairs)) => {
+                    let [first, second] = if layer == Layer::Uv { ["U", "V"] } else { ["X", "Y"] };
+                    image.add_float(&format!("{name}.{first}"), pairs.iter().map(|pair| pair.x).collect());
+                    image.add_float(&format!("{name}.{second}"), pairs.iter().map(|pair| pair.y).collect());
                 }
                 Some(LayerPixels::Numbers(numbers)) => image.add_float(number_name(layer), numbers),
                 Some(LayerPixels::Ids(ids)) => image.channels.push(Channel {

@@ -16,8 +16,8 @@ pub enum LayerPixels {
     Colors(Vec<Rgb>),
     /// Vectors or points.
     Vectors(Vec<Vec3>),
-    /// Texture coordinates.
-    Uvs(Vec<Vec2>),
+    /// Texture coordinates, or ways in the picture.
+    Pairs(Vec<Vec2>),
     /// Numbers.
     Numbers(Vec<f32>),
     /// Whole numbers.
@@ -41,7 +41,11 @@ impl Film {
             Layer::CameraGeometricNormal => LayerPixels::Vectors(in_camera(surface(Sum::GeometricNormal)?, camera)),
             Layer::Depth => LayerPixels::Numbers(surface(Sum::Depth)?.map(|value| value.x).collect()),
             Layer::Position => LayerPixels::Vectors(surface(Sum::Position)?.collect()),
-            Layer::Uv => LayerPixels::Uvs(surface(Sum::Uv)?.map(Vec3::truncate).collect()),
+            Layer::Uv => LayerPixels::Pairs(surface(Sum::Uv)?.map(Vec3::truncate).collect()),
+            Layer::Motion => {
+                let motion = self.sample_means(kept, Sum::Motion)?;
+                LayerPixels::Pairs(motion.map(Vec3::truncate).collect())
+            }
             Layer::Direct => LayerPixels::Colors(self.sample_means(kept, Sum::Direct)?.collect()),
             Layer::Indirect => LayerPixels::Colors(self.sample_means(kept, Sum::Indirect)?.collect()),
             Layer::Emitted => LayerPixels::Colors(self.sample_means(kept, Sum::Emitted)?.collect()),

@@ -2,12 +2,16 @@
 
 use std::ops::Range;
 
+use glam::Vec2;
+
 use super::matte::Matte;
 use super::notes::LayerNotes;
 use super::{Layer, Layer as L, Layers};
 use crate::color::Rgb;
+use crate::render::lanes::Job;
 use crate::render::path::PathSample;
 use crate::render::scene::RenderScene;
+use crate::render::view::View;
 use crate::shading::TransportMode;
 
 /// What a film keeps beside the picture.
@@ -30,13 +34,14 @@ pub(in crate::render) enum Sum {
     Depth,
     Position,
     Uv,
+    Motion,
     Direct,
     Indirect,
     Emitted,
 }
 
 /// All sums, each with the number of its components and the layers that need it.
-const SUMS: [(Sum, usize, Layers); 10] = [
+const SUMS: [(Sum, usize, Layers); 11] = [
     (
         Sum::Covered,
         1,
@@ -61,6 +66,7 @@ const SUMS: [(Sum, usize, Layers); 10] = [
     (Sum::Depth, 1, Layers::of(&[L::Depth])),
     (Sum::Position, 3, Layers::of(&[L::Position])),
     (Sum::Uv, 2, Layers::of(&[L::Uv])),
+    (Sum::Motion, 2, Layers::of(&[L::Motion])),
     (Sum::Direct, 3, Layers::of(&[L::Direct])),
     (Sum::Indirect, 3, Layers::of(&[L::Indirect])),
     (Sum::Emitted, 3, Layers::of(&[L::Emitted])),
@@ -125,7 +131,7 @@ impl FilmLayers {
 fn channels(layer: Layer) -> usize {
     match layer {
         L::Alpha | L::Depth | L::ObjectId | L::MaterialId | L::Samples | L::Variance => 1,
-        L::Uv => 2,
+        L::Uv | L::Motion => 2,
         L::LightGroups => 0,
         L::CryptoObject | L::CryptoMaterial => 12,
         _ => 3,
@@ -203,6 +209,7 @@ impl LayerSums {
 /// Sums up the layers of one pixel after the other.
 pub(in crate::render) struct PixelLayers<'a> {
     scene: &'a RenderScene,
+    view: &'a View,
     kept: FilmLayers,
     /// Whether the surface of each sample is looked up.
     has_surfaces: bool,
@@ -211,12 +218,21 @@ pub(in crate::render) struct PixelLayers<'a> {
 
 impl<'a> PixelLayers<'a> {
     /// Room for the layers of so many pixels.
-    pub fn new(scene: &'a RenderScene, kept: FilmLayers, pixels: usize) -> Self {
-        let of_light = [Sum::Covered, Sum::Depth, Sum::Direct, Sum::Indirect, Sum::Emitted];
+    pub fn new(scene: &'a RenderScene, view: &'a View, pixels: usize) -> Self {
+        let kept = view.film_layers();
+        let of_others = [
+            Sum::Covered,
+            Sum::Depth,
+            Sum::Motion,
+            Sum::Direct,
+            Sum::Indirect,
+            Sum::Emitted,
+        ];
         Self {
             scene,
+            view,
             kept,
-            has_surfaces: kept.sums().any(|(sum, _)| !of_light.contains(&sum)),
+            has_surfaces: kept.sums().any(|(sum, _)| !of_others.contains(&sum)),
             sums: LayerSums::with_capacity(kept, pixels),
         }
     }
@@ -228,8 +244,8 @@ impl<'a> PixelLayers<'a> {
         mattes.resize(mattes.len() + self.kept.matte_count(), Matte::default());
     }
 
-    /// Adds a sample, of which the light counts `weight`, by what was noted of it.
-    pub fn add(&mut self, sample: &PathSample, weight: f32, notes: &LayerNotes, number: usize) {
+    /// Adds the sample of `job`, of which the light counts `weight`, by what was noted of it.
+    pub fn add(&mut self, job: Job, sample: &PathSample, weight: f32, notes: &LayerNotes, number: usize) {
         let (noted, groups) = notes.get(number);
         let start = self.sums.values.len() - self.kept.values();
         let values = &mut self.sums.values[start..];
@@ -254,6 +270,17 @@ impl<'a> PixelLayers<'a> {
                 Sum::Normal => surface.map_or(Rgb::ZERO, |surface| surface.shading_normal),
                 Sum::GeometricNormal => surface.map_or(Rgb::ZERO, |surface| surface.geometric_normal),
                 Sum::Position => surface.map_or(Rgb::ZERO, |surface| surface.position),
+                Sum::Motion => self.view.before.as_ref().map_or(Rgb::ZERO, |before| {
+                    let (geometry, camera) = (&self.scene.geometry, &self.view.camera);
+                    let motion = match &noted.surface {
+                        Some((ray, hit)) => before.motion(geometry, camera, ray, Some(hit)),
+                        None => {
+                            let ray = self.view.camera_sample(job.pixel, job.index).ray;
+                            before.motion(geometry, camera, &ray, None)
+                        }
+                    };
+                    (motion * Vec2::new(self.view.width as f32, self.view.height as f32)).extend(0.0)
+                }),
                 Sum::Uv => surface.map_or(Rgb::ZERO, |surface| surface.uv.extend(0.0)),
                 Sum::Albedo => match (&noted.surface, &surface) {
                     (Some((ray, hit)), Some(point)) => {

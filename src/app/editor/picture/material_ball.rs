@@ -216,6 +216,7 @@ pub fn view(edge: u32) -> View {
         sight: Default::default(),
         light_groups: LightGroups::default(),
         layers: Default::default(),
+        before: None,
         sequence: SequenceKind::Sobol,
         seed: 0,
     }
