@@ -1,6 +1,6 @@
 //! The finished picture with its layers, by the names of the scene.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use bevy::prelude::*;
 
@@ -18,12 +18,14 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     let packed = world.resource::<PackedScene>();
     let materials = packed.material_of_entity.iter();
     let entity_of_material: HashMap<u32, Entity> = materials.map(|(&entity, id)| (id.0, entity)).collect();
+    let shape_names = DistinctNames::new(world, "shape", packed.entity_of_instance.iter().copied());
     let object = |instance: u32| match packed.entity_of_instance.get(instance as usize) {
-        Some(&entity) => name_of(world, entity, "shape"),
+        Some(&entity) => shape_names.of(entity),
         None => format!("shape {instance}"),
     };
+    let material_names = DistinctNames::new(world, "material", entity_of_material.values().copied());
     let material = |id: u32| match entity_of_material.get(&id) {
-        Some(&entity) => name_of(world, entity, "material"),
+        Some(&entity) => material_names.of(entity),
         None => format!("material {id}"),
     };
     let light_groups: Vec<String> = film
@@ -42,6 +44,37 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     match &packed.view {
         Some(view) => layered_image(picture, &film.film, &view.camera, &names, denoised),
         None => LayeredImage::from(picture),
+    }
+}
+
+/// The names by which layers tell things apart. Where several things without an id have the same name, the name is followed by the place in the file.
+struct DistinctNames<'w> {
+    world: &'w World,
+    kind: &'w str,
+    repeated: HashSet<String>,
+}
+
+impl<'w> DistinctNames<'w> {
+    /// `entities` may hold an entity several times.
+    fn new(world: &'w World, kind: &'w str, entities: impl Iterator<Item = Entity>) -> Self {
+        let (mut known, mut repeated) = (HashSet::new(), HashSet::new());
+        for entity in entities.collect::<HashSet<_>>() {
+            let name = name_of(world, entity, kind);
+            if !known.insert(name.clone()) {
+                repeated.insert(name);
+            }
+        }
+        Self { world, kind, repeated }
+    }
+
+    fn of(&self, entity: Entity) -> String {
+        let name = name_of(self.world, entity, self.kind);
+        match self.world.get::<DocumentOrder>(entity) {
+            Some(order) if self.repeated.contains(&name) && !self.world.entity(entity).contains::<SceneId>() => {
+                format!("{name} {}", order.0)
+            }
+            _ => name,
+        }
     }
 }
 
