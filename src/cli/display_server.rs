@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 use sunroom::engine::{EngineSystems, RenderFilm};
 use sunroom::render::film::Film;
 use sunroom::render::tile::Tile;
@@ -16,8 +15,10 @@ use super::{report, tev};
 
 /// The time between two looks at what has changed.
 const INTERVAL: Duration = Duration::from_millis(250);
-/// The time that a viewer may take to answer, or to take what is sent.
+/// The time that a viewer may take to answer, or to take a part of what is sent.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// The time that a viewer may take in all for the finished picture, and for what was sent before it.
+const LAST_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Connects the app to the viewer at `HOST:PORT`. A warning says if there is none.
 pub fn show(app: &mut App, address: &str, scene: &Path) {
@@ -30,20 +31,25 @@ pub fn show(app: &mut App, address: &str, scene: &Path) {
             return;
         }
     };
-    let (sender, receiver) = sync_channel(1);
-    let address = address.to_owned();
-    let thread = std::thread::spawn(move || send_all(stream, receiver, &address));
+    let (sender, receiver) = bounded(1);
+    let (running, ended) = bounded(0);
+    let of_thread = address.to_owned();
+    std::thread::spawn(move || {
+        send_all(stream, receiver, &of_thread);
+        drop(running);
+    });
     app.insert_resource(DisplayServer {
+        address: address.to_owned(),
         name: format!("sunroom {}", scene.display()),
         sender: Some(sender),
-        thread: Some(thread),
+        ended,
         shown_job: None,
         next: Instant::now(),
     });
     app.add_systems(PostUpdate, send_changes.after(EngineSystems::Collect));
 }
 
-/// Sends the finished picture, row by row as the film's, and waits until the viewer has it.
+/// Sends the finished picture, row by row as the film's, and waits until the viewer has it, but not for ever.
 pub fn finish(world: &mut World, pixels: &[Vec3]) {
     let Some(mut server) = world.remove_resource::<DisplayServer>() else {
         return;
@@ -56,13 +62,22 @@ pub fn finish(world: &mut World, pixels: &[Vec3]) {
         messages.push(tev::create_image(&server.name, size[0], size[1]));
     }
     messages.push(tev::update_image(&server.name, [0, 0], size, &numbers));
+    let deadline = Instant::now() + LAST_PATIENCE;
     if let Some(sender) = server.sender.take() {
-        // An error means that the viewer has gone, which was reported.
-        let _ = sender.send(messages);
+        // An error means that the viewer has gone, which was reported, or hangs.
+        let _ = sender.send_deadline(messages, deadline);
     }
-    if let Some(thread) = server.thread.take() {
-        let _ = thread.join();
+    if !has_ended(&server.ended, deadline) {
+        let address = &server.address;
+        report::line(format_args!(
+            "warning: the display server {address} takes too long: it may not have the finished picture"
+        ));
     }
+}
+
+/// Waits for the end of the thread that sends; false if that does not come in time.
+fn has_ended(ended: &Receiver<()>, deadline: Instant) -> bool {
+    ended.recv_deadline(deadline) != Err(RecvTimeoutError::Timeout)
 }
 
 fn connect(address: &str) -> io::Result<TcpStream> {
@@ -96,11 +111,13 @@ fn send_all(mut stream: TcpStream, receiver: Receiver<Vec<Vec<u8>>>, address: &s
 
 #[derive(Resource)]
 struct DisplayServer {
+    address: String,
     /// The name of the picture in the viewer.
     name: String,
     /// None once the viewer has gone.
-    sender: Option<SyncSender<Vec<Vec<u8>>>>,
-    thread: Option<JoinHandle<()>>,
+    sender: Option<Sender<Vec<Vec<u8>>>>,
+    /// Is closed at the end of the thread that sends.
+    ended: Receiver<()>,
     /// The job of the picture that the viewer shows.
     shown_job: Option<u64>,
     next: Instant,
@@ -141,4 +158,18 @@ fn tile_message(name: &str, film: &Film, tile: Tile) -> Vec<u8> {
     let color = |(x, y)| film.pixel(x, y).unwrap_or_default().radiance.to_array();
     let numbers: Vec<f32> = pixels.flat_map(color).collect();
     tev::update_image(name, [tile.x, tile.y], [tile.width, tile.height], &numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_viewer_that_hangs_is_not_waited_for() {
+        let (running, ended) = bounded::<()>(0);
+        assert!(!has_ended(&ended, Instant::now()));
+        drop(running);
+        // The end counts, however late it is.
+        assert!(has_ended(&ended, Instant::now()));
+    }
 }

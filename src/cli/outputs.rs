@@ -52,9 +52,17 @@ pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options:
     written
 }
 
+fn is_exr(path: &Path) -> bool {
+    FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr)
+}
+
+/// Whether an EXR file is among the outputs.
+pub fn has_exr(outputs: &[PathBuf]) -> bool {
+    outputs.iter().any(|path| is_exr(path))
+}
+
 /// Says which of the outputs have no layers.
 pub fn report_without_layers(outputs: &[PathBuf]) {
-    let is_exr = |path: &Path| FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
     for path in outputs.iter().filter(|path| !is_exr(path)) {
         let name = path.display();
         report::line(format_args!("warning: {name} has no layers: only EXR files have"));

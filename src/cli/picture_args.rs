@@ -58,6 +58,11 @@ enum ExrType {
 }
 
 impl FileArgs {
+    /// The compression of EXR files.
+    pub fn compression(&self) -> ExrCompression {
+        self.compression
+    }
+
     /// The options for a film that asks to be stored in its own way. Arguments count before the film.
     pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
         FileOptions {

@@ -207,6 +207,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     }
 
+    check_compression(app.world(), args)?;
     if let Some(address) = &args.display_server {
         display_server::show(&mut app, address, &args.scene.scene);
     }
@@ -252,6 +253,23 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         code = ExitCode::from(INTERRUPTED);
     }
     Ok(code)
+}
+
+/// An error if the compression would damage a layer, before anything is rendered.
+fn check_compression(world: &World, args: &RenderArgs) -> Result<(), Failure> {
+    let compression = args.file.compression();
+    let layers = world.resource::<IntegratorSettings>().layers;
+    let mut mattes = [Layer::CryptoObject, Layer::CryptoMaterial].into_iter();
+    let Some(matte) = mattes.find(|&layer| layers.contains(layer)) else {
+        return Ok(());
+    };
+    if compression.keeps_floats() || !outputs::has_exr(&args.output) {
+        return Ok(());
+    }
+    let (layer, compression) = (matte.name(), compression.name());
+    Err(Failure::Usage(format!(
+        "the layer `{layer}` would be damaged by the compression `{compression}`: choose one without loss, such as `zip`"
+    )))
 }
 
 /// The samples per pixel that the active camera asks for.

@@ -57,7 +57,9 @@ impl TileRound {
                 true => to,
                 false => wanted.min(count.saturating_add(1).next_power_of_two()),
             };
-            count..end.max(count)
+            // The first visit of a picture gives every block its first sample, which tells what is there.
+            let least = if count == 0 { to.min(1) } else { count };
+            count..end.max(least)
         };
         (end, std::array::from_fn(range))
     }
@@ -120,6 +122,17 @@ impl Adaptation {
             self.pilots.decide(film, active);
         }
         self.next_pilot = done.saturating_mul(2);
+    }
+
+    /// The tiles at `active` are rendered from now on. Where pilots know nothing of some, what they have found elsewhere is no guide.
+    pub fn go_on_in(&mut self, active: &[usize]) {
+        if self.pilots.know(active) {
+            return;
+        }
+        self.next_pilot = FIRST;
+        if !self.has_differences(active) {
+            self.pilots.forget_decision();
+        }
     }
 
     /// Forgets the tiles of a pilot that was broken off.
@@ -200,6 +213,15 @@ mod tests {
         }
         assert_eq!((done, round.counts), (128, to));
         assert!([128, 256, 512].iter().all(|power| seen.contains(power)), "{seen:?}");
+    }
+
+    #[test]
+    fn every_block_has_its_first_sample_after_the_first_visit() {
+        let mut to = [4; 16];
+        to[3] = 100;
+        let round = TileRound::new(0..16, [0; 16], to);
+        let (_, visited) = round.visit(0);
+        assert!(visited.iter().all(|range| range.contains(&0)), "{visited:?}");
     }
 
     #[test]

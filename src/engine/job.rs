@@ -231,6 +231,7 @@ impl Job {
             self.pause();
             self.region = region;
             self.active = tiles_in(region, &self.tiles, UVec2::new(self.view.width, self.view.height));
+            self.adaptation.go_on_in(&self.active);
             self.noise = None;
             self.judged = None;
         }

@@ -182,6 +182,17 @@ impl Pilots {
         self.powers.is_some_and(|powers| powers == [0.0; 2])
     }
 
+    /// Whether there was a pilot of each of the tiles at these indices.
+    pub fn know(&self, tiles: &[usize]) -> bool {
+        let mut blocks = tiles.iter().flat_map(|&index| blocks_of(self.tiles[index]));
+        blocks.all(|(_, block)| self.blocks[self.place(block)].weight > 0.0)
+    }
+
+    /// Leaves it open again how far to follow the pilots.
+    pub fn forget_decision(&mut self) {
+        self.powers = None;
+    }
+
     fn place(&self, block: Tile) -> usize {
         (block.y / BLOCK) as usize * self.columns + (block.x / BLOCK) as usize
     }
@@ -303,7 +314,7 @@ impl Pilots {
     }
 
     /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at equal cost, grows from `from` to `to`.
-    /// `counts` has the present numbers of each tile. None where sampling is uniform.
+    /// `counts` has the present numbers of each tile. None where sampling is uniform: without a gain, or while there was no pilot of some tile.
     pub fn allocate(
         &self,
         active: &[usize],
@@ -311,7 +322,7 @@ impl Pilots {
         from: u32,
         to: u32,
     ) -> Option<Vec<PerBlock<u32>>> {
-        let powers = self.powers.filter(|_| !self.are_to_no_avail())?;
+        let powers = self.powers.filter(|_| !self.are_to_no_avail() && self.know(active))?;
         let mut ends = vec![0; self.blocks.len()];
         for (half, power) in powers.into_iter().enumerate() {
             let least = |index: usize, block: usize| f64::from(counts[index][block]).max(LEAST * f64::from(to));

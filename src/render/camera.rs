@@ -4,7 +4,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, Mat4, Vec2, Vec3};
 
 use crate::accel::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes};
@@ -204,6 +204,35 @@ impl Camera {
         self.world_from_camera.transform_point3(p)
     }
 
+    /// The matrix from the world to the camera space of OpenEXR: x to the right of the picture, y up, z along the view axis.
+    pub fn right_up_forward_from_world(&self) -> Mat4 {
+        let to_right = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        let world_from_camera = self.world_from_camera.as_daffine3();
+        DMat4::from(to_right * world_from_camera.inverse()).as_mat4()
+    }
+
+    /// The projective matrix from the world to film coordinates as in [`Self::ray`], and depths from 0 at the near plane to 1 at the far plane.
+    pub fn film_from_world(&self) -> Mat4 {
+        let (corner, diagonal) = (self.corner.as_dvec2(), self.diagonal.as_dvec2());
+        let (near, far) = (f64::from(self.near), f64::from(self.far));
+        let (scale, shift) = (1.0 / diagonal, -corner / diagonal);
+        let x = DVec4::new(scale.x, 0.0, 0.0, 0.0);
+        let y = DVec4::new(0.0, scale.y, 0.0, 0.0);
+        let shift = shift.extend(0.0);
+        let depth = far / (far - near);
+        let film_from_camera = match self.projection {
+            Projection::Perspective { .. } => {
+                let z = DVec4::new(shift.x, shift.y, depth, 1.0);
+                DMat4::from_cols(x, y, z, DVec4::new(0.0, 0.0, -near * depth, 0.0))
+            }
+            Projection::Orthographic => {
+                let z = DVec4::new(0.0, 0.0, 1.0 / (far - near), 0.0);
+                DMat4::from_cols(x, y, z, DVec4::new(shift.x, shift.y, -near / (far - near), 1.0))
+            }
+        };
+        (film_from_camera * DMat4::from(self.world_from_camera.as_daffine3().inverse())).as_mat4()
+    }
+
     /// A direction of the world in camera space: x to the left of the picture, y up, z along the view axis.
     pub fn direction_in_camera(&self, world: Vec3) -> Vec3 {
         self.world_from_camera.matrix3.transpose() * world
@@ -295,6 +324,36 @@ mod tests {
                         .abs_diff_eq(camera.ray(film, Vec2::ZERO).at(3.0), 1e-5)
                 );
             }
+        }
+    }
+
+    #[test]
+    fn matrices_do_what_projecting_does() {
+        let pose = Affine3A::from_rotation_translation(
+            glam::Quat::from_euler(glam::EulerRot::YXZ, 0.4, -0.3, 0.2),
+            Vec3::new(1.0, -2.0, 3.0),
+        );
+        let placed = |camera: Camera| Camera {
+            world_from_camera: pose,
+            ..camera
+        };
+        for camera in [camera(None), orthographic()].map(placed) {
+            let camera = camera.cropped(Vec2::new(0.25, -0.1), Vec2::new(0.5, 0.7));
+            for (film, depth) in [(Vec2::new(0.2, 0.9), 0.5), (Vec2::ONE, 3.0), (Vec2::ZERO, 10.0)] {
+                let place = camera.unproject(film, depth);
+                let found = camera.film_from_world().project_point3(place);
+                assert!(found.truncate().abs_diff_eq(film, 1e-4), "{found}");
+                let seen = camera.right_up_forward_from_world().transform_point3(place);
+                let own = pose.inverse().transform_point3(place);
+                assert!(seen.abs_diff_eq(Vec3::new(-own.x, own.y, depth), 1e-4), "{seen}");
+            }
+            let depth = |depth| {
+                camera
+                    .film_from_world()
+                    .project_point3(camera.unproject(Vec2::ONE, depth))
+                    .z
+            };
+            assert!(depth(0.5).abs() < 1e-4 && (depth(10.0) - 1.0).abs() < 1e-4);
         }
     }
 

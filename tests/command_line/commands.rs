@@ -239,6 +239,37 @@ fn layers_are_saved_in_exr_files() {
         _ => 0,
     });
     assert_eq!(counts.collect::<Vec<_>>(), [2, 2]);
+    // The camera looks at (0, 0.5, 0), which is in the middle of the picture, with x to the right.
+    let row_times = |name: &str, point: [f32; 4]| -> [f32; 4] {
+        let Some(Attribute::Matrix(matrix)) = image.attribute(name) else {
+            panic!("no {name}")
+        };
+        std::array::from_fn(|column| (0..4).map(|row| point[row] * matrix[4 * row + column]).sum())
+    };
+    let [x, y, _, w] = row_times("worldToNDC", [0.0, 0.5, 0.0, 1.0]);
+    assert!((x / w - 0.5).abs() < 1e-5 && (y / w - 0.5).abs() < 1e-5, "{x} {y} {w}");
+    let [x, y, z, w] = row_times("worldToCamera", [1.0, 0.5, 0.0, 1.0]);
+    let distance = (1.5f32 * 1.5 + 25.0).sqrt();
+    assert!((x - 1.0).abs() < 1e-5 && y.abs() < 1e-5 && (z - distance).abs() < 1e-5 && w == 1.0);
+}
+
+#[test]
+fn a_compression_that_would_damage_a_cryptomatte_is_refused_at_once() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let options = ["--aov", "crypto-material", "--compression", "dwaa"];
+    // It would take for ever.
+    let long = [&options[..], &["--spp", "1000000000"]].concat();
+    let output = render(&scene, &shop.path("a.exr"), &long);
+    assert_code(&output, 2);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        text.contains("`crypto-material` would be damaged by the compression `dwaa`"),
+        "{text}"
+    );
+    assert!(!shop.path("a.exr").exists());
+    // Other files have no layers to damage.
+    assert_code(&render(&scene, &shop.path("a.png"), &options), 0);
 }
 
 #[test]

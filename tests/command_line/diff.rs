@@ -203,3 +203,17 @@ fn pictures_of_a_display_are_compared_as_displayed() {
     let text = stdout(&diff(&write("a.pfm", 0.2), &write("b.pfm", 0.21), &[]));
     assert!(text.contains("stops"), "{text}");
 }
+
+#[test]
+fn a_picture_on_standard_output_is_alone_there() {
+    let shop = Workshop::new();
+    let (a, b) = (gradient(&shop, "a.exr", 1.1), gradient(&shop, "b.exr", 1.0));
+    for option in ["--output", "--flip-map"] {
+        let output = diff(&a, &b, &[option, "-"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let image = sunroom::texture::load_image(&output.stdout).expect("a picture and nothing else");
+        assert_eq!((image.width(), image.height()), (32, 24));
+        assert!(output.stdout.starts_with(b"\x89PNG"));
+        assert!(stderr(&output).contains("FLIP"), "{}", stderr(&output));
+    }
+}

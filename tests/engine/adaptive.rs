@@ -179,3 +179,34 @@ fn a_region_is_adaptive_within_itself() {
     let one_tile = picture(1, |control| control.region = Some(Rect::new(0.0, 0.0, 0.4, 0.4)));
     assert_eq!((one_tile.samples(0, 0), one_tile.samples(31, 31)), (256, 256));
 }
+
+#[test]
+fn another_region_has_pilots_of_its_own() {
+    let [upper, lower] = [Rect::new(0.0, 0.0, 1.0, 0.5), Rect::new(0.0, 0.5, 1.0, 1.0)];
+    let mut app = rare_light(1, |control| control.region = Some(upper));
+    finish(&mut app);
+    let counts = |app: &App| {
+        let film = &app.world().resource::<RenderFilm>().film;
+        let places = (32..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));
+        let counts: Vec<u32> = places.map(|(x, y)| film.samples(x, y)).collect();
+        let [least, most] = [counts.iter().min(), counts.iter().max()].map(|count| *count.expect("pixels"));
+        (least, most)
+    };
+    let mut go_on = |samples: u32| {
+        let mut control = app.world_mut().resource_mut::<RenderControl>();
+        (control.region, control.target_samples) = (Some(lower), Some(samples));
+        app.update();
+        finish(&mut app);
+        counts(&app)
+    };
+    // The first samples are the same for every pixel, before the first pilot, and then pilots of this half decide.
+    assert_eq!(go_on(64), (64, 64));
+    let (least, most) = go_on(256);
+    assert!(least >= 64 && most > least, "{least} to {most}");
+    let film = &app.world().resource::<RenderFilm>().film;
+    let uniform = picture(1, |control| {
+        (control.adaptive, control.target_samples) = (Some(false), Some(16))
+    });
+    let places = (32..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));
+    places.for_each(|(x, y)| assert_eq!(film.first_hit(x, y), uniform.first_hit(x, y), "{x}, {y}"));
+}

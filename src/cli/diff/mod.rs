@@ -82,7 +82,11 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
         true => format!("{}\n", serde_json::to_string_pretty(&figures)?),
         false => figures.text(&pair),
     };
-    outputs::print(text.as_bytes())?;
+    let pictures = [&args.output, &args.flip_map];
+    match pictures.into_iter().flatten().any(|path| outputs::is_stdout(path)) {
+        true => report::line(text.trim_end()),
+        false => outputs::print(text.as_bytes())?,
+    }
     let options = FileOptions::from(&args.display.display());
     if let Some(path) = &args.output {
         outputs::write_picture(path, &difference(&pair, path), &options)?;

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use glam::Mat4;
+
 use super::Layer;
 use super::cryptomatte::add_cryptomatte;
 use super::read::LayerPixels;
@@ -9,7 +11,7 @@ use crate::color::Rgb;
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::image_io::ImageRgb;
-use crate::render::layered_image::{Channel, LayeredImage, Samples};
+use crate::render::layered_image::{Attribute, Channel, LayeredImage, Samples};
 
 /// The names that layers refer to.
 pub struct LayerNames<'a> {
@@ -25,7 +27,7 @@ pub struct LayerNames<'a> {
 const LONGEST_NAME: usize = 200;
 
 /// The picture with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the picture itself, and those of layers, such as `Albedo.R`,
-/// `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the view; `denoised` is the layer of that name.
+/// `Normal.X` or `LightGroup.lamp.R`. The attributes `worldToCamera` and `worldToNDC` say where the camera is. `camera` is that of the view; `denoised` is the layer of that name.
 pub fn layered_image(
     picture: &ImageRgb,
     film: &Film,
@@ -34,6 +36,10 @@ pub fn layered_image(
     denoised: Option<&[Rgb]>,
 ) -> LayeredImage {
     let mut image = LayeredImage::from(picture);
+    // OpenEXR has row vectors: the rows are the columns here.
+    let matrix = |matrix: Mat4| Attribute::Matrix(matrix.to_cols_array());
+    image.set_attribute("worldToCamera", matrix(camera.right_up_forward_from_world()));
+    image.set_attribute("worldToNDC", matrix(camera.film_from_world()));
     for layer in film.layers().layers.iter() {
         let name = layer.name_in_pictures();
         match layer {
@@ -80,6 +86,15 @@ fn number_name(layer: Layer) -> &'static str {
     }
 }
 
+/// The name, with a number behind it if it is taken; it is taken then.
+fn distinct(name: String, taken: &mut HashSet<String>) -> String {
+    let numbered = (2..).map(|number| format!("{name}-{number}"));
+    let mut names = std::iter::once(name.clone()).chain(numbered);
+    names
+        .find(|name| taken.insert(name.clone()))
+        .expect("there are names without end")
+}
+
 /// Adds a layer for each light. A dot in a name would begin another layer.
 fn add_light_groups(image: &mut LayeredImage, film: &Film, names: &[String]) {
     let mut taken = HashSet::new();
@@ -90,10 +105,23 @@ fn add_light_groups(image: &mut LayeredImage, film: &Film, names: &[String]) {
         let name = names.get(group).map_or("", String::as_str);
         let end = name.floor_char_boundary(LONGEST_NAME);
         let mut name = name[..end].replace('.', "_");
-        if name.is_empty() || !taken.insert(name.clone()) {
-            name = format!("{name}{}", group + 1);
-            taken.insert(name.clone());
+        if name.is_empty() {
+            name = (group + 1).to_string();
         }
+        let name = distinct(name, &mut taken);
         image.add_rgb(&format!("{}.{name}", Layer::LightGroups.name_in_pictures()), &light);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_are_cleaned_to_the_same_stay_distinct() {
+        let mut taken = HashSet::new();
+        let given = ["lamp_2", "lamp", "lamp_2", "lamp", "lamp-2", "lamp"];
+        let names = given.map(|name| distinct(name.to_owned(), &mut taken));
+        assert_eq!(names, ["lamp_2", "lamp", "lamp_2-2", "lamp-2", "lamp-2-2", "lamp-3"]);
     }
 }

@@ -162,7 +162,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     written.map_err(CommandError::file)?;
     // Files with radiance go to other programs, which may have another denoiser.
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
-        let path = noisy_path(path);
+        let path = free_path(noisy_path(path));
         write_image(&path, &noisy, &display.tone()).map_err(CommandError::file)?;
         say_saved(world, format!("Saved the picture as sampled as {}", path.display()));
     }
@@ -186,6 +186,22 @@ fn noisy_path(path: &Path) -> PathBuf {
         name.push(extension);
     }
     path.with_file_name(name)
+}
+
+/// The place itself, or with a number before the extension the first one without a file: nobody was asked whether that may be replaced.
+fn free_path(path: PathBuf) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default();
+    let numbered = |number: u32| {
+        let mut name = stem.to_owned();
+        name.push(format!("-{number}"));
+        if let Some(extension) = path.extension() {
+            name.push(".");
+            name.push(extension);
+        }
+        path.with_file_name(name)
+    };
+    let mut places = std::iter::once(path.clone()).chain((2..).map(numbered));
+    places.find(|place| !place.exists()).unwrap_or_else(|| path.clone())
 }
 
 /// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about

@@ -46,6 +46,8 @@ pub(crate) struct Denoised {
 #[derive(Resource)]
 pub(crate) struct Denoiser {
     stage: Stage,
+    /// Work that was cancelled and still runs: a filter notices that only now and then. The next one waits for its end.
+    ending: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
     unavailable: bool,
@@ -102,6 +104,7 @@ impl Default for Denoiser {
     fn default() -> Self {
         Self {
             stage: Stage::Idle,
+            ending: None,
             shown: None,
             started: 0,
             unavailable: false,
@@ -172,7 +175,19 @@ impl Denoiser {
 
     /// Stops what is under way: the scene or the view is about to change.
     pub fn interrupt(&mut self) {
-        self.stage = Stage::Idle;
+        if let Stage::Working(work) = std::mem::replace(&mut self.stage, Stage::Idle) {
+            work.cancel.store(true, Ordering::Relaxed);
+            self.ending = Some(work);
+        }
+    }
+
+    /// Whether a filter that was cancelled still runs.
+    fn is_ending(&mut self) -> bool {
+        let is_ending = |work: &Work| matches!(work.result.try_recv(), Err(TryRecvError::Empty));
+        if !self.ending.as_ref().is_some_and(is_ending) {
+            self.ending = None;
+        }
+        self.ending.is_some()
     }
 
     /// How the film is to be denoised now; None if there is nothing to do yet.
@@ -200,7 +215,7 @@ impl Denoiser {
     fn follow(&mut self, now: &Now, last_restart: Instant) {
         // The old film stays until the first tile of the new one arrives, but the cores are needed at once.
         if self.last_restart.replace(last_restart) != Some(last_restart) {
-            self.stage = Stage::Idle;
+            self.interrupt();
             self.abandoned = (self.job == now.job).then_some(now.job);
         }
         if self.job != now.job {
@@ -215,7 +230,7 @@ impl Denoiser {
             Stage::Working(work) => work.job != now.job || work.mix != now.mix,
         };
         if is_other {
-            self.stage = Stage::Idle;
+            self.interrupt();
         }
     }
 
@@ -308,6 +323,7 @@ pub(crate) fn follow_denoiser(
         }
     };
     match std::mem::replace(&mut denoiser.stage, Stage::Idle) {
+        Stage::Idle if denoiser.is_ending() => {}
         Stage::Idle => begin(denoiser),
         Stage::Copying(copy) => denoiser.go_on_copying(copy, &film, control.threads, &wake_up),
         Stage::Working(work) => match work.result.try_recv() {
@@ -455,5 +471,28 @@ mod tests {
         };
         denoiser.follow(&next, again);
         assert_ne!(denoiser.abandoned, Some(next.job));
+    }
+
+    #[test]
+    fn the_next_filter_waits_for_the_end_of_one_that_was_cancelled() {
+        let (sender, result) = bounded(1);
+        let cancel = Arc::new(AtomicBool::new(false));
+        let mut denoiser = Denoiser {
+            stage: Stage::Working(Work {
+                cancel: cancel.clone(),
+                result,
+                job: 7,
+                mix: Vec::new(),
+            }),
+            ..Denoiser::default()
+        };
+        denoiser.follow(&now(9, false), Instant::now());
+        assert!(cancel.load(Ordering::Relaxed) && !denoiser.is_working());
+        assert!(denoiser.is_ending() && denoiser.is_ending());
+        // A further change of the picture leaves it so.
+        denoiser.follow(&now(9, false), Instant::now());
+        assert!(denoiser.is_ending());
+        sender.send(Err(DenoiseError::Cancelled)).expect("it is waited for");
+        assert!(!denoiser.is_ending());
     }
 }

@@ -78,6 +78,12 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     let film = &app.world().resource::<RenderFilm>().film;
     assert_eq!([film.width(), film.height()], [120, 80]);
     assert_eq!(pixels(&folder.path().join("sky-noisy.exr")), film.radiance());
+    // A picture of that name that is there already is kept.
+    std::fs::write(folder.path().join("sky-noisy.exr"), "another").expect("can be written");
+    apply(app.world_mut(), Command::SaveImage(path.clone())).expect("saved");
+    let kept = std::fs::metadata(folder.path().join("sky-noisy.exr")).expect("kept");
+    assert_eq!(kept.len(), 7);
+    assert!(folder.path().join("sky-noisy-2.exr").exists());
     // Without it there is one file.
     apply(app.world_mut(), Command::SetDenoising(false)).expect("it is off");
     app.update();
