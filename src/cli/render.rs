@@ -29,7 +29,7 @@ use super::ending::{Ending, INTERRUPTED};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::progress::{InSequence, Progress};
 use super::report::Failure;
-use super::sequence::{SequenceArgs, Turntable, frame_path};
+use super::sequence::{SequenceArgs, TurningCamera, frame_path};
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
 use super::{outputs, parse, report};
 
@@ -219,13 +219,17 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let seed = app.world().resource::<SamplerSettings>().seed;
     // The frames are of the file as it is now.
     app.world_mut().resource_mut::<SceneFile>().hold(true);
-    let turntable = args.sequence.turntable.then(|| Turntable::of(app.world())).flatten();
+    let turning = args
+        .sequence
+        .turntable
+        .then(|| TurningCamera::of(app.world()))
+        .flatten();
     let mut code = ExitCode::SUCCESS;
     for frame in frames {
         let began = Instant::now();
         let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
         let moments = args.sequence.moments(app.world(), frame, samples);
-        let show = |world: &mut World, frame| args.sequence.show(world, frame, turntable.as_ref());
+        let show = |world: &mut World, frame| args.sequence.show(world, frame, turning.as_ref());
         // Every frame has noise of its own.
         app.world_mut().resource_mut::<SamplerSettings>().seed = seed.wrapping_add(frame);
         if !open_shutter(&mut app, moments, &limits, show)? {

@@ -3,13 +3,12 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use bevy::math::{Affine3A, Quat, Vec3};
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::document::{TransformOp, Value};
 use sunroom::engine::PackedScene;
 use sunroom::render::shutter::Shutter;
-use sunroom::scene::{ActiveSensor, Authored, Sensor, ToWorld, show_moment};
+use sunroom::scene::{ActiveSensor, Authored, Sensor, ToWorld, Turntable, show_moment};
 
 use super::outputs::is_stdout;
 use super::report::Failure;
@@ -92,11 +91,11 @@ impl SequenceArgs {
     }
 
     /// Brings the scene to the time of a frame, or to one between two frames.
-    pub fn show(&self, world: &mut World, frame: f64, turntable: Option<&Turntable>) {
+    pub fn show(&self, world: &mut World, frame: f64, camera: Option<&TurningCamera>) {
         show_moment(world, frame / self.fps);
-        if let (Some(turntable), Some(frames)) = (turntable, &self.frames) {
+        if let (Some(camera), Some(frames)) = (camera, &self.frames) {
             let count = f64::from(frames.end() - frames.start()) + 1.0;
-            turntable.turn(world, (frame - f64::from(*frames.start())) / count);
+            camera.turn(world, (frame - f64::from(*frames.start())) / count);
         }
     }
 
@@ -116,17 +115,14 @@ impl SequenceArgs {
     }
 }
 
-/// A camera that goes around the scene.
-pub struct Turntable {
+/// The camera in use while it goes around the scene.
+pub struct TurningCamera {
     camera: Entity,
-    start: Affine3A,
-    middle: Vec3,
-    axis: Vec3,
+    turntable: Turntable,
 }
 
-impl Turntable {
-    /// Around the point that the file lets the active camera look at, or else the middle of all shapes, about the axis of the world that is nearest
-    /// to upwards in its picture. None without a camera.
+impl TurningCamera {
+    /// Around the point that the file lets the active camera look at, or else the middle of all shapes. None without a camera.
     pub fn of(world: &World) -> Option<Self> {
         let camera = world.get_resource::<ActiveSensor>()?.0?;
         let start = world.get::<ToWorld>(camera)?.0;
@@ -144,23 +140,14 @@ impl Turntable {
             let scene = world.get_resource::<PackedScene>()?.scene.as_ref()?;
             Some(scene.geometry.bounds().center())
         })?;
-        let up = Vec3::from(start.matrix3.y_axis);
-        Some(Self {
-            camera,
-            start,
-            middle,
-            axis: Vec3::AXES[up.abs().max_position()] * up[up.abs().max_position()].signum(),
-        })
+        let turntable = Turntable::new(start, middle);
+        Some(Self { camera, turntable })
     }
 
     /// Places the camera after this share of a whole turn.
     fn turn(&self, world: &mut World, share: f64) {
-        let turn = Quat::from_axis_angle(self.axis, (share * std::f64::consts::TAU) as f32);
-        let about = Affine3A::from_translation(self.middle)
-            * Affine3A::from_quat(turn)
-            * Affine3A::from_translation(-self.middle);
         if let Some(mut to_world) = world.get_mut::<ToWorld>(self.camera) {
-            to_world.0 = about * self.start;
+            to_world.0 = self.turntable.at(share);
         }
     }
 }

@@ -54,6 +54,7 @@ pub mod status;
 pub mod sun_sky;
 pub mod texture;
 pub(crate) mod texture_parameters;
+mod turntable;
 mod unit;
 pub mod watch;
 pub mod write;
@@ -104,5 +105,6 @@ pub use status::{
 };
 pub use sun_sky::SunSky;
 pub use texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
+pub use turntable::Turntable;
 pub use unit::LengthUnit;
 pub use watch::SceneWatch;

@@ -283,6 +283,72 @@ fn a_copy_moves_along_beside_its_original() {
 }
 
 #[test]
+fn an_edit_of_the_file_and_an_edit_of_keys_are_merged_at_the_time_that_is_shown() {
+    let (_folder, mut world) = opened(MOVING);
+    do_all(&mut world, &["time 1", "move tree 0,2,0"]);
+    // Another program makes the ball turn once, about what is above it, and lets the spark fly further.
+    let text = MOVING
+        .replace("angle=\"720\"", "angle=\"360\"")
+        .replace("0, 3, 0", "0, 9, 0");
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    std::fs::write(&path, &text).expect("a file");
+    write::save_with(&mut world, &path, write::OnChange::TakeIn).expect("it can be written");
+    assert_eq!(place(&mut world, "spark"), 9.0 * Vec3::Y);
+    assert_eq!(place(&mut world, "tree"), Vec3::new(2.0, 3.0, 0.0));
+    assert_file_shows_the_same(&mut world, &[0.0, 0.5, 1.0, 2.0]);
+    show_moment(&mut world, 0.0);
+    assert_eq!(place(&mut world, "tree"), Vec3::X);
+    show_moment(&mut world, 1.0);
+    let ball = find(&mut world, "ball");
+    let x = world.get::<ToWorld>(ball).expect("a place").0.matrix3.x_axis;
+    assert!(x.x < -0.999, "half a turn: {x:?}");
+}
+
+#[test]
+fn keys_of_file_names_follow_a_scene_that_is_saved_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for name in ["one.obj", "two.obj"] {
+        std::fs::write(folder.path().join(name), triangle).expect("a file");
+    }
+    let path = folder.path().join("scene.xml");
+    let text = r#"<scene version="3.0.0"><sensor type="perspective"/><shape type="obj" id="mesh"><animation name="filename">
+        <string time="0" value="one.obj"/><string time="1" value="two.obj"/></animation></shape></scene>"#;
+    std::fs::write(&path, text).expect("a file");
+    let mut document = document::load(&path, &[]).expect("it can be read");
+    let scene = read::read(&mut document);
+    let mut world = bare_world();
+    spawn::spawn_fresh(&mut world, &scene.into());
+    let below = folder.path().join("below");
+    std::fs::create_dir(&below).expect("a folder");
+    let target = below.join("copy.xml");
+    save(&mut world, &target).expect("it can be written");
+    let text = std::fs::read_to_string(&target).expect("a file");
+    assert!(text.contains("../one.obj") && text.contains("../two.obj"), "{text}");
+}
+
+#[test]
+fn a_turntable_is_one_step_that_goes_around_once() {
+    let (_folder, mut world) = opened(MOVING);
+    do_all(
+        &mut world,
+        &["timeline 10 0 19", "select lamp", "stand-still eye to_world"],
+    );
+    let before = place(&mut world, "eye");
+    do_all(&mut world, &["add-turntable"]);
+    assert!((place(&mut world, "eye") - before).length() < 1e-4);
+    // The lamp is at the origin: after half of the twenty frames the camera is at the other side.
+    do_all(&mut world, &["frame 10"]);
+    let there = place(&mut world, "eye");
+    assert!(
+        (there - Vec3::new(-before.x, before.y, -before.z)).length() < 1e-3,
+        "{there:?}"
+    );
+    do_all(&mut world, &["undo"]);
+    assert!((place(&mut world, "eye") - before).length() < 1e-4);
+}
+
+#[test]
 fn what_cannot_have_keys_says_so() {
     let mut world = bare_world();
     do_all(

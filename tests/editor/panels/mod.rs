@@ -12,6 +12,7 @@ mod outliner;
 mod picture;
 mod render;
 mod subjects;
+mod timeline;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Pos2, Ui};

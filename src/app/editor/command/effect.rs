@@ -73,6 +73,7 @@ impl Command {
             | Self::SetUnit(_)
             | Self::SetAccel(_)
             | Self::Key(..)
+            | Self::AddTurntable
             | Self::BakeLights => Effect::Edit,
             Self::MoveView(_)
             | Self::FrameSelection

@@ -66,6 +66,7 @@ impl Command {
             Self::SetUnit(_) => "Set unit of length",
             Self::SetAccel(_) => "Edit hierarchy",
             Self::BakeLights => "Bake light mix",
+            Self::AddTurntable => "Add turntable",
             Self::Key(_, KeyEdit::Set) => "Set key of",
             Self::Key(_, KeyEdit::Remove) => "Remove key of",
             Self::Key(_, KeyEdit::RemoveAll) => "Remove keys of",

@@ -308,6 +308,8 @@ pub enum Command {
     /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each selected thing, and other
     /// edits are of all tracks of the selection.
     Key(Vec<(Entity, KeyPath)>, KeyEdit),
+    /// Lets the camera in use, from where the view is, go once around the selection, or the scene, in the course of the frames of the timeline.
+    AddTurntable,
     /// Shows the scene at a time. Playing ends.
     SetTime(f64),
     /// Shows the scene at the time of another frame or key.

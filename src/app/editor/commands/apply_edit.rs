@@ -19,8 +19,8 @@ use crate::document::paths::settle;
 use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, Locked, Material,
-    MemberOf, SamplerSettings, SceneId, Sensor, ToWorld, UsesMaterial,
+    AccelMethod, AreaLight, DocumentOrder, Hidden, IntegratorSettings, Locked, Material, MemberOf, SamplerSettings,
+    SceneId, UsesMaterial,
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
@@ -68,17 +68,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             }
         }
         Command::MoveCameraToView => {
-            let sensor = edit.world.resource::<ActiveSensor>().0;
-            let (Some(sensor), Some(pose)) = (sensor, view::rounded_view(edit.world)) else {
-                return Err("There is no camera.".into());
-            };
-            if let Some(lens) = edit.world.resource::<FreeView>().lens
-                && let Some(seen) = edit.world.get::<Sensor>(sensor).copied()
-            {
-                edit.set(sensor, Sensor { lens, ..seen });
-            }
-            edit.set(sensor, ToWorld(pose));
-            edit.world.insert_resource(FreeView::default());
+            view::move_camera_to_view(edit)?;
         }
         Command::Nudge(direction) => {
             edit.kind = StepKind::Move;
@@ -153,6 +143,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
         Command::SetUnit(unit) => super::world::set_unit(edit.world, unit),
         Command::BakeLights => mixing::bake(edit)?,
+        Command::AddTurntable => timeline::add_turntable(edit)?,
         Command::Key(targets, how) => timeline::edit(edit, &targets, how)?,
         Command::OnSelection(command) => {
             several::carry_to_others(edit, &command);

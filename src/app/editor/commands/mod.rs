@@ -66,7 +66,6 @@ use crate::engine::{InputStamp, PackedScene};
 use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
-    show_moment, shown_time,
 };
 pub(crate) use files::keep_image;
 pub(crate) use finished::awaits_denoised;
@@ -196,12 +195,11 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         }
         Command::Copy => files::copy(world)?,
 
-        Command::Undo => history::undo(world).map(|()| keep_moment(world))?,
-        Command::Redo => history::redo(world).map(|()| keep_moment(world))?,
+        Command::Undo => history::undo(world)?,
+        Command::Redo => history::redo(world)?,
         Command::GoTo(steps) => {
             while world.resource::<History>().len().0 > steps && history::undo(world).is_ok() {}
             while world.resource::<History>().len().0 < steps && history::redo(world).is_ok() {}
-            keep_moment(world);
         }
         Command::SetTime(time) => timeline::set_time(world, time)?,
         Command::StepTime(step) => timeline::step(world, step)?,
@@ -320,11 +318,6 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         _ => {}
     }
     Ok(())
-}
-
-/// Steps of the history were made at other times than the one that is shown.
-fn keep_moment(world: &mut World) {
-    show_moment(world, shown_time(world));
 }
 
 fn select(world: &mut World, entities: &[Entity], how: Extend) {

@@ -2,16 +2,21 @@
 
 use std::time::Instant;
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::note_input;
 use super::things::selected;
+use super::{note_input, view};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::timeline::TimeStep;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::scene::{KeyEdit, KeyPath, Keys, SceneStatus, edit_keys, place_path, show_moment, shown_time};
+use crate::engine::PackedScene;
+use crate::scene::{
+    ActiveSensor, FreeView, KeyEdit, KeyPath, Keys, SceneStatus, ToWorld, Turntable, edit_keys, place_path,
+    show_moment, shown_time,
+};
 
 /// Shows the scene at a time in seconds. Playing ends.
 pub fn set_time(world: &mut World, time: f64) -> Result<(), CommandError> {
@@ -121,6 +126,37 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
             None => edit.remove::<Keys>(thing),
         }
     }
+    Ok(())
+}
+
+/// Lets the camera in use go once around the middle of the selection, or of the scene, from the first frame on to the one after the last.
+pub fn add_turntable(edit: &mut Edit) -> Result<(), CommandError> {
+    let of_selection = view::selected_bounds(edit.world);
+    let bounds = match of_selection.is_empty() {
+        true => edit
+            .world
+            .resource::<PackedScene>()
+            .scene
+            .as_ref()
+            .map(|scene| scene.geometry.bounds()),
+        false => Some(of_selection),
+    };
+    let middle = bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.center());
+    let middle = middle.ok_or("There is nothing to go around.")?;
+    let free = edit.world.resource::<FreeView>();
+    let camera = match (free.pose, free.lens, edit.world.resource::<ActiveSensor>().0) {
+        (None, None, Some(camera)) => camera,
+        _ => view::move_camera_to_view(edit)?,
+    };
+    let start = edit
+        .world
+        .get::<ToWorld>(camera)
+        .map_or(Affine3A::IDENTITY, |pose| pose.0);
+    let timeline = edit.world.resource::<ViewSettings>().timeline;
+    let begin = timeline.time(timeline.first.into());
+    let track = Turntable::new(start, middle).track(begin, begin + timeline.duration());
+    let keys = edit.world.get::<Keys>(camera).cloned().unwrap_or_default();
+    edit.set(camera, keys.with(&KeyPath::new("to_world"), Some(track)));
     Ok(())
 }
 

@@ -51,6 +51,22 @@ pub fn rounded_view(world: &World) -> Option<Affine3A> {
     Some(Affine3A { translation, ..pose })
 }
 
+/// Puts the camera in use to where the view is, with its lens.
+pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
+    let sensor = edit.world.resource::<ActiveSensor>().0;
+    let (Some(sensor), Some(pose)) = (sensor, rounded_view(edit.world)) else {
+        return Err("There is no camera.".into());
+    };
+    if let Some(lens) = edit.world.resource::<FreeView>().lens
+        && let Some(seen) = edit.world.get::<Sensor>(sensor).copied()
+    {
+        edit.set(sensor, Sensor { lens, ..seen });
+    }
+    edit.set(sensor, ToWorld(pose));
+    edit.world.insert_resource(FreeView::default());
+    Ok(sensor)
+}
+
 /// Moves the view as [`move_view`], but by a short flight, and sets the point that is looked at.
 fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     if center.is_some() {

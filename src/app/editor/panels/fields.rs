@@ -10,6 +10,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
+use super::key_marks::key_mark;
 use super::lengths::with_units;
 use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
@@ -60,6 +61,7 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
     });
     // The explanation belongs to the whole cell, however short its text is.
     let label = cell.inner.union(cell.response);
+    key_mark(ui, caption.name, &label);
     match (caption.info, caption.about) {
         (Some(info), _) => label.on_hover_ui(|ui| explain(ui, info)),
         (None, Some(about)) => label.on_hover_text(about),

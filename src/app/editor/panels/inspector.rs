@@ -7,6 +7,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
+use super::key_marks::{moving, take_asked};
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
@@ -62,9 +63,12 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
     let mut edits = Vec::new();
     lengths::in_unit(ui, model.unit, |ui| {
         fields::compared(ui, &inspected.mixed, |ui| {
-            sections(ui, inspected, model, scene_size, state, &mut edits);
+            moving(ui, &model.timeline, (inspected.entity, ""), |ui| {
+                sections(ui, inspected, model, scene_size, state, &mut edits);
+            });
         });
     });
+    commands.extend(take_asked(ui));
     let several = model.selection.entities().len() > 1;
     commands.extend(edits.into_iter().map(|edit| match several && edit.is_about_one() {
         true => Command::OnSelection(Box::new(edit)),
@@ -113,12 +117,10 @@ fn sections(
     if has_surface {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
-            let edit = emission::area_light(
-                ui,
-                &mut edited,
-                inspected.shape.as_ref().is_some_and(is_flat),
-                &model.textures,
-            );
+            let is_flat = inspected.shape.as_ref().is_some_and(is_flat);
+            let edit = moving(ui, &model.timeline, (inspected.entity, "emitter."), |ui| {
+                emission::area_light(ui, &mut edited, is_flat, &model.textures)
+            });
             if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
             }
@@ -154,7 +156,9 @@ fn sections(
     if let Some(given) = inspected.film {
         section(ui, "Film", |ui| {
             let mut edited = given;
-            if sensor::film(ui, &mut edited) {
+            if moving(ui, &model.timeline, (inspected.entity, "film."), |ui| {
+                sensor::film(ui, &mut edited)
+            }) {
                 commands.push(Command::SetFilm(inspected.entity, edited));
             }
         });
@@ -382,7 +386,9 @@ fn material_rows(
             material_header(ui, entry, model, commands);
             let edited = copies.of(entry);
             let edit = fields::compared(ui, &entry.mixed, |ui| {
-                material::material(ui, edited, entry.place, &model.textures)
+                moving(ui, &model.timeline, (entry.entity, ""), |ui| {
+                    material::material(ui, edited, entry.place, &model.textures)
+                })
             });
             if edit.changed {
                 commands.push(Command::SetMaterial(entry.entity, Box::new(edited.clone())));

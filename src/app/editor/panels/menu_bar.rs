@@ -143,7 +143,7 @@ fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionConte
 /// The part of the menu *Add* that an action is in, and the kind of thing that is drawn before it.
 fn addition(name: &str) -> (&'static str, &'static str) {
     match name.split_once('-') {
-        Some(("add", "camera")) => ("Cameras", "camera"),
+        Some(("add", "camera" | "turntable")) => ("Cameras", "camera"),
         Some(("add", kind)) => {
             let shapes = [
                 "sphere",

@@ -11,6 +11,7 @@ use super::toasts::Toasts;
 use super::view_settings::ViewSettings;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::stored_view::{StoredView, StoredViews};
+use crate::app::editor::command::timeline::Timeline;
 use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{ActiveSensor, FreeView, Lens, SceneState, SceneStatus, Sensor, ToWorld};
 
@@ -23,6 +24,9 @@ struct SceneViews {
     /// The view that the scene was left with; None for that of its camera.
     #[serde(default)]
     last: Option<StoredView>,
+    /// The frames of the timeline; None for the usual ones.
+    #[serde(default)]
+    timeline: Option<Timeline>,
 }
 
 const FILE: &str = "views.json";
@@ -42,6 +46,8 @@ pub struct ViewsFile {
     last_written: Option<StoredView>,
     /// The view of that scene now; None for that of its camera.
     last: Option<StoredView>,
+    /// The frames of the timeline of that scene, as in the file.
+    timeline: Timeline,
     /// Whether scenes may begin with the view that they were left with.
     returns: bool,
     /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view since.
@@ -74,6 +80,8 @@ impl ViewsFile {
         let all = self.path.as_deref().map_or(Vec::new(), read);
         let known = all.into_iter().find(|known| known.scene == scene);
         self.scene = Some(scene);
+        let timeline = known.as_ref().and_then(|known| known.timeline);
+        self.timeline = timeline.unwrap_or_default().within_range();
         (self.written, self.last) = known.map_or_else(Default::default, |known| (known.views, known.last));
         self.last_written = self.last;
         self.written
@@ -87,6 +95,7 @@ impl ViewsFile {
             self.store(self.written)
         };
         (self.scene, self.written) = (None, StoredViews::default());
+        self.timeline = Timeline::default();
         (self.last, self.last_written, self.keeps_last) = (None, None, false);
         outcome
     }
@@ -100,10 +109,17 @@ impl ViewsFile {
         let mut all = read(path);
         all.retain(|known| known.scene != *scene);
         // Names that JSON cannot hold are left out.
-        let is_empty = views == StoredViews::default() && self.last.is_none();
+        let timeline = Some(self.timeline).filter(|timeline| *timeline != Timeline::default());
+        let is_empty = views == StoredViews::default() && self.last.is_none() && timeline.is_none();
         if !is_empty && scene.to_str().is_some() {
             let (scene, last) = (scene.clone(), self.last);
-            all.insert(0, SceneViews { scene, views, last });
+            let of_scene = SceneViews {
+                scene,
+                views,
+                last,
+                timeline,
+            };
+            all.insert(0, of_scene);
         }
         all.truncate(MOST_SCENES);
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
@@ -148,8 +164,11 @@ pub fn follow_views(
         warn!("The view is not remembered: {error}");
     }
     match path {
-        Some(path) if is_opened => settings.bookmarks = file.open(path),
-        None if is_opened => {}
+        Some(path) if is_opened => {
+            settings.bookmarks = file.open(path);
+            (settings.timeline, settings.timeline_shown) = (file.timeline, None);
+        }
+        None if is_opened => settings.timeline = file.timeline,
         // The scene was saved under this name.
         Some(path) if status.is_changed() => {
             let scene = Some(canonical(path));
@@ -162,9 +181,9 @@ pub fn follow_views(
         }
         _ => {}
     }
-    if settings.bookmarks != file.written
-        && let Err(error) = file.store(settings.bookmarks)
-    {
+    let is_new = settings.bookmarks != file.written || settings.timeline != file.timeline;
+    file.timeline = settings.timeline;
+    if is_new && let Err(error) = file.store(settings.bookmarks) {
         toasts.reject(format!("The view is not remembered: {error}"));
     }
 }
@@ -265,13 +284,19 @@ mod tests {
         let mut file = ViewsFile::new(Some(folder.path()));
         file.open(Path::new("a.xml"));
         file.last = left;
+        let frames = Timeline {
+            fps: 30.0,
+            first: 5,
+            last: 90,
+        };
+        file.timeline = frames;
         file.leave().expect("a writable folder");
         file.open(Path::new("b.xml"));
-        assert_eq!(file.last, None);
+        assert_eq!((file.last, file.timeline), (None, Timeline::default()));
         file.leave().expect("a writable folder");
         // The file also has the views under numbers.
         file.open(Path::new("a.xml"));
-        assert_eq!(file.last, left);
+        assert_eq!((file.last, file.timeline), (left, frames));
         file.store(views(60.0)).expect("a writable folder");
         let mut again = ViewsFile::new(Some(folder.path()));
         assert_eq!((again.open(Path::new("a.xml")), again.last), (views(60.0), left));

@@ -23,6 +23,7 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::{EditorModel, Inspected};
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
+use crate::app::editor::panels::timeline::timeline;
 use crate::app::editor::picture::awaited_image::EndedImage;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::paths::PathInspector;
@@ -156,6 +157,12 @@ pub fn show_window(
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
     egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
+    if model.timeline.is_shown(settings.timeline_shown) && settings.panels_shown {
+        egui::Panel::bottom("timeline").show(&mut ui, |ui| {
+            let bound = &shell.preferences.keys;
+            timeline(ui, &model.timeline, bound, &mut widgets.timeline, commands);
+        });
+    }
     let shown = ViewportModel {
         picture: seen.picture,
         proportions: seen.proportions,

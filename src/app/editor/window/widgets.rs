@@ -11,6 +11,7 @@ use crate::app::editor::panels::library::LibraryState;
 use crate::app::editor::panels::outliner::state::OutlinerState;
 use crate::app::editor::panels::projection::ProjectionForm;
 use crate::app::editor::panels::series::SeriesForm;
+use crate::app::editor::panels::timeline::TimelineState;
 
 #[derive(Resource)]
 pub(crate) struct Widgets {
@@ -20,6 +21,7 @@ pub(crate) struct Widgets {
     pub assets: AssetsState,
     pub inspector: InspectorState,
     pub palette: Palette,
+    pub timeline: TimelineState,
     /// The list where keys are chosen.
     pub keys: KeyList,
     /// The form for a series of copies.
@@ -38,6 +40,7 @@ impl Default for Widgets {
             assets: AssetsState::default(),
             inspector: InspectorState::default(),
             palette: Palette::default(),
+            timeline: TimelineState::default(),
             keys: KeyList::default(),
             series: SeriesForm::default(),
             projection: ProjectionForm::default(),

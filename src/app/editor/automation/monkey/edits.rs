@@ -58,7 +58,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(33) {
+    match random.below(37) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -150,6 +150,18 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             ["twosided", "blendbsdf", "mask", "bumpmap", "normalmap"][random.below(5)]
         )),
         31 => one(format!("unwrap {}", material?)),
+        32 => one(format!("key {}", anything?)),
+        33 => one(format!(
+            "{} {}",
+            ["key", "unkey", "stand-still"][random.below(3)],
+            [format!("{} radius", shape?), format!("{} alpha", material?)][random.below(2)]
+        )),
+        34 => one(format!(
+            "interpolate {} to_world {}",
+            shape?,
+            ["linear", "ease", "step"][random.below(3)]
+        )),
+        35 => one(format!("move-key {} to_world 0 {}", shape?, random.below(3))),
         29 => one(format!(
             "project-texture {} 0.{} {}",
             ProjectedFrom::ALL[random.below(ProjectedFrom::ALL.len())].1,

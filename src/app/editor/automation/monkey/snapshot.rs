@@ -36,7 +36,8 @@ impl Snapshot {
         let material = |index: &Option<usize>| index.map(|index| self.material(index));
         let shapes = scene.shapes.iter().map(|it| {
             format!(
-                "shape {:?} {:?} {:?} {:?}, material {:?}",
+                "shape {:?} {:?} {:?} {:?} {:?}, material {:?}",
+                it.identity.keys,
                 it.shape,
                 it.to_world,
                 it.area_light,

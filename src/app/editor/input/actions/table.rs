@@ -225,6 +225,9 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-camera", "Camera at the view", &[], |_| {
         Some(addition(AdditionKind::Camera))
     }),
+    action(Group::Add, "add-turntable", "Turntable", &[], |_| {
+        Some(Command::AddTurntable)
+    }),
 ];
 
 /// The menu *Render*.

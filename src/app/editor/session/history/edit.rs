@@ -9,7 +9,7 @@ use super::entry::{Change, Entry, MergeKey, SettingsState, Standpoint, StepKind}
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
-use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, keys_after, pose};
+use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, keys_after, pose, shown_time};
 
 /// An edit under way: remembers what each entity was before it was first touched.
 pub struct Edit<'w> {
@@ -152,6 +152,7 @@ impl<'w> Edit<'w> {
             mix: (mix != self.mix).then_some([self.mix, mix]),
             merge,
             kind: self.kind,
+            time: shown_time(self.world),
             number: 0,
             bytes: 0,
         };

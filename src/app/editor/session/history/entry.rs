@@ -95,6 +95,8 @@ pub struct Entry {
     /// The key for merging: steps of one interaction with equal keys are one entry.
     pub(super) merge: Option<(u64, MergeKey)>,
     pub(super) kind: StepKind,
+    /// The time of the scene in seconds that was shown: what is recorded is of this time.
+    pub(super) time: f64,
     pub(super) number: u64,
     /// An estimate of its memory.
     pub(super) bytes: usize,

@@ -17,7 +17,7 @@ pub use entry::{Entry, MergeKey, StepKind};
 
 use crate::app::editor::command::error::CommandError;
 use crate::scene::names::free_name_for;
-use crate::scene::{Authored, DocumentOrder, ObjectState, Placements, SceneId, Side};
+use crate::scene::{Authored, DocumentOrder, ObjectState, Placements, SceneId, Side, show_moment, shown_time};
 
 /// Older entries are forgotten above this number of steps.
 pub(crate) const MOST_ENTRIES: usize = 1000;
@@ -162,6 +162,7 @@ impl History {
         if let Some(last) = self.done.last_mut()
             && last.merge.is_some()
             && last.merge == entry.merge
+            && last.time == entry.time
         {
             last.absorb(entry);
             if last.is_empty() {
@@ -264,14 +265,24 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
     }
 }
 
+/// Shows the time at which a step was made, since what it recorded is of that time.
+fn go_to_time(world: &mut World, time: f64) {
+    if time != shown_time(world) {
+        show_moment(world, time);
+    }
+}
+
 /// An error, in words, if there is nothing to undo.
 pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
         return Err("There is nothing to undo.".into());
     };
+    let shown = shown_time(world);
+    go_to_time(world, entry.time);
     for change in entry.changes.iter().rev() {
         change.change.write(world, change.entity, Side::Before);
     }
+    show_moment(world, shown);
     separate_ids(world, &entry.changes);
     entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
@@ -291,9 +302,12 @@ pub(crate) fn redo(world: &mut World) -> Result<(), CommandError> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
         return Err("There is nothing to do again.".into());
     };
+    let shown = shown_time(world);
+    go_to_time(world, entry.time);
     for change in &entry.changes {
         change.change.write(world, change.entity, Side::After);
     }
+    show_moment(world, shown);
     separate_ids(world, &entry.changes);
     entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());

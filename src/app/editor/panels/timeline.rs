@@ -1,0 +1,341 @@
+//! The timeline below the picture: buttons and fields for the time, and a band with the keys on which the time is dragged.
+
+use bevy_egui::egui::{self, Color32, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+
+use super::look;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::timeline::{TimeStep, Timeline};
+use crate::app::editor::input::actions;
+use crate::app::editor::model::timeline::{TickTime, TimelineModel};
+use crate::document::Interpolation;
+use crate::scene::{KeyEdit, KeyPath};
+
+/// The height of the band in points.
+const BAND: f32 = 40.0;
+/// The room at both ends of the band.
+const MARGIN: f32 = 12.0;
+/// The half diagonal of a key's mark, and the distance at which the pointer has hold of it.
+const MARK: f32 = 5.0;
+/// The least distance of two numbers of frames.
+const NUMBERS: f32 = 56.0;
+
+/// The state that the timeline keeps between frames.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TimelineState {
+    /// The key that is dragged, and where it is now, in seconds.
+    dragged: Option<(TickTime, f64)>,
+    /// The key whose menu is open.
+    menu: Option<TickTime>,
+}
+
+/// Shows the time, the frames that are played, and the keys: those of the selection bright, others dim.
+pub fn timeline(
+    ui: &mut Ui,
+    model: &TimelineModel,
+    bound: &KeyBindings,
+    state: &mut TimelineState,
+    commands: &mut Vec<Command>,
+) {
+    ui.add_space(2.0);
+    ui.horizontal(|ui| {
+        buttons(ui, model, bound, commands);
+        ui.separator();
+        times(ui, model, commands);
+        ui.separator();
+        range(ui, &model.frames, commands);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let close = ui.button("×").on_hover_text("Hide the timeline");
+            if close.clicked() {
+                commands.push(Command::ShowTimeline(false));
+            }
+        });
+    });
+    band(ui, model, state, commands);
+}
+
+fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &mut Vec<Command>) {
+    let mut button = |ui: &mut Ui, text: &str, hint: &str, name: &str, command: Command| {
+        let hint = actions::hint(hint, name, bound);
+        if ui.button(text).on_hover_text(hint).clicked() {
+            commands.push(command);
+        }
+    };
+    let step = Command::StepTime;
+    button(ui, "⏮", "First frame", "first-frame", step(TimeStep::FirstFrame));
+    button(ui, "⏴ key", "Previous key", "previous-key", step(TimeStep::PreviousKey));
+    button(
+        ui,
+        "⏴",
+        "Previous frame",
+        "previous-frame",
+        step(TimeStep::PreviousFrame),
+    );
+    let (text, hint) = match model.is_playing {
+        true => ("⏸", "Hold"),
+        false => ("▶", "Play"),
+    };
+    button(ui, text, hint, "play", Command::SetPlaying(!model.is_playing));
+    button(ui, "⏵", "Next frame", "next-frame", step(TimeStep::NextFrame));
+    button(ui, "key ⏵", "Next key", "next-key", step(TimeStep::NextKey));
+    button(ui, "⏭", "Last frame", "last-frame", step(TimeStep::LastFrame));
+    ui.separator();
+    let (set, remove) = (
+        Command::Key(Vec::new(), KeyEdit::Set),
+        Command::Key(Vec::new(), KeyEdit::Remove),
+    );
+    button(ui, "+ key", "Set a key of the place of the selection", "set-key", set);
+    button(
+        ui,
+        "− key",
+        "Remove the keys of the selection at this time",
+        "remove-key",
+        remove,
+    );
+}
+
+/// The frame and the time that are shown.
+fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
+    let mut frame = model.frames.frame(model.time);
+    // A whole number of frames has rounding errors in seconds.
+    if (frame - frame.round()).abs() < 1e-4 {
+        frame = frame.round();
+    }
+    let drag = DragValue::new(&mut frame).speed(0.2).max_decimals(2);
+    if named(ui, "Frame", drag).changed() {
+        commands.push(Command::SetTime(model.frames.time(frame)));
+    }
+    let mut time = model.time;
+    let drag = DragValue::new(&mut time).speed(0.01).max_decimals(3).suffix(" s");
+    if named(ui, "Time", drag).changed() {
+        commands.push(Command::SetTime(time));
+    }
+}
+
+/// The frames that are played.
+fn range(ui: &mut Ui, frames: &Timeline, commands: &mut Vec<Command>) {
+    let mut edited = *frames;
+    let most = Timeline::MOST;
+    named(ui, "From", DragValue::new(&mut edited.first).range(0..=most));
+    named(ui, "to", DragValue::new(&mut edited.last).range(edited.first..=most));
+    named(
+        ui,
+        "fps",
+        DragValue::new(&mut edited.fps).range(1.0..=240.0).max_decimals(3),
+    );
+    if edited != *frames {
+        commands.push(Command::SetTimeline(edited.within_range()));
+    }
+}
+
+fn named(ui: &mut Ui, name: &str, drag: DragValue) -> Response {
+    let label = ui.weak(name);
+    ui.add(drag).labelled_by(label.id)
+}
+
+/// The map from times to places of the band.
+struct Scale {
+    first: f64,
+    last: f64,
+    left: f32,
+    width: f32,
+}
+
+impl Scale {
+    /// All frames and all keys have room.
+    fn new(model: &TimelineModel, rect: Rect) -> Self {
+        let frames = &model.frames;
+        let mut times = vec![
+            frames.time(frames.first.into()),
+            frames.time(frames.last.into()),
+            model.time,
+        ];
+        times.extend(model.all.first().into_iter().chain(model.all.last()));
+        let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self {
+            first,
+            last: last.max(first + frames.time(1.0)),
+            left: rect.left() + MARGIN,
+            width: (rect.width() - 2.0 * MARGIN).max(1.0),
+        }
+    }
+
+    fn place(&self, time: f64) -> f32 {
+        self.left + ((time - self.first) / (self.last - self.first)) as f32 * self.width
+    }
+
+    fn time(&self, place: f32) -> f64 {
+        let share = f64::from((place - self.left) / self.width).clamp(0.0, 1.0);
+        self.first + share * (self.last - self.first)
+    }
+}
+
+fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands: &mut Vec<Command>) {
+    let size = vec2(ui.available_width(), BAND);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Frames and keys"));
+    let scale = Scale::new(model, rect);
+    let row = rect.bottom() - 2.0 - MARK;
+    let is_whole = !ui.input(|input| input.modifiers.command);
+    let time_at = |place: f32| match is_whole {
+        true => model.frames.snapped(scale.time(place)),
+        false => scale.time(place),
+    };
+    let pointer = response.interact_pointer_pos();
+    let key_at = |place: egui::Pos2| {
+        let near =
+            |time: &&TickTime| (scale.place(time.0) - place.x).abs() <= MARK && (place.y - row).abs() <= 2.0 * MARK;
+        model.selected.keys().find(near).copied()
+    };
+    if response.drag_started() {
+        let origin = ui.input(|input| input.pointer.press_origin());
+        state.dragged = origin.and_then(key_at).map(|key| (key, key.0));
+    }
+    if let (Some((key, _)), Some(place), true) = (state.dragged, pointer, response.dragged()) {
+        state.dragged = Some((key, time_at(place.x)));
+    } else if response.drag_stopped()
+        && let Some((key, to)) = state.dragged.take()
+    {
+        if to != key.0
+            && let Some(tick) = model.selected.get(&key)
+        {
+            commands.push(Command::Key(tick.values.clone(), KeyEdit::Move { from: key.0, to }));
+        }
+    } else if let Some(place) = pointer.filter(|_| response.dragged() || response.clicked()) {
+        let key = key_at(place).filter(|_| response.clicked());
+        let time = key.map_or_else(|| time_at(place.x), |key| near_frame(&model.frames, key.0));
+        if time != model.time {
+            commands.push(Command::SetTime(time));
+        }
+    }
+    if response.secondary_clicked() {
+        state.menu = pointer.and_then(key_at);
+    }
+    let hovered = response.hover_pos().and_then(key_at);
+    if let Some(key) = state.menu {
+        let shown = response.context_menu(|ui| key_menu(ui, model, key, commands));
+        if shown.is_none() {
+            state.menu = None;
+        }
+    } else if let Some(tick) = hovered.and_then(|key| model.selected.get(&key)) {
+        let mut names: Vec<&str> = tick.values.iter().map(|(_, path)| path.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        response.clone().on_hover_text(names.join(", "));
+    }
+    paint(ui, model, &scale, rect, row, state);
+}
+
+/// Keys have times in single precision; the frame that is meant is exact.
+fn near_frame(frames: &Timeline, time: f64) -> f64 {
+    let frame = frames.snapped(time);
+    match (frame - time).abs() < 1e-6 * (1.0 + time.abs()) {
+        true => frame,
+        false => time,
+    }
+}
+
+fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Vec<Command>) {
+    let Some(tick) = model.selected.get(&key) else {
+        return ui.close();
+    };
+    if ui.button("Remove this key").clicked() {
+        commands.push(Command::SetTime(near_frame(&model.frames, key.0)));
+        commands.push(Command::Key(tick.values.clone(), KeyEdit::Remove));
+        ui.close();
+    }
+    ui.separator();
+    let track = |(thing, path): &(bevy::prelude::Entity, KeyPath)| {
+        let tracks = model.tracks.get(thing)?;
+        tracks
+            .iter()
+            .find(|(known, _)| known == path)
+            .map(|(_, track)| track.clone())
+    };
+    let present = tick.values.first().and_then(track).map(|track| track.interpolation);
+    for way in Interpolation::ALL {
+        let text = match way {
+            Interpolation::Linear => "Linear: at constant speed",
+            Interpolation::Ease => "Ease: from rest to rest",
+            Interpolation::Step => "Step: hold until the next key",
+        };
+        if ui.selectable_label(present == Some(way), text).clicked() {
+            commands.push(Command::Key(tick.values.clone(), KeyEdit::Interpolate(way)));
+            ui.close();
+        }
+    }
+}
+
+fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, state: &TimelineState) {
+    let painter = ui.painter_at(rect);
+    let visuals = ui.visuals();
+    let frames = &model.frames;
+    painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
+    let ends = [frames.first, frames.last].map(|frame| scale.place(frames.time(frame.into())));
+    let played = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
+    painter.rect_filled(played, 0.0, visuals.faint_bg_color);
+    // Numbers at round frames, as many as have room.
+    let per_frame = scale.place(frames.time(1.0)) - scale.place(0.0);
+    let steps = (0..7).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_i64.pow(power)));
+    let step = steps
+        .into_iter()
+        .find(|step| *step as f32 * per_frame >= NUMBERS)
+        .unwrap_or(5_000_000);
+    let whole = |time: f64| (frames.frame(time) / step as f64).round() as i64;
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    for number in whole(scale.first)..=whole(scale.last) {
+        let frame = number * step;
+        let x = scale.place(frames.time(frame as f64));
+        let color = visuals.weak_text_color();
+        painter.vline(
+            x,
+            rect.top()..=rect.bottom(),
+            Stroke::new(1.0, color.gamma_multiply(0.3)),
+        );
+        let corner = pos2(x + 3.0, rect.top() + 1.0);
+        painter.text(corner, egui::Align2::LEFT_TOP, frame.to_string(), font.clone(), color);
+    }
+    for time in model.all.iter() {
+        painter.add(mark(
+            pos2(scale.place(*time), row),
+            visuals.weak_text_color().gamma_multiply(0.6),
+            0.6,
+        ));
+    }
+    for time in model.selected.keys() {
+        let shown = state
+            .dragged
+            .filter(|(key, _)| key == time)
+            .map_or(time.0, |(_, to)| to);
+        painter.add(mark(pos2(scale.place(shown), row), key_color(ui), 1.0));
+    }
+    let now = scale.place(model.time);
+    let accent = look::accent(visuals);
+    painter.vline(now, rect.y_range(), Stroke::new(2.0, accent));
+    painter.add(Shape::convex_polygon(
+        vec![
+            pos2(now - 5.0, rect.top()),
+            pos2(now + 5.0, rect.top()),
+            pos2(now, rect.top() + 7.0),
+        ],
+        accent,
+        Stroke::NONE,
+    ));
+}
+
+/// The colour of keys.
+pub(crate) fn key_color(ui: &Ui) -> Color32 {
+    match ui.visuals().dark_mode {
+        true => Color32::from_rgb(240, 190, 70),
+        false => Color32::from_rgb(190, 120, 0),
+    }
+}
+
+/// A diamond.
+pub(crate) fn mark(place: egui::Pos2, color: Color32, size: f32) -> Shape {
+    let half = MARK * size;
+    let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
+    let corners = corners.map(|corner: Vec2| place + corner);
+    Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE)
+}

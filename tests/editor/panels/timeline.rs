@@ -1,0 +1,115 @@
+//! The timeline and the marks of values that move.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
+use sunroom::app::editor::command::timeline::{TimeStep, Timeline};
+use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel};
+use sunroom::app::editor::panels::timeline::{TimelineState, timeline};
+use sunroom::document::{Interpolation, Key, Track, Value};
+use sunroom::scene::{KeyEdit, KeyPath};
+
+struct Shown {
+    model: TimelineModel,
+    state: TimelineState,
+    commands: Vec<Command>,
+}
+
+/// A ball with keys at 0 and 1 s, on a timeline of two seconds.
+fn shown() -> Harness<'static, Shown> {
+    let values = vec![(Entity::from_raw_u32(1).expect("an entity"), KeyPath::new("radius"))];
+    let key = |time: f64| Key {
+        time,
+        value: Value::Float(1.0),
+    };
+    let track = Track {
+        keys: vec![key(0.0), key(1.0)],
+        interpolation: Interpolation::Linear,
+    };
+    let tick = |time| {
+        let values = values.clone();
+        (TickTime(time), Tick { values })
+    };
+    let model = TimelineModel {
+        frames: Timeline {
+            fps: 10.0,
+            first: 0,
+            last: 20,
+        },
+        all: Arc::new(vec![0.0, 1.0]),
+        selected: Arc::new([0.0, 1.0].into_iter().map(tick).collect::<Ticks>()),
+        tracks: Arc::new(HashMap::from([(
+            values[0].0,
+            vec![(KeyPath::new("radius"), Arc::new(track))],
+        )])),
+        ..TimelineModel::default()
+    };
+    let state = Shown {
+        model,
+        state: TimelineState::default(),
+        commands: Vec::new(),
+    };
+    let show = |ui: &mut egui::Ui, shown: &mut Shown| {
+        timeline(ui, &shown.model, &NO_BINDINGS, &mut shown.state, &mut shown.commands);
+    };
+    Harness::builder()
+        .with_size(egui::vec2(1000.0, 120.0))
+        .build_ui_state(show, state)
+}
+
+/// The place of a time on the band, in the row of the keys.
+fn at(harness: &Harness<Shown>, time: f32) -> egui::Pos2 {
+    let band = harness.get_by_label("Frames and keys").rect();
+    let (left, right) = (band.left() + 12.0, band.right() - 12.0);
+    pos2(left + (right - left) * time / 2.0, band.bottom() - 7.0)
+}
+
+fn drag(harness: &mut Harness<Shown>, from: egui::Pos2, to: egui::Pos2) {
+    harness.drag_at(from);
+    harness.run_steps(2);
+    harness.hover_at(from.lerp(to, 0.5));
+    harness.run_steps(2);
+    harness.hover_at(to);
+    harness.run_steps(2);
+    harness.drop_at(to);
+    harness.run_steps(2);
+}
+
+#[test]
+fn the_time_is_dragged_from_frame_to_frame() {
+    let mut harness = shown();
+    harness.run_steps(2);
+    let (from, to) = (at(&harness, 0.3), at(&harness, 0.72));
+    drag(&mut harness, from, to);
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetTime(0.7)));
+}
+
+#[test]
+fn a_key_is_dragged_to_another_time() {
+    let mut harness = shown();
+    harness.run_steps(2);
+    let (from, to) = (at(&harness, 1.0), at(&harness, 1.5));
+    drag(&mut harness, from, to);
+    let [Command::Key(values, KeyEdit::Move { from, to })] = &harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands);
+    };
+    assert_eq!((values.len(), *from, *to), (1, 1.0, 1.5));
+}
+
+#[test]
+fn buttons_step_and_play() {
+    let mut harness = shown();
+    harness.run_steps(2);
+    for name in ["⏭", "▶"] {
+        harness.get_by_label(name).click();
+        harness.run_steps(2);
+    }
+    let expected = [Command::StepTime(TimeStep::LastFrame), Command::SetPlaying(true)];
+    assert_eq!(harness.state().commands, expected);
+}
