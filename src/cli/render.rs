@@ -219,11 +219,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let seed = app.world().resource::<SamplerSettings>().seed;
     // The frames are of the file as it is now.
     app.world_mut().resource_mut::<SceneFile>().hold(true);
-    let turning = args
-        .sequence
-        .turntable
-        .then(|| TurningCamera::of(app.world()))
-        .flatten();
+    let turning = args.sequence.turntable.and_then(|_| TurningCamera::of(app.world()));
     let mut code = ExitCode::SUCCESS;
     for frame in frames {
         let began = Instant::now();

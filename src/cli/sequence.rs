@@ -30,9 +30,9 @@ pub struct SequenceArgs {
     /// Part of the time of a frame for which the shutter is open, such as 0.5: what moves is blurred [default: the camera's shutter times]
     #[arg(long, value_name = "PART", value_parser = part_of_frame, requires = "frames")]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the middle of the scene in the course of the frames
-    #[arg(long, requires = "frames")]
-    pub turntable: bool,
+    /// Turn the camera once around the middle of the scene in the course of the frames, or from frame 0 to frame COUNT if some of COUNT frames are rendered
+    #[arg(long, value_name = "COUNT", requires = "frames", num_args = 0..=1, require_equals = true, value_parser = turn_frames)]
+    pub turntable: Option<Option<u32>>,
 }
 
 /// `17` or `1..120`
@@ -58,6 +58,13 @@ fn part_of_frame(text: &str) -> Result<f64, String> {
     let part = text.trim().parse::<f64>().ok();
     part.filter(|part| (0.0..=1.0).contains(part))
         .ok_or_else(|| "expected a part of a frame's time from 0 to 1".to_owned())
+}
+
+fn turn_frames(text: &str) -> Result<u32, String> {
+    let count = text.trim().parse::<u32>().ok();
+    count
+        .filter(|count| (1..=MOST_FRAMES).contains(count))
+        .ok_or_else(|| format!("expected a number of frames from 1 to {MOST_FRAMES}"))
 }
 
 /// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the extension.
@@ -94,8 +101,11 @@ impl SequenceArgs {
     pub fn show(&self, world: &mut World, frame: f64, camera: Option<&TurningCamera>) {
         show_moment(world, frame / self.fps);
         if let (Some(camera), Some(frames)) = (camera, &self.frames) {
-            let count = f64::from(frames.end() - frames.start()) + 1.0;
-            camera.turn(world, (frame - f64::from(*frames.start())) / count);
+            let (start, count) = match self.turntable.flatten() {
+                Some(count) => (0, count),
+                None => (*frames.start(), frames.end() - frames.start() + 1),
+            };
+            camera.turn(world, (frame - f64::from(start)) / f64::from(count));
         }
     }
 

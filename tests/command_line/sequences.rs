@@ -205,6 +205,14 @@ fn a_turntable_goes_once_around_what_the_camera_looks_at() {
     assert_eq!((middle(10), middle(12)), (Vec3::X, Vec3::Z));
     // From the side the squares are lines, with the sky between.
     assert_eq!((middle(11), middle(13)), (Vec3::ONE, Vec3::ONE));
+    // One of four frames alone.
+    let output = render(
+        &path,
+        &shop.path("turn.exr"),
+        &["--spp", "4", "--frames", "2", "--turntable=4"],
+    );
+    assert_code(&output, 0);
+    assert_eq!(pixel(&shop.path("turn-0002.exr"), 16, 16), Vec3::Z);
 }
 
 #[test]
@@ -217,6 +225,7 @@ fn wrong_frames_are_wrong_usage() {
         &["--frames", "1", "--fps", "0"],
         &["--frames", "1", "--shutter", "2"],
         &["--turntable"],
+        &["--frames", "1", "--turntable=0"],
         &["--shutter", "0.5"],
     ] {
         assert_code(&render(&path, &shop.path("a.exr"), options), 2);
