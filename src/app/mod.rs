@@ -5,6 +5,8 @@ mod allocator;
 pub mod editor;
 pub mod headless;
 pub mod interrupt;
+pub mod origin;
+pub mod signals;
 pub mod terminal;
 pub mod threads;
 #[cfg(feature = "window")]

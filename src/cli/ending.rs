@@ -5,13 +5,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sunroom::engine::{Outcome, RenderError};
-use sunroom::render::film::Film;
 
 use super::outputs::is_stdout;
 use super::report;
 
 /// The exit code after an interrupt by the user; shells use 128 + SIGINT.
 pub const INTERRUPTED: u8 = 130;
+
+/// The exit code after SIGTERM if a checkpoint has what was rendered: 128 + SIGTERM.
+pub const TERMINATED: u8 = 143;
 
 /// The end of a render whose film has at least some samples.
 pub struct Ending {
@@ -30,12 +32,12 @@ enum Reason {
 }
 
 impl Ending {
-    /// An error if there is nothing to write: without any sample the picture would be black, and replace an earlier one.
-    pub fn new(rendered: Result<Outcome, RenderError>, film: &Film) -> Result<Self, String> {
+    /// The end of a picture of so many pixels, of which so many have no sample. An error if there is nothing to write: without any sample the picture would be black, and replace an earlier one.
+    pub fn new(rendered: Result<Outcome, RenderError>, [pixels, missing]: [usize; 2]) -> Result<Self, String> {
         let mut ending = Self {
             broken_off_by: None,
-            pixels: film.width() as usize * film.height() as usize,
-            pixels_without_samples: film.pixels_without_samples(),
+            pixels,
+            pixels_without_samples: missing,
         };
         ending.broken_off_by = match rendered {
             Ok(Outcome::Cancelled) => Some(Reason::Interrupt),
@@ -114,9 +116,11 @@ impl fmt::Display for Reason {
 
 #[cfg(test)]
 mod tests {
+    use sunroom::render::film::Film;
     use sunroom::render::tile::{PixelSum, TileSamples, tiles};
 
     use super::*;
+    use crate::cli::share::pixel_counts;
 
     /// A film of 2 x 2 tiles of which the first `count` have a sample.
     fn film(count: usize) -> Film {
@@ -156,7 +160,8 @@ mod tests {
             (0, Err(RenderError::NoSensor), None),
         ] {
             let what = format!("{tiles} tiles, {rendered:?}");
-            let code = Ending::new(rendered, &film(tiles)).map(|ending| format!("{:?}", ending.exit_code()));
+            let code = Ending::new(rendered, pixel_counts(None, &film(tiles)))
+                .map(|ending| format!("{:?}", ending.exit_code()));
             assert_eq!(code.ok().as_ref(), expected, "{what}");
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene or a file was
 //! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an unreadable file; 130 interrupted, and the picture with the samples so far is
-//! written.
+//! written; 143 terminated, and a checkpoint is written.
 
 mod args;
 mod bench;
@@ -14,6 +14,7 @@ mod display_server;
 mod edit;
 mod ending;
 mod generate;
+mod merge;
 mod monkey;
 mod outputs;
 mod parse;
@@ -22,8 +23,10 @@ mod progress;
 mod render;
 mod report;
 mod sequence;
+mod share;
 mod stats;
 mod tev;
+mod watch;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -50,6 +53,8 @@ enum Command {
     Edit(EditArgs),
     /// Render a scene to image files
     Render(Box<render::RenderArgs>),
+    /// Put together the parts of a picture that were rendered one by one
+    Merge(Box<merge::MergeArgs>),
     /// Report what is wrong with scene files
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
@@ -84,6 +89,7 @@ pub fn run() -> ExitCode {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),
         Some(Command::Render(args)) => render::run(*args),
+        Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Diff(args)) => diff::run(&args),

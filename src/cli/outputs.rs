@@ -36,17 +36,20 @@ pub fn check_text(path: &Path) -> Result<(), String> {
 /// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes to a temporary file, which is
 /// reported too. Returns the outputs that have the picture.
 pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options: &FileOptions) -> Vec<&'o Path> {
+    let written = write_each(outputs, |path| write_picture(path, image, options));
+    if written.is_empty() {
+        keep_elsewhere(image);
+    }
+    written
+}
+
+/// Writes to each output, and reports those that fail. Returns the others.
+pub fn write_each(outputs: &[PathBuf], write: impl Fn(&Path) -> Result<(), ImageIoError>) -> Vec<&Path> {
     let mut written = Vec::new();
     for path in outputs {
-        match write_picture(path, image, options) {
+        match write(path) {
             Ok(()) => written.push(path.as_path()),
             Err(error) => drop(report::error(error)),
-        }
-    }
-    if written.is_empty() {
-        match write_to_temporary_folder(image) {
-            Ok(place) => report::line(format_args!("the picture is kept in {}", place.display())),
-            Err(error) => report::line(format_args!("the picture could not be kept elsewhere: {error}")),
         }
     }
     written
@@ -59,6 +62,23 @@ fn is_exr(path: &Path) -> bool {
 /// Whether an EXR file is among the outputs.
 pub fn has_exr(outputs: &[PathBuf]) -> bool {
     outputs.iter().any(|path| is_exr(path))
+}
+
+/// Writes a picture that no output has to a temporary file, and says where it is.
+pub fn keep_elsewhere(image: &LayeredImage) {
+    match write_to_temporary_folder(image) {
+        Ok(place) => report::line(format_args!("the picture is kept in {}", place.display())),
+        Err(error) => report::line(format_args!("the picture could not be kept elsewhere: {error}")),
+    }
+}
+
+/// Says which files have the picture.
+pub fn report_written(written: &[&Path]) {
+    let files = written.iter().filter(|path| !is_stdout(path));
+    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    if !files.is_empty() {
+        report::line(format_args!("the picture is in {}", files.join(", ")));
+    }
 }
 
 /// Says which of the outputs have no layers.

@@ -1,9 +1,10 @@
 //! Values of command-line arguments; errors are sentences for the user.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::time::Duration;
 
 use sunroom::layer::Layers;
+use sunroom::render::part::Crop;
 use sunroom::render::white_balance::WhiteBalance;
 
 /// `NAME=VALUE`
@@ -17,6 +18,24 @@ pub fn define(text: &str) -> Result<(String, String), String> {
 /// `depth,normal`
 pub fn layers(text: &str) -> Result<Layers, String> {
     Layers::parse(text).map_err(|error| error.to_string())
+}
+
+/// `0..256`
+pub fn samples(text: &str) -> Result<Range<u32>, String> {
+    let ends = text.split_once("..");
+    let range = ends.and_then(|(start, end)| Some(start.trim().parse().ok()?..end.trim().parse().ok()?));
+    range
+        .filter(|range: &Range<u32>| !range.is_empty())
+        .ok_or_else(|| "expected A..B, two whole numbers of which the second is greater".to_owned())
+}
+
+/// `0,0,640,480`
+pub fn crop(text: &str) -> Result<Crop, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
+        _ => Err("expected X,Y,WIDTH,HEIGHT in pixels".to_owned()),
+    }
 }
 
 /// `1280x720`

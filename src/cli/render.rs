@@ -1,143 +1,45 @@
 //! `sunroom render`: from a scene file to image files.
 
-use std::path::PathBuf;
+mod args;
+mod overrides;
+
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use bevy::prelude::*;
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
+use sunroom::app::signals::{is_terminated, note_show, note_termination};
 use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::engine::{layered_picture, load_to_completion, open_shutter, render_to_completion};
-use sunroom::layer::{Layer, Layers, layer_names};
+use sunroom::engine::{layered_picture, load_to_completion, open_shutter, render_watched};
+use sunroom::files::record_reads;
+use sunroom::layer::{Layer, Layers};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
-use sunroom::render::image_io::ImageRgb;
+use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
+use sunroom::scene::Film as SensorFilm;
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, Crop, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile,
-    SceneStatus, Sequence, find_camera,
+    AccelMethod, ActiveSensor, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus,
 };
-use sunroom::scene::{Film as SensorFilm, Strategy};
 
-use super::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
+pub use self::args::RenderArgs;
+
+use self::args::Accel;
+use self::overrides::apply_overrides;
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
-use super::ending::{Ending, INTERRUPTED};
-use super::picture_args::{DisplayArgs, FileArgs};
+use super::ending::{Ending, INTERRUPTED, TERMINATED};
 use super::progress::{InSequence, Progress};
 use super::report::Failure;
-use super::sequence::{SequenceArgs, TurningCamera, frame_path};
+use super::sequence::{TurningCamera, frame_path};
+use super::share::{self, Settings};
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
-use super::{outputs, parse, report};
-
-#[derive(Args)]
-pub struct RenderArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given several times
-    #[arg(short, long, required = true, value_name = "OUT")]
-    output: Vec<PathBuf>,
-    /// Camera to render with, by its id or its index from 0 on [default: the first]
-    #[arg(long, value_name = "NAME|INDEX")]
-    camera: Option<String>,
-    /// Samples per pixel [default: the scene's, or as many as --time and --noise allow]
-    #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
-    spp: Option<u32>,
-    /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
-    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
-    time: Option<Duration>,
-    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of pixels relative to their luminance, as estimated
-    #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
-    noise: Option<f32>,
-    /// Send more samples where the noise is
-    #[arg(long)]
-    adaptive: bool,
-    /// Both sides of the picture in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
-    size: Option<(u32, u32)>,
-    /// Width of the picture in pixels; the other side follows if it is not given
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    width: Option<u32>,
-    /// Height in pixels
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    height: Option<u32>,
-    #[command(flatten)]
-    sequence: SequenceArgs,
-    #[command(flatten)]
-    threads: ThreadArgs,
-    #[command(flatten)]
-    memory: MemoryArgs,
-    #[command(flatten)]
-    trust: TrustArgs,
-    /// Seed of the random numbers; the same seed gives the same picture on any number of threads
-    #[arg(long)]
-    seed: Option<u32>,
-    /// Longest path in segments, -1 for any [default: the scene's]
-    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
-    max_depth: Option<i32>,
-    /// Remove the noise with Open Image Denoise
-    #[arg(long)]
-    denoise: bool,
-    #[arg(long, value_name = "NAME[,NAME...]", value_parser = parse::layers, help = layers_help())]
-    aov: Vec<Layers>,
-    /// Acceleration structure
-    #[arg(long, value_enum, default_value_t = Accel::Sah)]
-    accel: Accel,
-    /// How light is looked for
-    #[arg(long, value_enum)]
-    strategy: Option<StrategyName>,
-    /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations
-    #[arg(long)]
-    schlick: bool,
-    /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default: sobol]
-    #[arg(long, value_enum)]
-    sampler: Option<SamplerName>,
-    #[command(flatten)]
-    display: DisplayArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    /// Show the picture in tev while it is rendered, at this address (tev listens to localhost:14158)
-    #[arg(long, value_name = "HOST:PORT", conflicts_with = "frames")]
-    display_server: Option<String>,
-    /// Print the figures of the render on standard output
-    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
-    stats: Option<StatsFormat>,
-    /// Treat warnings about the scene as errors
-    #[arg(long)]
-    strict: bool,
-    /// No progress
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Accel {
-    Linear,
-    Median,
-    Sah,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum StrategyName {
-    Bsdf,
-    Light,
-    Mis,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum SamplerName {
-    Sobol,
-    Independent,
-}
-
-/// The text of `--help` about `--aov`.
-fn layers_help() -> String {
-    let names = layer_names().join(", ");
-    format!("Save layers with the picture in EXR files, besides those of the scene: {names}")
-}
+use super::watch::{Last, Watch, event};
+use super::{outputs, report};
 
 pub fn run(args: RenderArgs) -> ExitCode {
     args.memory.apply();
@@ -153,11 +55,20 @@ type Error = Box<dyn std::error::Error>;
 fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let first_outputs = args.sequence.first_outputs(&args.output)?;
     outputs::check_pictures(&first_outputs)?;
+    args.shares.check(&args.output)?;
+    check_together(args)?;
     if args.denoise && !cfg!(feature = "denoise") {
         return Err(DenoiseError::NotBuilt.into());
     }
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;
+    note_show();
+    if args.checkpoints.checkpoint.is_some() {
+        note_termination(cancel.clone());
+    }
+    if args.shares.is_given() || args.checkpoints.are_given() {
+        record_reads();
+    }
     let begin = Instant::now();
     let mut app = render_only(
         OpenScene {
@@ -178,7 +89,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let limits = Limits {
         // If only a limit of time or noise is given, the file's number of samples does not count.
         samples: args
-            .spp
+            .shares
+            .samples
+            .as_ref()
+            .map(|samples| samples.end)
+            .or(args.spp)
             .or((args.time.is_some() || args.noise.is_some()).then_some(u32::MAX)),
         time: args.time,
         cancel: cancel.clone(),
@@ -213,7 +128,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     }
     let Some(frames) = args.sequence.frames.clone() else {
         let progress = Progress::new(args.quiet, args.time);
-        return picture(&mut app, args, &args.output, &limits, progress, load_ms);
+        return picture(&mut app, args, &args.output, &limits, progress, load_ms, None);
     };
     let mut sequence = InSequence::begin(&frames);
     let seed = app.world().resource::<SamplerSettings>().seed;
@@ -223,7 +138,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let mut code = ExitCode::SUCCESS;
     for frame in frames {
         let began = Instant::now();
-        let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
+        let samples = args.spp.or(limits.samples.filter(|_| args.shares.samples.is_none()));
+        let samples = samples.unwrap_or_else(|| samples_of_film(app.world()));
         let moments = args.sequence.moments(app.world(), frame, samples);
         let show = |world: &mut World, frame| args.sequence.show(world, frame, turning.as_ref());
         // Every frame has noise of its own.
@@ -240,6 +156,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
             &limits,
             progress,
             milliseconds(began.elapsed()),
+            Some(frame),
         )?;
         if this != ExitCode::SUCCESS {
             code = this;
@@ -285,14 +202,45 @@ fn picture(
     args: &RenderArgs,
     outputs: &[PathBuf],
     limits: &Limits,
-    mut progress: Progress,
+    progress: Progress,
     load_ms: f64,
+    frame: Option<u32>,
 ) -> Result<ExitCode, Failure> {
-    let rendered = render_to_completion(app, limits, |status| progress.update(status));
-    progress.finish(app.world().resource::<RenderStatus>());
+    let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
+    let settings = settings(args, frame);
+    let (scene, checkpoints) = (&args.scene.scene, &args.checkpoints);
+    let share = share::begin(app.world_mut(), scene, &args.shares, checkpoints, samples, settings)?;
+    let write = |world: &World, picture: &LayeredImage| {
+        let options = file_options(world, args);
+        match share.as_ref().filter(|share| share.is_part) {
+            Some(share) => {
+                let part = share.cut(picture.clone());
+                outputs::write_each(outputs, |path| share.write(world, path, &part, &options))
+            }
+            None => outputs::write_each(outputs, |path| outputs::write_picture(path, picture, &options)),
+        }
+    };
+    let mut watch = Watch {
+        progress,
+        share: share.as_ref(),
+        checkpoint: checkpoints.checkpoint.as_deref().map(|path| (path, checkpoints.every)),
+        partial: args.partial,
+        has_events: args.stats == Some(StatsFormat::JsonLines),
+        describe: &|picture, world| describe(picture, world, args),
+        write: &|world, picture| write(world, picture).len() == outputs.len(),
+        last: Last::default(),
+    };
+    let rendered = render_watched(app, limits, |world| watch.look(world));
+    watch.progress.finish(app.world().resource::<RenderStatus>());
+    let is_saved = rendered.is_ok() && watch.save(app.world());
+    if is_terminated() && is_saved {
+        let path = checkpoints.checkpoint.as_deref().unwrap_or(Path::new(""));
+        report::line(format_args!("terminated; {} has what was rendered", path.display()));
+        return Ok(ExitCode::from(TERMINATED));
+    }
 
     let film = &app.world().resource::<RenderFilm>().film;
-    let ending = Ending::new(rendered, film)?;
+    let ending = Ending::new(rendered, share::pixel_counts(share.as_ref(), film))?;
     let threads = app.world().resource::<RenderControl>().threads.get();
     let denoising = Instant::now();
     let denoised = match args.denoise && ending.is_whole() {
@@ -331,11 +279,10 @@ fn picture(
     }
     let mut picture = layered_picture(app.world(), &image, denoised_layer.as_deref());
     describe(&mut picture, app.world(), args);
-    let sensor = app.world().resource::<ActiveSensor>().0;
-    let storage = sensor.and_then(|sensor| app.world().get::<SensorFilm>(sensor));
-    let storage = storage.map(|film| film.storage).unwrap_or_default();
-    let options = args.file.options(args.display.display(), storage);
-    let written = outputs::write_pictures(outputs, &picture, &options);
+    let written = write(app.world(), &picture);
+    if written.is_empty() {
+        outputs::keep_elsewhere(&picture);
+    }
 
     ending.report(status.samples, args.quiet, args.denoise, &written);
     if let Some(error) = &denoise_failure {
@@ -369,17 +316,55 @@ fn picture(
             peak_memory_bytes: peak_memory_bytes(),
             outputs: outputs.to_vec(),
         };
-        let text = match format {
-            StatsFormat::Text => stats.text(),
-            StatsFormat::Json => serde_json::to_string_pretty(&stats)?,
-        };
-        outputs::print(format!("{text}\n").as_bytes())?;
+        match format {
+            StatsFormat::Text => outputs::print(format!("{}\n", stats.text()).as_bytes())?,
+            StatsFormat::Json => outputs::print(format!("{}\n", serde_json::to_string_pretty(&stats)?).as_bytes())?,
+            StatsFormat::JsonLines => event(stats.event()?),
+        }
     }
     let all_written = written.len() == outputs.len();
     Ok(match all_written && denoise_failure.is_none() {
         true => ending.exit_code(),
         false => ExitCode::FAILURE,
     })
+}
+
+/// Refuses options that do not go together.
+fn check_together(args: &RenderArgs) -> Result<(), Failure> {
+    let frames = args.sequence.frames.as_ref().map_or(1, |frames| frames.clone().count());
+    let message = if args.checkpoints.are_given() && frames > 1 {
+        "a checkpoint is of one picture: --frames has to be a single frame"
+    } else if args.stats == Some(StatsFormat::JsonLines) && args.output.iter().any(|path| outputs::is_stdout(path)) {
+        "a picture and events cannot both go to standard output"
+    } else if let (Some(samples), Some(spp)) = (&args.shares.samples, args.spp)
+        && samples.end > spp
+    {
+        "the range of --samples goes beyond --spp, the samples of the whole picture"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Usage(message.to_owned()))
+}
+
+/// What samples depend on beside the scene and the view.
+fn settings(args: &RenderArgs, frame: Option<u32>) -> Settings {
+    let accel = args
+        .accel
+        .to_possible_value()
+        .map_or_else(String::new, |value| value.get_name().to_owned());
+    let mut settings = vec![("the acceleration structure".to_owned(), accel)];
+    settings.extend(frame.map(|frame| ("the frame".to_owned(), frame.to_string())));
+    let defines = args.scene.defines.defines.iter();
+    settings.extend(defines.map(|(name, value)| (format!("-D {name}"), value.clone())));
+    settings
+}
+
+/// How the outputs are stored.
+fn file_options(world: &World, args: &RenderArgs) -> FileOptions {
+    let sensor = world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
+    let storage = film.map(|film| film.storage).unwrap_or_default();
+    args.file.options(args.display.display(), storage)
 }
 
 /// Says in the picture where it comes from. Times are named only where the picture depends on them, so that the same render gives the same file.
@@ -395,7 +380,7 @@ fn describe(picture: &mut LayeredImage, world: &World, args: &RenderArgs) {
     let mut int = |name: &str, value: u32| {
         picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));
     };
-    int("sunroom:spp", status.samples);
+    int("sunroom:spp", status.samples.saturating_sub(status.first));
     int("sunroom:seed", world.resource::<SamplerSettings>().seed);
     if args.time.is_some() {
         picture.set_attribute("sunroom:seconds", Attribute::Float(status.seconds as f32));
@@ -412,75 +397,4 @@ fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
         }
     })?;
     Ok(cancel)
-}
-
-/// Applies the options of the command line, which override the file.
-fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
-    let mut integrator = world.resource_mut::<IntegratorSettings>();
-    if let Some(depth) = args.max_depth {
-        integrator.max_depth = u32::try_from(depth).ok();
-    }
-    integrator.schlick |= args.schlick;
-    integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
-    match args.strategy {
-        Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
-        Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
-        Some(StrategyName::Mis) => integrator.strategy = Strategy::Mis,
-        None => {}
-    }
-    let mut sampler = world.resource_mut::<SamplerSettings>();
-    if let Some(seed) = args.seed {
-        sampler.seed = seed;
-    }
-    match args.sampler {
-        Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
-        Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
-        None => {}
-    }
-    if args.adaptive {
-        world.resource_mut::<RenderControl>().adaptive = Some(true);
-    }
-    if args.noise.is_some() {
-        world.resource_mut::<RenderControl>().noise_target = args.noise;
-    } else if args.spp.is_some() || args.time.is_some() {
-        // What is asked for takes the place of both limits of the file.
-        world.resource_mut::<RenderControl>().noise_target = Some(0.0);
-    }
-    if let Some(camera) = &args.camera {
-        let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
-        world.insert_resource(ActiveSensor(Some(camera)));
-    }
-    let window = world
-        .resource::<ActiveSensor>()
-        .0
-        .and_then(|sensor| world.get::<SensorFilm>(sensor))
-        .map(SensorFilm::window);
-    let sides = match args.size {
-        Some((width, height)) => [Some(width), Some(height)],
-        None => [args.width, args.height],
-    };
-    if let Some(Crop { width, height, .. }) = window
-        && sides != [None; 2]
-    {
-        let scaled = |side: u32, to: u32, from: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round() as u32;
-        let size = UVec2::new(
-            sides[0]
-                .or_else(|| Some(scaled(width, sides[1]?, height)))
-                .unwrap_or(width)
-                .max(1),
-            sides[1]
-                .or_else(|| Some(scaled(height, sides[0]?, width)))
-                .unwrap_or(height)
-                .max(1),
-        );
-        if !SensorFilm::is_possible(size.x, size.y) {
-            let most = SensorFilm::MOST_PIXELS;
-            return Err(Failure::Usage(format!(
-                "a film of {} x {} pixels is too large: at most {most} are possible",
-                size.x, size.y
-            )));
-        }
-        world.resource_mut::<RenderControl>().film_size_override = Some(size);
-    }
-    Ok(())
 }

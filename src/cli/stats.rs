@@ -10,6 +10,7 @@ use sunroom::engine::RenderStatus;
 pub enum StatsFormat {
     Text,
     Json,
+    JsonLines,
 }
 
 /// Times in milliseconds, memory in bytes.
@@ -64,6 +65,13 @@ impl Bvh {
 }
 
 impl Stats {
+    /// The last event of a render.
+    pub fn event(&self) -> serde_json::Result<serde_json::Value> {
+        let mut event = serde_json::to_value(self)?;
+        event["event"] = "end".into();
+        Ok(event)
+    }
+
     pub fn text(&self) -> String {
         let memory = match self.peak_memory_bytes {
             Some(bytes) => format!("{:.0} MB", bytes as f64 / 1e6),
@@ -98,8 +106,17 @@ pub fn milliseconds(duration: Duration) -> f64 {
 
 /// The high-water mark of resident memory, as Linux counts it.
 pub fn peak_memory_bytes() -> Option<u64> {
+    memory_line("VmHWM:")
+}
+
+/// The resident memory, as Linux counts it.
+pub fn memory_bytes() -> Option<u64> {
+    memory_line("VmRSS:")
+}
+
+fn memory_line(name: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::render::adaptive::{FIRST, PerBlock, PilotTile, Pilots, pilot_samples};
+use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
 use crate::render::tile::Tile;
 
@@ -62,6 +63,31 @@ impl TileRound {
             count..end.max(least)
         };
         (end, std::array::from_fn(range))
+    }
+
+    /// What [`Adaptation::write`] has written of a round.
+    fn read(from: &mut Reader) -> Result<Self, Damaged> {
+        let (mean, visits) = (from.u32()?..from.u32()?, from.u32()?);
+        let mut blocks = [PerBlock::default(); 3];
+        for number in blocks.iter_mut().flatten() {
+            *number = from.u32()?;
+        }
+        let [before, to, counts] = blocks;
+        let grows = before
+            .iter()
+            .zip(&counts)
+            .zip(&to)
+            .all(|((from, now), to)| from <= now && now <= to);
+        match grows && !mean.is_empty() && visits > 0 {
+            true => Ok(Self {
+                mean,
+                visits,
+                from: before,
+                to,
+                counts,
+            }),
+            false => Err(Damaged),
+        }
     }
 
     /// Takes note of a visit.
@@ -178,6 +204,33 @@ impl Adaptation {
     /// The rounds of all tiles.
     pub fn rounds(&self) -> &[Option<TileRound>] {
         &self.rounds
+    }
+
+    /// Writes what has been found and planned.
+    pub fn write(&self, to: &mut Writer) {
+        self.pilots.write(to);
+        to.u32(self.next_pilot);
+        for round in &self.rounds {
+            to.u32(u32::from(round.is_some()));
+            if let Some(round) = round {
+                let numbers = [round.mean.start, round.mean.end, round.visits];
+                let blocks = [round.from, round.to, round.counts].into_iter().flatten();
+                numbers.into_iter().chain(blocks).for_each(|number| to.u32(number));
+            }
+        }
+    }
+
+    /// Takes up what [`Self::write`] has written of the same picture.
+    pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
+        self.pilots.read(from)?;
+        self.next_pilot = from.u32()?;
+        for round in &mut self.rounds {
+            *round = match from.flag()? {
+                true => Some(TileRound::read(from)?),
+                false => None,
+            };
+        }
+        Ok(())
     }
 
     /// Takes note of a visit to a tile.

@@ -103,21 +103,22 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
 pub fn render_to_completion(
     app: &mut App,
     limits: &Limits,
-    progress: impl FnMut(&RenderStatus),
+    mut progress: impl FnMut(&RenderStatus),
 ) -> Result<Outcome, RenderError> {
+    render_watched(app, limits, |world| progress(world.resource()))
+}
+
+/// [`render_to_completion`] that calls `watch` with all of the world, whose film and job agree with each other.
+pub fn render_watched(app: &mut App, limits: &Limits, watch: impl FnMut(&World)) -> Result<Outcome, RenderError> {
     let waiting = std::thread::current();
     let wake_up = WakeUp(Some(Arc::new(move || waiting.unpark())));
     let before = std::mem::replace(&mut *app.world_mut().resource_mut::<WakeUp>(), wake_up);
-    let outcome = render_until(app, limits, progress);
+    let outcome = render_until(app, limits, watch);
     *app.world_mut().resource_mut() = before;
     outcome
 }
 
-fn render_until(
-    app: &mut App,
-    limits: &Limits,
-    mut progress: impl FnMut(&RenderStatus),
-) -> Result<Outcome, RenderError> {
+fn render_until(app: &mut App, limits: &Limits, mut watch: impl FnMut(&World)) -> Result<Outcome, RenderError> {
     if !load_to_completion(app, limits)? {
         return Ok(Outcome::Cancelled);
     }
@@ -131,8 +132,8 @@ fn render_until(
     let mut last_pass: Option<(u32, Duration)> = None;
     loop {
         app.update();
+        watch(app.world());
         let status = app.world().resource::<RenderStatus>();
-        progress(status);
         let (state, spent) = (status.state, Duration::from_secs_f64(status.seconds));
         match state {
             RenderState::Failed => {

@@ -30,6 +30,9 @@ pub struct RenderControl {
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is all of it, as
     /// is a part outside of the picture. The rest keeps what it has.
     pub region: Option<Rect>,
+    /// The number of the first sample, if the picture is a share of another one: nothing is shown around its region, and its film has the exact sums from
+    /// which pictures are merged. It has to be a [cut](crate::render::passes::is_cut).
+    pub share: Option<u32>,
     /// The fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
     /// The fraction of that resolution that is rendered for now, in (0, 1], while the picture has to keep up with frequent changes.
@@ -68,6 +71,7 @@ impl Default for RenderControl {
             noise_target: None,
             adaptive: None,
             region: None,
+            share: None,
             resolution_scale: 1.0,
             motion_scale: 1.0,
             film_size_override: None,

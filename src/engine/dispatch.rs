@@ -10,6 +10,7 @@ use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::job::{Beginning, Job};
 use super::renderer::Renderer;
+use super::saved::Resumed;
 use super::shutter::OpenShutter;
 use super::status::RenderStatus;
 use super::stop_condition::StopCondition;
@@ -23,6 +24,7 @@ pub(super) struct Demand<'w> {
     scene_status: Res<'w, SceneStatus>,
     wake_up: Res<'w, WakeUp>,
     deferred: Res<'w, DeferredDrop>,
+    resumed: ResMut<'w, Resumed>,
 }
 
 pub(super) fn dispatch_job(
@@ -90,7 +92,15 @@ pub(super) fn dispatch_job(
             control.motion_scale < 1.0,
             since,
         );
+        if let Some(first) = control.share {
+            new = new.into_share(first);
+        }
         new.failure = reserved.err().map(|shortage| shortage.to_string());
+        if let Some((saved, state)) = demand.resumed.0.take()
+            && let Err(error) = new.resume(&state, saved, film.bypass_change_detection())
+        {
+            new.failure = Some(error.to_string());
+        }
         status.last_restart = new.begun;
         *job = Some(new);
     }

@@ -76,7 +76,7 @@ impl RenderFilm {
         light_groups: &Arc<[LightGroup]>,
         is_coarse: bool,
     ) -> Vec<Option<TilePreview>> {
-        if self.begun == Some(begun) {
+        if self.is_of(begun) {
             return Vec::new();
         }
         let old = self.film.begin(view.width, view.height, view.film_layers());
@@ -87,6 +87,11 @@ impl RenderFilm {
         self.samples = 0;
         self.dirty.clear();
         old
+    }
+
+    /// Whether it has the picture of the job that was begun at this time.
+    pub(super) fn is_of(&self, begun: Instant) -> bool {
+        self.begun == Some(begun)
     }
 
     /// Notes that a tile has changed.

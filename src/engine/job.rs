@@ -1,6 +1,8 @@
 //! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
 //! done by ending the [`Run`] and starting another; the samples stay.
 
+mod state;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,9 +18,10 @@ use super::film::RenderFilm;
 use super::light_groups::LightGroup;
 use super::resolution::is_same_at_other_size;
 use super::run::Run;
-use super::schedule::{WorkQueue, pass_end, sort_from_center, tiles_in};
+use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::stop_condition::{StopCondition, StopReason};
 use crate::render::noise::PictureNoise;
+use crate::render::passes::pass_end;
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
@@ -77,6 +80,8 @@ pub(super) struct Job {
     pub begun: Instant,
     /// Whether the resolution is lower than asked for.
     pub is_coarse: bool,
+    /// The first sample, if the picture is a share.
+    pub share: Option<u32>,
     /// The time of the change that led to this job; taken when its first tile is there.
     pub since: Option<Instant>,
     pub rays: u64,
@@ -133,6 +138,7 @@ impl Job {
             begun: Instant::now(),
             since,
             is_coarse,
+            share: None,
             rays: 0,
             samples: 0,
             invalid: 0,
@@ -154,6 +160,16 @@ impl Job {
             run: None,
             running_since: None,
             ran: Duration::ZERO,
+        }
+    }
+
+    /// Makes it a share of a picture, see [`RenderControl::share`](super::RenderControl::share).
+    pub fn into_share(self, first: u32) -> Self {
+        Self {
+            share: Some(first),
+            done: vec![first; self.done.len()],
+            preview_left: 0,
+            ..self
         }
     }
 
@@ -378,7 +394,12 @@ impl Job {
 
     /// The film becomes that of this job. Returns the previews of the picture before.
     pub fn begin_in(&self, film: &mut RenderFilm) -> Vec<Option<TilePreview>> {
-        film.begin(self.begun, &self.view, &self.light_groups, self.is_coarse)
+        let is_new = !film.is_of(self.begun);
+        let previews = film.begin(self.begun, &self.view, &self.light_groups, self.is_coarse);
+        if is_new && self.share.is_some_and(|first| first > 0) {
+            film.film.keep_chunks();
+        }
+        previews
     }
 
     /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. What is no longer needed is handed to

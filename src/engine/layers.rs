@@ -1,48 +1,80 @@
 //! The finished picture with its layers, by the names of the scene.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use bevy::prelude::*;
 
 use super::film::RenderFilm;
+use super::light_groups::LightGroup;
 use super::packed_scene::PackedScene;
 use crate::color::Rgb;
+use crate::layer::Layer;
+use crate::render::camera::Camera;
+use crate::render::film::Film;
 use crate::render::image_io::ImageRgb;
 use crate::render::layered_image::LayeredImage;
 use crate::render::layers::{LayerNames, layered_image};
 use crate::scene::{DocumentOrder, SceneId};
 
-/// The picture with the layers that the film keeps. `denoised` is the layer of that name.
-pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb]>) -> LayeredImage {
-    let film = world.resource::<RenderFilm>();
-    let packed = world.resource::<PackedScene>();
-    let materials = packed.material_of_entity.iter();
-    let entity_of_material: HashMap<u32, Entity> = materials.map(|(&entity, id)| (id.0, entity)).collect();
-    let shape_names = DistinctNames::new(world, "shape", packed.entity_of_instance.iter().copied());
-    let object = |instance: u32| match packed.entity_of_instance.get(instance as usize) {
-        Some(&entity) => shape_names.of(entity),
-        None => format!("shape {instance}"),
-    };
-    let material_names = DistinctNames::new(world, "material", entity_of_material.values().copied());
-    let material = |id: u32| match entity_of_material.get(&id) {
-        Some(&entity) => material_names.of(entity),
-        None => format!("material {id}"),
-    };
-    let light_groups: Vec<String> = film
-        .light_groups
-        .iter()
-        .map(|group| match group.entities[..] {
+/// The names that layers refer to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PictureNames {
+    /// Of the shapes, by instance; empty if no layer names them.
+    pub objects: Vec<String>,
+    /// Of the materials, by [`crate::material::MaterialId`]; empty if no layer names them.
+    pub materials: Vec<String>,
+    /// Of the light groups.
+    pub light_groups: Vec<String>,
+}
+
+impl PictureNames {
+    /// The names of the scene for the layers that the film keeps.
+    pub fn of(world: &World) -> Self {
+        let film = world.resource::<RenderFilm>();
+        let packed = world.resource::<PackedScene>();
+        let mut names = Self::default();
+        let kept = film.film.layers().layers;
+        if kept.contains(Layer::CryptoObject) {
+            let shapes = || packed.entity_of_instance.iter().copied();
+            let distinct = DistinctNames::new(world, "shape", shapes());
+            names.objects = shapes().map(|shape| distinct.of(shape)).collect();
+        }
+        if kept.contains(Layer::CryptoMaterial) {
+            let materials = packed.material_of_entity.iter();
+            let chosen: BTreeMap<u32, Entity> = materials.map(|(&entity, id)| (id.0, entity)).collect();
+            let distinct = DistinctNames::new(world, "material", chosen.values().copied());
+            let count = chosen.last_key_value().map_or(0, |(&last, _)| last + 1);
+            let name = |id: u32| chosen.get(&id).map_or_else(String::new, |&entity| distinct.of(entity));
+            names.materials = (0..count).map(name).collect();
+        }
+        let group = |group: &LightGroup| match group.entities[..] {
             [entity] => name_of(world, entity, "light"),
             _ => "others".to_owned(),
-        })
-        .collect();
-    let names = LayerNames {
-        object: &object,
-        material: &material,
-        light_groups: &light_groups,
-    };
-    match &packed.view {
-        Some(view) => layered_image(picture, &film.film, &view.camera, &names, denoised),
+        };
+        names.light_groups = film.light_groups.iter().map(group).collect();
+        names
+    }
+
+    /// The picture with the layers that the film keeps. `denoised` is the layer of that name.
+    pub fn layered(&self, picture: &ImageRgb, film: &Film, camera: &Camera, denoised: Option<&[Rgb]>) -> LayeredImage {
+        let name = |names: &[String], place: u32, kind: &str| {
+            let known = names.get(place as usize).filter(|name| !name.is_empty());
+            known.cloned().unwrap_or_else(|| format!("{kind} {place}"))
+        };
+        let names = LayerNames {
+            object: &|instance| name(&self.objects, instance, "shape"),
+            material: &|id| name(&self.materials, id, "material"),
+            light_groups: &self.light_groups,
+        };
+        layered_image(picture, film, camera, &names, denoised)
+    }
+}
+
+/// The picture with the layers that the film keeps. `denoised` is the layer of that name.
+pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb]>) -> LayeredImage {
+    let film = &world.resource::<RenderFilm>().film;
+    match &world.resource::<PackedScene>().view {
+        Some(view) => PictureNames::of(world).layered(picture, film, &view.camera, denoised),
         None => LayeredImage::from(picture),
     }
 }

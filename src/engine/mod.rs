@@ -29,6 +29,7 @@ mod renderer;
 mod report;
 mod resolution;
 mod run;
+mod saved;
 mod schedule;
 mod shapes;
 pub mod shutter;
@@ -40,15 +41,16 @@ mod stop_condition;
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 
-pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion};
+pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion, render_watched};
 pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
-pub use layers::layered_picture;
+pub use layers::{PictureNames, layered_picture};
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
+pub use saved::{job_state, resume};
 pub use shutter::{OpenShutter, open_shutter};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
@@ -88,6 +90,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<extract::Extracted>()
             .init_resource::<blas_cache::BlasCache>()
             .init_resource::<renderer::Renderer>()
+            .init_resource::<saved::Resumed>()
             .configure_sets(
                 PostUpdate,
                 (

@@ -63,6 +63,7 @@ pub(super) fn report_status(
         && scene.files_loading() == 0
         && scene.state != SceneState::Loading;
     status.samples = samples;
+    status.first = job.and_then(|job| job.share).unwrap_or(0);
     status.target = stop.samples;
     status.time_limit = stop.seconds;
     status.noise_target = stop.noise;

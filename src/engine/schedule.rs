@@ -1,6 +1,6 @@
 //! The order of work: which tile comes first, and how many samples each visit to a tile makes.
 //!
-//! The samples of a tile are always divided at the same places (see [`pass_end`]), whoever renders and however often the work is
+//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), whoever renders and however often the work is
 //! interrupted: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
 
 use std::cmp::Reverse;
@@ -12,19 +12,8 @@ use bevy::math::{Rect, UVec2};
 
 use super::adaptation::TileRound;
 use crate::render::adaptive::PerBlock;
+use crate::render::passes::pass_end;
 use crate::render::tile::Tile;
-
-/// The longest visit to a tile, in samples per pixel.
-const LONGEST_PASS: u32 = 16;
-
-/// The end of the pass that begins after `done` samples: passes of 1, 1, 2, 4, 8, 16, 16, ... samples.
-pub(super) fn pass_end(done: u32) -> u32 {
-    if done < LONGEST_PASS {
-        done.saturating_add(1).next_power_of_two()
-    } else {
-        (done / LONGEST_PASS).saturating_add(1).saturating_mul(LONGEST_PASS)
-    }
-}
 
 /// Sorts tiles from the middle of the picture outwards, for that is where people look.
 pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
@@ -190,18 +179,6 @@ mod tests {
                 WorkItem::Pilot { .. } => unreachable!("none was asked for"),
             })
             .collect()
-    }
-
-    #[test]
-    fn passes_double_and_then_stay() {
-        let ends = |n| {
-            std::iter::successors(Some(0), |&done| Some(pass_end(done)))
-                .take(n)
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(ends(9), [0, 1, 2, 4, 8, 16, 32, 48, 64]);
-        assert_eq!(pass_end(37), 48);
-        assert_eq!(pass_end(u32::MAX), u32::MAX);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct RenderStatus {
     pub is_up_to_date: bool,
     /// The samples per pixel that the whole picture, or the rendered region, has.
     pub samples: u32,
+    /// The number of the first sample: 0, unless the picture is a share.
+    pub first: u32,
     /// The samples per pixel to reach.
     pub target: u32,
     /// The seconds of rendering to stop at; None is no limit.
@@ -66,6 +68,7 @@ impl Default for RenderStatus {
             state: RenderState::Idle,
             is_up_to_date: false,
             samples: 0,
+            first: 0,
             target: 0,
             time_limit: None,
             noise_target: None,
@@ -97,7 +100,8 @@ const FALL_OF_NOISE: f64 = 0.6;
 impl RenderStatus {
     /// The part of the picture that is done, from 0 to 1: by the limit that will be reached first.
     pub fn done(&self) -> f64 {
-        let by_samples = f64::from(self.samples) / f64::from(self.target.max(1));
+        let of_share = |samples: u32| f64::from(samples.saturating_sub(self.first));
+        let by_samples = of_share(self.samples) / of_share(self.target).max(1.0);
         let by_time = self.time_limit.map_or(0.0, |limit| self.seconds / f64::from(limit));
         let by_noise = |(noise, target): (f32, f32)| f64::from(target / noise).powf(1.0 / FALL_OF_NOISE);
         let by_noise = self.noise.zip(self.noise_target).map_or(0.0, by_noise);

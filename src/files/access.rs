@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::reading::{self, FileError};
+use super::record::note_read;
 
 /// The most refused files that are remembered; a scene can name any number of them.
 const MOST_REFUSED: usize = 1000;
@@ -142,17 +143,17 @@ impl Access {
 
     /// Does what [`reading::check`] does, if the file is permitted.
     pub fn check(&self, path: &Path, limit: u64) -> Result<(), FileError> {
-        reading::check(self.permitted(path)?, limit)
+        reading::check(self.permitted(path)?, limit).inspect(|()| note_read(path))
     }
 
     /// Opens a permitted file, as [`reading::open`] does.
     pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
-        reading::open(self.permitted(path)?, limit)
+        reading::open(self.permitted(path)?, limit).inspect(|_| note_read(path))
     }
 
     /// Reads a permitted file, as [`reading::read`] does.
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-        reading::read(self.permitted(path)?, limit)
+        reading::read(self.permitted(path)?, limit).inspect(|_| note_read(path))
     }
 
     fn permitted<'p>(&self, path: &'p Path) -> Result<&'p Path, FileError> {

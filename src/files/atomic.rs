@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 use std::fs::{self, DirEntry, File};
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -26,13 +26,21 @@ const LEFTOVER_AGE: Duration = Duration::from_secs(3600);
 ///
 /// The first write of a process into a folder also removes the temporary files that killed programs have left there.
 pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
+    write_atomically_with(path, |file| file.write_all(content.as_ref()))
+}
+
+/// [`write_atomically`] for content that `write` writes piece by piece.
+pub fn write_atomically_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let target = Target::new(path)?;
     let mut file = target.temporary_file()?;
     if let Ok(old) = fs::metadata(&target.path) {
         file.as_file().set_permissions(old.permissions())?;
     }
     // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
-    file.as_file_mut().write_all(content.as_ref())?;
+    let mut buffered = io::BufWriter::new(file.as_file_mut());
+    write(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
     file.as_file().sync_all()?;
     file.persist(&target.path).map_err(|error| error.error)?;
     remove_leftovers_once(target.folder());

@@ -11,6 +11,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::bytes::{Damaged, Reader, Writer};
 use super::film::Film;
 use super::layers::Layers;
 use super::light_layers::LightGroups;
@@ -165,6 +166,35 @@ impl Pilots {
             blocks: vec![Block::default(); columns * bottom * (TILE / BLOCK) as usize],
             ..Self::default()
         }
+    }
+
+    /// Writes what was found.
+    pub fn write(&self, to: &mut Writer) {
+        to.u32(self.count);
+        to.u32(u32::from(self.powers.is_some()));
+        self.powers.into_iter().flatten().for_each(|power| to.f64(power));
+        for block in &self.blocks {
+            [block.noise, block.cost, block.weight]
+                .into_iter()
+                .for_each(|number| to.f64(number));
+        }
+    }
+
+    /// Takes up what [`Self::write`] has written of the same tiles.
+    pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
+        self.count = from.u32()?;
+        self.powers = match from.flag()? {
+            true => Some([from.f64()?, from.f64()?]),
+            false => None,
+        };
+        for block in &mut self.blocks {
+            *block = Block {
+                noise: from.f64()?,
+                cost: from.f64()?,
+                weight: from.f64()?,
+            };
+        }
+        Ok(())
     }
 
     /// The number of pilots so far.

@@ -4,7 +4,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, Mat4, Vec2, Vec3};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, Mat3, Mat4, Vec2, Vec3};
 
 use crate::accel::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes};
@@ -236,6 +236,17 @@ impl Camera {
     /// A direction of the world in camera space: x to the left of the picture, y up, z along the view axis.
     pub fn direction_in_camera(&self, world: Vec3) -> Vec3 {
         self.world_from_camera.matrix3.transpose() * world
+    }
+
+    /// The axes of camera space in the world, one after the other.
+    pub fn axes(&self) -> [f32; 9] {
+        self.world_from_camera.matrix3.to_cols_array()
+    }
+
+    /// A camera at the origin with these [axes](Self::axes), of which only directions are asked.
+    pub fn of_axes(axes: &[f32; 9]) -> Self {
+        let world_from_camera = Affine3A::from_mat3(Mat3::from_cols_array(axes));
+        Self::orthographic(world_from_camera, Vec2::ONE, 0.0, 1.0)
     }
 
     /// The distances of the near and the far clip plane along the view axis.

@@ -1,9 +1,14 @@
 //! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
 
+mod chunks;
 mod errors;
+mod state;
+
+use std::borrow::Cow;
 
 use glam::Vec3;
 
+use self::chunks::{is_whole, without_splats};
 use super::layers::{FilmLayers, LayerSums, Matte};
 use super::mean_error::{BLOCK, BLOCKS, BlockError};
 use super::scene::FirstHit;
@@ -37,6 +42,10 @@ pub struct Film {
     layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
+    /// Of each tile the chunk that is not whole yet, see [`super::passes`]. The counts have its samples, and the sums have not.
+    begun: Vec<Option<Box<TileSamples>>>,
+    /// The chunks of each tile, if they are kept.
+    chunks: Option<Vec<Vec<TileSamples>>>,
 }
 
 impl Film {
@@ -75,6 +84,9 @@ impl Film {
         self.noted.resize(pixels, [0.0; 2]);
         self.errors.clear();
         self.errors.resize(tiles * BLOCKS, BlockError::default());
+        self.begun.clear();
+        self.begun.resize(tiles, None);
+        self.chunks = None;
         std::mem::replace(&mut self.previews, vec![None; tiles])
     }
 
@@ -86,6 +98,8 @@ impl Film {
             + size_of::<BlockError>() / (BLOCK * BLOCK) as usize
             + size_of::<Option<FirstHit>>()
             + kept.pixel_bytes()
+            + size_of::<PixelSum>()
+            + kept.sum_bytes()
             + COPIES * size_of::<Rgb>();
         let rounded = |side: u32| u64::from(side.next_multiple_of(TILE));
         rounded(width) * rounded(height) * pixel as u64
@@ -105,25 +119,29 @@ impl Film {
     /// wait for [`Self::settle_splats`]. Returns the preview that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let (tile, width) = (result.tile, result.tile.width as usize);
-        for (y, place) in (tile.y..).zip((0..result.pixels.len()).step_by(width)) {
+        let place = self.tile_index(tile.x, tile.y);
+        self.splats.keep(result.samples.end, place, &result.splats);
+        let follows = |chunk: &TileSamples| result.blocks.is_none() && chunk.samples.end == result.samples.start;
+        if let Some(chunk) = self.begun[place].take_if(|chunk| !follows(chunk)) {
+            self.add_chunk(&chunk);
+        }
+        for (y, from) in (tile.y..).zip((0..result.pixels.len()).step_by(width)) {
             let row = self.index(tile.x, y)..self.index(tile.x, y) + width;
-            if let Some(hits) = result.first_hits.get(place..place + width) {
+            if let Some(hits) = result.first_hits.get(from..from + width) {
                 self.first_hits[row.clone()].copy_from_slice(hits);
             }
-            let counts = &self.counts[row.clone()];
-            self.layers.add(self.kept, row.start, &result.layers, place, counts);
-            let pixels = self.sums[row.clone()].iter_mut().zip(&mut self.counts[row]);
-            for ((x, (sum, samples)), new) in (tile.x..).zip(pixels).zip(&result.pixels[place..]) {
-                if *samples == 0 {
-                    *sum = PixelSum::default();
-                }
-                sum.add(new);
+            for (x, samples) in (tile.x..).zip(&mut self.counts[row]) {
                 *samples += result.count(x, y);
             }
         }
-        self.compare_halves(tile);
-        let place = self.tile_index(tile.x, tile.y);
-        self.splats.keep(result.samples.end, place, &result.splats);
+        match self.begun[place].take() {
+            Some(mut chunk) => {
+                chunk.append(result);
+                self.add_if_whole(place, chunk);
+            }
+            None if result.blocks.is_some() || is_whole(result) => self.add_chunk(result),
+            None => self.begun[place] = Some(Box::new(without_splats(result))),
+        }
         self.previews[place].take_if(|preview| preview.tile == tile)
     }
 
@@ -143,12 +161,11 @@ impl Film {
         settled
     }
 
-    /// The sums and numbers of samples of a tile, row by row.
-    pub(super) fn rows(&self, tile: Tile) -> impl Iterator<Item = (&[PixelSum], &[u32])> {
-        (tile.y..tile.y + tile.height).map(move |y| {
-            let row = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
-            (&self.sums[row.clone()], &self.counts[row])
-        })
+    /// The numbers of samples of a tile, row by row.
+    fn counts_of(&self, tile: Tile) -> impl Iterator<Item = u32> {
+        let rows = (tile.y..tile.y + tile.height).map(move |y| self.index(tile.x, y));
+        rows.flat_map(move |start| &self.counts[start..start + tile.width as usize])
+            .copied()
     }
 
     /// Shows a coarse picture in those pixels of the tile that have no sample yet. It stays as it is: to write it out pixel by pixel
@@ -189,15 +206,14 @@ impl Film {
     /// The number of samples that every pixel has.
     pub fn sample_count(&self) -> u32 {
         let rows = tiles(self.width, self.height).into_iter();
-        let least = |tile| self.rows(tile).flat_map(|(_, counts)| counts).copied().min();
-        rows.filter_map(least).min().unwrap_or(0)
+        rows.filter_map(|tile| self.counts_of(tile).min()).min().unwrap_or(0)
     }
 
     /// The number of pixels that have no sample yet.
     pub fn pixels_without_samples(&self) -> usize {
         let tiles = tiles(self.width, self.height).into_iter();
-        let counts = tiles.flat_map(|tile| self.rows(tile).flat_map(|(_, counts)| counts));
-        counts.filter(|&&count| count == 0).count()
+        let counts = tiles.flat_map(|tile| self.counts_of(tile));
+        counts.filter(|&count| count == 0).count()
     }
 
     /// The mean over a pixel's samples, or its preview; None when there is nothing to show yet.
@@ -206,7 +222,7 @@ impl Film {
         match self.counts[index] {
             0 => self.preview(x, y).map(|(preview, block)| preview.blocks[block]),
             count => {
-                let mut pixel = mean(&self.sums[index], count);
+                let mut pixel = mean(&self.sum(x, y), count);
                 pixel.radiance += self.splats.mean(index);
                 Some(pixel)
             }
@@ -230,9 +246,8 @@ impl Film {
     }
 
     /// The values of a pixel's layers, summed up over its samples; None if it has none yet.
-    pub(super) fn layer_sums(&self, x: u32, y: u32) -> Option<&[f32]> {
-        let index = self.index(x, y);
-        (self.counts[index] > 0).then(|| self.layers.values_of(self.kept, index))
+    pub(super) fn layer_sums(&self, x: u32, y: u32) -> Option<Cow<'_, [f32]>> {
+        (self.samples(x, y) > 0).then(|| self.layer_values(x, y))
     }
 
     /// The cryptomatte number `place` of a pixel, empty if it has no samples yet.
@@ -240,7 +255,7 @@ impl Film {
         let index = self.index(x, y);
         match self.counts[index] {
             0 => Matte::default(),
-            _ => self.layers.mattes[index * self.kept.matte_count() + place],
+            _ => self.matte_sum(x, y, place),
         }
     }
 
@@ -253,21 +268,17 @@ impl Film {
                 let (preview, block) = self.preview(x, y)?;
                 (
                     preview.blocks[block].radiance,
-                    preview.layers.values_of(self.kept, block),
+                    Cow::Borrowed(preview.layers.values_of(self.kept, block)),
                     1,
                 )
             }
-            count => (
-                self.sums[index].radiance,
-                self.layers.values_of(self.kept, index),
-                count,
-            ),
+            count => (self.sum(x, y).radiance, self.layer_values(x, y), count),
         };
         let splats = self.splats.mean(index);
         if self.kept.groups == 0 || factors.is_empty() {
             return Some(radiance * (1.0 / count as f32) + splats);
         }
-        let groups = LayerSums::groups(layers, self.kept);
+        let groups = LayerSums::groups(&layers, self.kept);
         let factors = factors.iter().copied().chain(std::iter::repeat(Rgb::ONE));
         let sum: Rgb = groups.zip(factors).map(|(light, factor)| light * factor).sum();
         Some(sum / count as f32 + splats)

@@ -21,6 +21,8 @@ pub struct LayeredImage {
     pub channels: Vec<Channel>,
     /// What else is known of the picture, by name. No two have the same name.
     pub attributes: Vec<(String, Attribute)>,
+    /// Where it lies in a larger picture, if it is a part of one: the first column and row of it, and the size of the larger one.
+    pub place: Option<[u32; 4]>,
     /// What a reader has taken from the memory budget.
     pub(super) memory: Held,
 }
@@ -120,6 +122,27 @@ impl LayeredImage {
     /// The number of pixels.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The part of it with its first pixel at (x, y), of this size, which has to lie in it.
+    pub fn cropped(mut self, x: u32, y: u32, width: u32, height: u32) -> Self {
+        fn cut<T: Copy>(samples: &[T], row: usize, x: usize, y: usize, width: usize, height: usize) -> Vec<T> {
+            let rows = samples.chunks_exact(row).skip(y).take(height);
+            rows.flat_map(|row| &row[x..x + width]).copied().collect()
+        }
+        let row = self.width as usize;
+        let [left, top, columns, rows] = [x, y, width, height].map(|number| number as usize);
+        for channel in &mut self.channels {
+            match &mut channel.samples {
+                Samples::Half(samples) | Samples::Float(samples) => {
+                    *samples = cut(samples, row, left, top, columns, rows);
+                }
+                Samples::Uint(samples) => *samples = cut(samples, row, left, top, columns, rows),
+            }
+        }
+        self.place = Some([x, y, self.width, self.height]);
+        (self.width, self.height) = (width, height);
+        self
     }
 
     /// The channel of this full name.

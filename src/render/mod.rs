@@ -1,6 +1,7 @@
 //! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
 pub mod adaptive;
+pub mod bytes;
 pub mod camera;
 pub mod denoise;
 mod dimensions;
@@ -19,6 +20,8 @@ mod mis;
 pub mod motion;
 pub mod noise;
 pub mod observer;
+pub mod part;
+pub mod passes;
 pub mod path;
 mod path_state;
 mod roulette;

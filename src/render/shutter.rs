@@ -30,6 +30,11 @@ impl Shutter {
         (!moments.is_empty()).then_some(Self(moments))
     }
 
+    /// The number of moments.
+    pub fn moments(&self) -> usize {
+        self.0.len()
+    }
+
     /// The number of moments for this many samples per pixel: as many, or, beyond [`Self::MOST`], such that each gets about as many samples.
     pub fn moments_for(samples: u32) -> u32 {
         samples.div_ceil(samples.div_ceil(Self::MOST).max(1)).max(1)
@@ -53,7 +58,7 @@ impl Shutter {
             let (scene, view) = &self.0[sample as usize % self.0.len()];
             let one = render_tile(scene, view, tile, sample..sample + 1, cancel)?;
             match &mut whole {
-                Some(whole) => whole.append(one),
+                Some(whole) => whole.append(&one),
                 None => whole = Some(one),
             }
         }

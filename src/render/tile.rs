@@ -114,16 +114,16 @@ pub struct TileSamples {
 
 impl TileSamples {
     /// Adds the samples of the same tile that follow these.
-    pub fn append(&mut self, next: Self) {
+    pub fn append(&mut self, next: &Self) {
         debug_assert_eq!((self.tile, self.samples.end), (next.tile, next.samples.start));
         self.samples.end = next.samples.end;
         let pixels = self.pixels.iter_mut().zip(&next.pixels);
         pixels.for_each(|(sum, new)| sum.add(new));
         self.layers.append(&next.layers);
         if self.first_hits.is_empty() {
-            self.first_hits = next.first_hits;
+            self.first_hits.clone_from(&next.first_hits);
         }
-        self.splats.extend(next.splats);
+        self.splats.extend_from_slice(&next.splats);
         self.rays += next.rays;
         self.invalid += next.invalid;
     }

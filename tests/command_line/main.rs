@@ -8,4 +8,5 @@ mod foreign_files;
 mod monkey;
 mod pictures;
 mod sequences;
+mod shares;
 mod workshop;

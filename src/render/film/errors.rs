@@ -74,10 +74,11 @@ impl Film {
             .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (x, y)))
             .filter_map(move |(x, y)| {
                 let place = self.index(x, y);
-                let (sum, count) = (&self.sums[place], self.counts[place]);
+                let count = self.counts[place];
                 (count >= 2).then(|| {
+                    let sum = self.sum(x, y);
                     let mean = luminance(sum.radiance / count as f32);
-                    (mean, squared_deviation(sum, count) * efficiencies[block_of(x, y)])
+                    (mean, squared_deviation(&sum, count) * efficiencies[block_of(x, y)])
                 })
             })
     }
@@ -92,7 +93,7 @@ impl Film {
         let tile = self.tile_index(x, y);
         let block = &self.errors[tile * BLOCKS + block_of(x, y)];
         let efficiency = block.efficiency(count, self.share_of_doubling(tile));
-        Some((squared_deviation(&self.sums[place], count) * efficiency).sqrt())
+        Some((squared_deviation(&self.sum(x, y), count) * efficiency).sqrt())
     }
 }
 

@@ -12,8 +12,8 @@ use exr::math::RoundingMode;
 use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, Text,
-    Vec2, WritableImage, f16,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Encoding, FlatSamples, IntegerBounds, Layer, LayerAttributes,
+    LineOrder, Text, Vec2, WritableImage, f16,
 };
 
 use super::{ExrCompression, ImageIoError, write};
@@ -41,9 +41,17 @@ pub fn encode_exr(image: &LayeredImage, compression: ExrCompression) -> Result<V
         line_order: LineOrder::Increasing,
     };
     let size = Vec2(width, image.height as usize);
-    let layer = Layer::new(size, attributes(image), encoding, AnyChannels::sort(channels.collect()));
+    let mut own = attributes(image);
+    if let Some([x, y, ..]) = image.place {
+        own.layer_position = Vec2(x as i32, y as i32);
+    }
+    let layer = Layer::new(size, own, encoding, AnyChannels::sort(channels.collect()));
     let mut bytes = Cursor::new(Vec::new());
-    let file = exr::prelude::Image::from_layer(layer);
+    let mut file = exr::prelude::Image::from_layer(layer);
+    if let Some([.., width, height]) = image.place {
+        let whole = Vec2(width as usize, height as usize);
+        file.attributes.display_window = IntegerBounds::from_dimensions(whole);
+    }
     file.write()
         .to_buffered(&mut bytes)
         .map_err(|error| ImageIoError::Exr(error.to_string()))?;

@@ -23,11 +23,11 @@ impl Matte {
     }
 
     /// Adds the samples of another range of the same pixel.
-    pub(super) fn merge(&mut self, other: &Self) {
+    pub(in crate::render) fn merge(&mut self, other: &Self) {
         other.entries().for_each(|entry| self.add_entry(entry));
     }
 
-    fn add_entry(&mut self, new: MatteEntry) {
+    pub(in crate::render) fn add_entry(&mut self, new: MatteEntry) {
         for place in &mut self.0 {
             if place.samples == 0 {
                 *place = new;

@@ -122,8 +122,12 @@ impl FilmLayers {
     /// The memory that a pixel needs in bytes, with that of a picture file in which it is saved.
     pub(in crate::render) fn pixel_bytes(self) -> usize {
         let saved: usize = self.layers.iter().map(channels).sum();
-        let kept = size_of::<f32>() * self.values() + size_of::<Matte>() * self.matte_count();
-        kept + size_of::<f32>() * (saved + 3 * self.groups)
+        self.sum_bytes() + size_of::<f32>() * (saved + 3 * self.groups)
+    }
+
+    /// The memory of the sums of a pixel in bytes.
+    pub(in crate::render) fn sum_bytes(self) -> usize {
+        size_of::<f32>() * self.values() + size_of::<Matte>() * self.matte_count()
     }
 }
 

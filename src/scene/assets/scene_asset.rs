@@ -66,6 +66,7 @@ impl AssetLoader for SceneLoader {
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
         let bytes = files::read(&path, largest(&path))?;
+        files::note_read(&path);
         if is_gltf(&bytes, &path) {
             allow_parts(|folder| self.access.allow(folder));
         }
@@ -116,6 +117,7 @@ fn read_scene_within(
 /// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     let bytes = files::read(path, largest(path)).map_err(|source| unreadable(path, source))?;
+    files::note_read(path);
     parse(bytes, path, defines, access)
 }
 

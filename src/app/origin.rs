@@ -1,0 +1,77 @@
+//! What a picture is rendered of, for parts and checkpoints: digests of the scene's files, and the settings.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use crate::engine::PackedScene;
+use crate::files;
+use crate::render::part::{FileDigest, Origin};
+use crate::scene::IntegratorSettings;
+
+/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads); paths in the folder of `scene` begin there.
+/// `others` are further settings by name. An error names a file that cannot be read any more.
+pub fn origin(world: &World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
+    let folder = scene.canonicalize().unwrap_or_else(|_| scene.to_owned());
+    let folder = folder.parent().unwrap_or(Path::new(""));
+    let mut digests = Vec::new();
+    for path in files::recorded_reads() {
+        let full = path.canonicalize().unwrap_or_else(|_| path.clone());
+        let digest = digest(&full).map_err(|error| format!("{}: {error}", path.display()))?;
+        digests.push(FileDigest {
+            path: full.strip_prefix(folder).unwrap_or(&full).display().to_string(),
+            digest,
+        });
+    }
+    digests.sort_by(|a, b| a.path.cmp(&b.path));
+    digests.dedup();
+    let mut settings = Vec::new();
+    if let Some(view) = &world.resource::<PackedScene>().view {
+        let mut add = |name: &str, value: String| settings.push((name.to_owned(), value));
+        add("the size", format!("{} x {}", view.width, view.height));
+        add("the seed", view.seed.to_string());
+        add("the sampler", format!("{:?}", view.sequence));
+        add("the camera", format!("{:?}", view.camera));
+        add("the reconstruction filter", short(format!("{:?}", view.filter)));
+        add(
+            "the integrator",
+            format!("{:?}", world.resource::<IntegratorSettings>()),
+        );
+        add(
+            "the list of layers",
+            view.layers
+                .iter()
+                .map(|layer| layer.name())
+                .collect::<Vec<_>>()
+                .join(","),
+        );
+        add("the grouping of lights", short(format!("{:?}", view.light_groups)));
+    }
+    settings.extend(others);
+    Ok(Origin {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        files: digests,
+        settings,
+    })
+}
+
+/// A digest of the content of a file.
+fn digest(path: &Path) -> io::Result<String> {
+    let mut file = files::open(path, files::LARGEST_DATA)?;
+    let (mut hasher, mut buffer) = (blake3::Hasher::new(), vec![0; 1 << 20]);
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(hasher.finalize().to_hex().to_string()),
+            count => drop(hasher.update(&buffer[..count])),
+        }
+    }
+}
+
+/// A digest of a long text.
+fn short(text: String) -> String {
+    match text.len() > 200 {
+        true => blake3::hash(text.as_bytes()).to_hex().to_string(),
+        false => text,
+    }
+}

@@ -1,0 +1,188 @@
+//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use sunroom::engine::PictureNames;
+use sunroom::layer::Layer;
+use sunroom::memory;
+use sunroom::render::camera::Camera;
+use sunroom::render::denoise::{DenoiseError, denoise_film};
+use sunroom::render::film::Film;
+use sunroom::render::image_io::ImageRgb;
+use sunroom::render::layered_image::{Attribute, LayeredImage};
+use sunroom::render::part::{PartFile, PartHeader, check_cover};
+use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
+
+use super::args::{MemoryArgs, ThreadArgs};
+use super::outputs;
+use super::picture_args::{DisplayArgs, FileArgs};
+use super::report::{self, Failure};
+
+#[derive(Args)]
+pub struct MergeArgs {
+    /// Files that `sunroom render --samples` or `--crop` has written, in any order
+    #[arg(required = true, value_name = "PART")]
+    parts: Vec<PathBuf>,
+    /// Image file, as of `sunroom render`; may be given several times
+    #[arg(short, long, required = true, value_name = "OUT")]
+    output: Vec<PathBuf>,
+    /// Remove the noise with Open Image Denoise
+    #[arg(long)]
+    denoise: bool,
+    /// Merge parts even if the scene, the settings or the version differ
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    file: FileArgs,
+    /// Say nothing about a merge that succeeds
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(args: &MergeArgs) -> ExitCode {
+    args.memory.apply();
+    args.threads.report_limit();
+    match merge(args) {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
+    outputs::check_pictures(&args.output)?;
+    if args.denoise && !cfg!(feature = "denoise") {
+        return Err(DenoiseError::NotBuilt.into());
+    }
+    let mut parts = Vec::new();
+    for path in &args.parts {
+        let name = path.display().to_string();
+        let file = PartFile::open(path).map_err(|error| format!("{name}: {error}"))?;
+        parts.push((name, file));
+    }
+    check(&parts, args.force)?;
+    // The samples of each pixel are added in their order.
+    parts.sort_by_key(|(_, file)| file.header().samples);
+    let Some((_, first)) = parts.first() else {
+        return Err(Failure::Usage("there are no parts".to_owned()));
+    };
+    let (header, kept) = (first.header(), first.header().film_layers());
+    let (width, height) = (header.width, header.height);
+    let _memory = memory::reserve(Film::memory_bytes(width, height, kept))
+        .map_err(|shortage| format!("a film of {width} x {height} pixels needs {shortage}"))?;
+    let mut film = Film::with_layers(width, height, kept);
+    for (name, file) in &parts {
+        file.read_into(&mut film).map_err(|error| format!("{name}: {error}"))?;
+    }
+    write(args, &film, header)
+}
+
+/// Refuses parts that are not finished, that are of different pictures, or that do not make up a whole one.
+fn check(parts: &[(String, PartFile)], force: bool) -> Result<(), Failure> {
+    let Some((first_name, first)) = parts.first() else {
+        return Ok(());
+    };
+    let first = first.header();
+    for (name, file) in parts {
+        let header = file.header();
+        if !header.is_finished {
+            return Err(format!("{name} is not finished: `sunroom render --resume` goes on with it").into());
+        }
+        let differences = header.origin.differences(&first.origin);
+        let is_alike =
+            [header.width, header.height] == [first.width, first.height] && header.film_layers() == first.film_layers();
+        let is_forced = force && is_alike;
+        if !differences.is_empty() && !is_forced {
+            let text = differences.join("; ");
+            return Err(format!("{name} is a part of another picture than {first_name}: {text}").into());
+        }
+        if !is_alike {
+            return Err(format!("{name} has another size or other layers than {first_name}").into());
+        }
+    }
+    let headers: Vec<(String, PartHeader)> = parts
+        .iter()
+        .map(|(name, file)| (name.clone(), file.header().clone()))
+        .collect();
+    Ok(check_cover(&headers)?)
+}
+
+fn write(args: &MergeArgs, film: &Film, header: &PartHeader) -> Result<ExitCode, Failure> {
+    let threads = args
+        .threads
+        .threads
+        .and_then(|threads| usize::try_from(threads).ok())
+        .filter(|&threads| threads > 0);
+    let layers = film.layers().layers;
+    let denoised = (args.denoise || layers.contains(Layer::Denoised))
+        .then(|| denoise_film(film, threads, &AtomicBool::new(false)));
+    let (denoised, failure) = match denoised {
+        Some(Ok(pixels)) => (Some(pixels), None),
+        Some(Err(error)) => (None, Some(error)),
+        None => (None, None),
+    };
+    let picture = ImageRgb {
+        width: film.width(),
+        height: film.height(),
+        pixels: denoised
+            .clone()
+            .filter(|_| args.denoise)
+            .unwrap_or_else(|| film.radiance()),
+    };
+    let about = &header.about;
+    let names = PictureNames {
+        objects: about.objects.clone(),
+        materials: about.materials.clone(),
+        light_groups: about.light_groups.clone(),
+    };
+    let camera = Camera::of_axes(&about.camera_axes.map(f32::from_bits));
+    let mut picture = names.layered(&picture, film, &camera, denoised.as_deref());
+    describe(&mut picture, header, film.sample_count());
+    let options = args.file.options(args.display.display(), storage(header));
+    let written = outputs::write_pictures(&args.output, &picture, &options);
+    if !args.quiet {
+        outputs::report_written(&written);
+    }
+    if let Some(error) = &failure {
+        match args.denoise {
+            true => drop(report::error(format_args!("{error}; the picture is not denoised"))),
+            false => report::line(format_args!("warning: {error}; the layer `denoised` is missing")),
+        }
+    }
+    let is_done = written.len() == args.output.len() && (failure.is_none() || !args.denoise);
+    Ok(if is_done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The attributes that the picture would have if it had been rendered at once.
+fn describe(picture: &mut LayeredImage, header: &PartHeader, samples: u32) {
+    for (name, value) in &header.about.texts {
+        picture.set_attribute(name, Attribute::Text(value.clone()));
+    }
+    for (name, bits) in ["worldToCamera", "worldToNDC"].into_iter().zip(header.about.matrices) {
+        picture.set_attribute(name, Attribute::Matrix(bits.map(f32::from_bits)));
+    }
+    let mut int = |name: &str, value: u32| {
+        picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));
+    };
+    int("sunroom:spp", samples);
+    int("sunroom:seed", header.about.seed);
+}
+
+fn storage(header: &PartHeader) -> FilmStorage {
+    let [pixels, components] = &header.about.storage;
+    let is = |wanted: &Option<String>, name: &str| wanted.as_deref() == Some(name);
+    FilmStorage {
+        pixels: PixelFormat::ALL.into_iter().find(|format| is(pixels, format.name())),
+        components: ComponentFormat::ALL
+            .into_iter()
+            .find(|format| is(components, format.name())),
+    }
+}

@@ -1,0 +1,81 @@
+//! The options of the command line that override the file.
+
+use bevy::prelude::*;
+use sunroom::engine::RenderControl;
+use sunroom::scene::{
+    ActiveSensor, Crop, Film as SensorFilm, IntegratorSettings, SamplerSettings, Sequence, Strategy, find_camera,
+};
+
+use super::args::{RenderArgs, SamplerName, StrategyName};
+use crate::cli::report::Failure;
+
+/// Applies the options of the command line, which override the file.
+pub(super) fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
+    let mut integrator = world.resource_mut::<IntegratorSettings>();
+    if let Some(depth) = args.max_depth {
+        integrator.max_depth = u32::try_from(depth).ok();
+    }
+    integrator.schlick |= args.schlick;
+    integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
+    match args.strategy {
+        Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
+        Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
+        Some(StrategyName::Mis) => integrator.strategy = Strategy::Mis,
+        None => {}
+    }
+    let mut sampler = world.resource_mut::<SamplerSettings>();
+    if let Some(seed) = args.seed {
+        sampler.seed = seed;
+    }
+    match args.sampler {
+        Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
+        Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
+        None => {}
+    }
+    if args.adaptive {
+        world.resource_mut::<RenderControl>().adaptive = Some(true);
+    }
+    if args.noise.is_some() {
+        world.resource_mut::<RenderControl>().noise_target = args.noise;
+    } else if args.spp.is_some() || args.time.is_some() || args.shares.is_given() {
+        // What is asked for takes the place of both limits of the file.
+        world.resource_mut::<RenderControl>().noise_target = Some(0.0);
+    }
+    if let Some(camera) = &args.camera {
+        let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
+        world.insert_resource(ActiveSensor(Some(camera)));
+    }
+    let window = world
+        .resource::<ActiveSensor>()
+        .0
+        .and_then(|sensor| world.get::<SensorFilm>(sensor))
+        .map(SensorFilm::window);
+    let sides = match args.size {
+        Some((width, height)) => [Some(width), Some(height)],
+        None => [args.width, args.height],
+    };
+    if let Some(Crop { width, height, .. }) = window
+        && sides != [None; 2]
+    {
+        let scaled = |side: u32, to: u32, from: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round() as u32;
+        let size = UVec2::new(
+            sides[0]
+                .or_else(|| Some(scaled(width, sides[1]?, height)))
+                .unwrap_or(width)
+                .max(1),
+            sides[1]
+                .or_else(|| Some(scaled(height, sides[0]?, width)))
+                .unwrap_or(height)
+                .max(1),
+        );
+        if !SensorFilm::is_possible(size.x, size.y) {
+            let most = SensorFilm::MOST_PIXELS;
+            return Err(Failure::Usage(format!(
+                "a film of {} x {} pixels is too large: at most {most} are possible",
+                size.x, size.y
+            )));
+        }
+        world.resource_mut::<RenderControl>().film_size_override = Some(size);
+    }
+    Ok(())
+}

@@ -1,0 +1,348 @@
+//! Shares of a picture, checkpoints, and taking up what a checkpoint has.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use bevy::prelude::*;
+use clap::Args;
+use sunroom::app::origin::origin;
+use sunroom::engine::{OpenShutter, PackedScene, PictureNames, RenderControl, RenderFilm, job_state, resume};
+use sunroom::layer::Layer;
+use sunroom::render::film::Film;
+use sunroom::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
+use sunroom::render::layered_image::{Attribute, LayeredImage};
+use sunroom::render::part::{About, Crop, Origin, PartFile, PartHeader, write_part};
+use sunroom::render::passes::{chunk_of, is_cut};
+use sunroom::scene::{ActiveSensor, Film as SensorFilm};
+
+use super::outputs::is_stdout;
+use super::parse;
+use super::report::{self, Failure};
+
+#[derive(Args)]
+pub struct ShareArgs {
+    /// Render only these samples of each pixel, such as 0..256 (256 is not one of them); `sunroom merge` puts the parts together
+    #[arg(long, value_name = "A..B", value_parser = parse::samples, conflicts_with_all = ["time", "noise", "adaptive", "denoise"])]
+    pub samples: Option<Range<u32>>,
+    /// Render only this part of the picture: its upper left corner and its size in pixels, at multiples of 32
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse::crop, conflicts_with_all = ["time", "noise", "adaptive", "denoise"])]
+    crop: Option<Crop>,
+}
+
+#[derive(Args)]
+pub struct CheckpointArgs {
+    /// Save what is rendered to this file from time to time, to go on after an interruption
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// The time between two checkpoints
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = parse::duration, requires = "checkpoint")]
+    pub every: Duration,
+    /// Go on with what a checkpoint has; if it is the file of --checkpoint and does not exist, begin
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    /// Go on even if the scene, the settings or the version have changed
+    #[arg(long, requires = "resume")]
+    force: bool,
+}
+
+impl CheckpointArgs {
+    /// Whether a checkpoint is written or taken up.
+    pub fn are_given(&self) -> bool {
+        self.checkpoint.is_some() || self.resume.is_some()
+    }
+}
+
+/// What the samples of a picture depend on beside the scene and the view, by name.
+pub type Settings = Vec<(String, String)>;
+
+/// The share of the picture that is rendered, which is all of it for an ordinary picture.
+pub struct Share {
+    origin: Origin,
+    size: [u32; 2],
+    crop: Crop,
+    samples: [u32; 2],
+    /// Whether the outputs are parts.
+    pub is_part: bool,
+}
+
+impl ShareArgs {
+    /// Whether a part of the picture is rendered.
+    pub fn is_given(&self) -> bool {
+        self.samples.is_some() || self.crop.is_some()
+    }
+
+    /// Refuses outputs that cannot be parts, and ranges that cannot be merged.
+    pub fn check(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
+        if !self.is_given() {
+            return Ok(());
+        }
+        let is_exr = |path: &&PathBuf| FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
+        if let Some(path) = outputs.iter().find(|path| is_stdout(path) || !is_exr(path)) {
+            return Err(Failure::Usage(format!(
+                "{}: a part of a picture is an EXR file, which has the exact sums for `sunroom merge`",
+                path.display()
+            )));
+        }
+        match self.samples.as_ref().filter(|samples| !is_cut(samples.start)) {
+            Some(samples) => {
+                let (start, around) = (samples.start, chunk_of(samples.start));
+                Err(Failure::Usage(format!(
+                    "samples are summed up in fixed groups, and a range cannot begin at {start}: {} and {} are the nearest",
+                    around.start, around.end
+                )))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is packed. `samples`: the number of samples
+/// that are asked for; `wanted`: other things that samples depend on.
+pub fn begin(
+    world: &mut World,
+    scene: &Path,
+    shares: &ShareArgs,
+    checkpoints: &CheckpointArgs,
+    samples: u32,
+    mut settings: Settings,
+) -> Result<Option<Share>, Failure> {
+    if !shares.is_given() && !checkpoints.are_given() {
+        return Ok(None);
+    }
+    let Some(view) = &world.resource::<PackedScene>().view else {
+        return Ok(None);
+    };
+    let size = [view.width, view.height];
+    let crop = shares.crop.unwrap_or(Crop::whole(size[0], size[1]));
+    crop.check(size[0], size[1]).map_err(Failure::Usage)?;
+    let range = shares.samples.clone().unwrap_or(0..samples);
+    let sensor = world.resource::<ActiveSensor>().0;
+    let is_adaptive = sensor
+        .and_then(|sensor| world.get::<SensorFilm>(sensor))
+        .is_some_and(|film| film.adaptive);
+    if shares.is_given() && is_adaptive {
+        let message = "the scene asks for adaptive sampling, which decides by the noise of the whole picture: its samples cannot be divided into parts";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    if let Some(shutter) = &world.resource::<OpenShutter>().shutter {
+        settings.push((
+            "the number of moments of the shutter".to_owned(),
+            shutter.moments().to_string(),
+        ));
+    }
+    settings.push((
+        "adaptive sampling".to_owned(),
+        world
+            .resource::<RenderControl>()
+            .adaptive
+            .unwrap_or(is_adaptive)
+            .to_string(),
+    ));
+    let share = Share {
+        origin: origin(world, scene, settings)?,
+        size,
+        crop,
+        samples: [range.start, range.end],
+        is_part: shares.is_given(),
+    };
+    let mut control = world.resource_mut::<RenderControl>();
+    if share.is_part {
+        let [width, height] = size.map(|side| side as f32);
+        let (x, y) = (crop.x as f32 + 0.5, crop.y as f32 + 0.5);
+        // The middles of the outer pixels: edges might be rounded into the next tile.
+        let [right, bottom] = [(x, crop.width), (y, crop.height)].map(|(start, length)| start + (length - 1) as f32);
+        control.region = Some(Rect::new(x / width, y / height, right / width, bottom / height));
+        control.share = Some(range.start);
+        control.target_samples = Some(range.end);
+    }
+    if let Some(path) = &checkpoints.resume {
+        let is_begin = checkpoints.checkpoint.as_ref() == Some(path) && !path.exists();
+        match is_begin {
+            true => report::line(format_args!(
+                "{} does not exist yet: the picture is begun",
+                path.display()
+            )),
+            false => share.take_up(world, path, checkpoints.force)?,
+        }
+    }
+    Ok(Some(share))
+}
+
+impl Share {
+    /// Lets the picture go on with what a checkpoint has.
+    fn take_up(&self, world: &mut World, path: &Path, force: bool) -> Result<(), Failure> {
+        let name = path.display();
+        let file = PartFile::open(path).map_err(|error| format!("{name}: {error}"))?;
+        let header = file.header();
+        let differences = self.origin.differences(&header.origin);
+        if !differences.is_empty() {
+            let text = differences.join("; ");
+            if !force {
+                return Err(
+                    format!("{name} is a checkpoint of another picture: {text} (--force goes on with it)").into(),
+                );
+            }
+            report::line(format_args!(
+                "warning: {name} is a checkpoint of another picture: {text}"
+            ));
+        }
+        let view = world.resource::<PackedScene>().view.as_ref();
+        let Some(kept) = view.map(|view| view.film_layers()) else {
+            return Ok(());
+        };
+        if [header.width, header.height] != self.size || header.film_layers() != kept {
+            return Err(format!("{name} has another size or other layers, and cannot be resumed").into());
+        }
+        if header.crop != self.crop || header.samples[0] != self.samples[0] {
+            let Crop { x, y, width, height } = header.crop;
+            let [start, end] = header.samples;
+            return Err(format!("{name} is of --samples {start}..{end} --crop {x},{y},{width},{height}").into());
+        }
+        let mut film = Film::with_layers(self.size[0], self.size[1], kept);
+        if self.samples[0] > 0 {
+            film.keep_chunks();
+        }
+        let job = file.read_into(&mut film).map_err(|error| format!("{name}: {error}"))?;
+        resume(world, film, job);
+        Ok(())
+    }
+
+    /// Whether every pixel of the share has exactly its samples.
+    fn is_finished(&self, film: &Film) -> bool {
+        let samples = self.samples[1] - self.samples[0];
+        self.counts(film).all(|count| count == samples)
+    }
+
+    /// Whether every pixel of the share has a sample.
+    pub fn is_whole(&self, film: &Film) -> bool {
+        self.counts(film).all(|count| count > 0)
+    }
+
+    /// The number of samples of each of its pixels.
+    fn counts<'a>(&self, film: &'a Film) -> impl Iterator<Item = u32> + use<'a> {
+        let Crop { x, y, width, height } = self.crop;
+        let [all_columns, all_rows] = [film.width(), film.height()];
+        // Nothing is rendered yet where the film has no size.
+        let (columns, rows) = (x..(x + width).min(all_columns), y..(y + height).min(all_rows));
+        rows.flat_map(move |y| columns.clone().map(move |x| film.samples(x, y)))
+    }
+
+    /// The part of the picture that is rendered.
+    pub fn cut(&self, picture: LayeredImage) -> LayeredImage {
+        let Crop { x, y, width, height } = self.crop;
+        match self.crop == Crop::whole(self.size[0], self.size[1]) {
+            true => picture,
+            false => picture.cropped(x, y, width, height),
+        }
+    }
+
+    /// Writes the picture to a file of a part.
+    pub fn write(
+        &self,
+        world: &World,
+        path: &Path,
+        picture: &LayeredImage,
+        options: &FileOptions,
+    ) -> Result<(), ImageIoError> {
+        let content = encode_layered(picture, FileFormat::Exr, options)?;
+        self.write_state(world, path, &content, picture)
+    }
+
+    /// Writes a checkpoint. `described`: a picture with the attributes that the finished one will have.
+    pub fn write_checkpoint(&self, world: &World, path: &Path, described: &LayeredImage) -> Result<(), ImageIoError> {
+        let film = &world.resource::<RenderFilm>().film;
+        let mut picture = LayeredImage::from(&ImageRgb {
+            width: film.width(),
+            height: film.height(),
+            pixels: film.radiance(),
+        });
+        picture.attributes.clone_from(&described.attributes);
+        let options = FileOptions {
+            exr_compression: ExrCompression::None,
+            ..FileOptions::default()
+        };
+        let content = encode_layered(&self.cut(picture), FileFormat::Exr, &options)?;
+        self.write_state(world, path, &content, described)
+    }
+
+    fn write_state(
+        &self,
+        world: &World,
+        path: &Path,
+        content: &[u8],
+        described: &LayeredImage,
+    ) -> Result<(), ImageIoError> {
+        let film = &world.resource::<RenderFilm>().film;
+        let tiles: Vec<_> = self.crop.tiles(self.size[0], self.size[1]).collect();
+        let begun: Vec<_> = tiles
+            .into_iter()
+            .filter(|tile| film.samples(tile.x, tile.y) > 0)
+            .collect();
+        let header = PartHeader {
+            origin: self.origin.clone(),
+            width: self.size[0],
+            height: self.size[1],
+            crop: self.crop,
+            samples: self.samples,
+            is_finished: self.is_finished(film),
+            layers: film
+                .layers()
+                .layers
+                .iter()
+                .map(|layer| Layer::name(layer).to_owned())
+                .collect(),
+            about: about(world, described),
+        };
+        let job = job_state(world).unwrap_or_default();
+        write_part(path, content, &header, film, &begun, &job).map_err(|source| ImageIoError::Write {
+            path: path.to_owned(),
+            source,
+        })
+    }
+}
+
+/// The number of pixels of the share, or else of the film, and how many of them have no sample.
+pub fn pixel_counts(share: Option<&Share>, film: &Film) -> [usize; 2] {
+    match share {
+        Some(share) => [
+            share.counts(film).count(),
+            share.counts(film).filter(|&count| count == 0).count(),
+        ],
+        None => [
+            film.width() as usize * film.height() as usize,
+            film.pixels_without_samples(),
+        ],
+    }
+}
+
+/// What is needed to write the picture later.
+fn about(world: &World, described: &LayeredImage) -> About {
+    let names = PictureNames::of(world);
+    let text = |(name, attribute): &(String, Attribute)| match attribute {
+        // Those of cryptomattes tell what is in the pixels, which are other ones in the end.
+        Attribute::Text(value) if !name.starts_with("cryptomatte/") => Some((name.clone(), value.clone())),
+        _ => None,
+    };
+    let view = world.resource::<PackedScene>().view.as_ref();
+    let sensor = world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
+    let storage = film.map(|film| film.storage).unwrap_or_default();
+    About {
+        texts: described.attributes.iter().filter_map(text).collect(),
+        seed: view.map_or(0, |view| view.seed),
+        objects: names.objects,
+        materials: names.materials,
+        light_groups: names.light_groups,
+        camera_axes: view.map_or([0; 9], |view| view.camera.axes().map(f32::to_bits)),
+        matrices: view.map_or([[0; 16]; 2], |view| {
+            let camera = &view.camera;
+            let matrices = [camera.right_up_forward_from_world(), camera.film_from_world()];
+            matrices.map(|matrix| matrix.to_cols_array().map(f32::to_bits))
+        }),
+        storage: [
+            storage.pixels.map(|format| format.name().to_owned()),
+            storage.components.map(|format| format.name().to_owned()),
+        ],
+    }
+}

@@ -1,0 +1,87 @@
+//! Numbers as bytes, least significant first, for the exact state of a picture ([`crate::render::part`]).
+
+/// Bytes to which numbers are written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Writer(pub Vec<u8>);
+
+impl Writer {
+    /// Writes a whole number.
+    pub fn u32(&mut self, number: u32) {
+        self.0.extend_from_slice(&number.to_le_bytes());
+    }
+
+    /// Writes a long whole number.
+    pub fn u64(&mut self, number: u64) {
+        self.0.extend_from_slice(&number.to_le_bytes());
+    }
+
+    /// Writes the bits of a number.
+    pub fn f32(&mut self, number: f32) {
+        self.u32(number.to_bits());
+    }
+
+    /// Writes the bits of a number in double precision.
+    pub fn f64(&mut self, number: f64) {
+        self.u64(number.to_bits());
+    }
+}
+
+/// Bytes that end too early, or say what cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the state of the picture in it is damaged")]
+pub struct Damaged;
+
+/// Bytes from which numbers are read.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader<'a>(pub &'a [u8]);
+
+impl<'a> Reader<'a> {
+    /// The next bytes.
+    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], Damaged> {
+        let (bytes, rest) = self.0.split_at_checked(count).ok_or(Damaged)?;
+        self.0 = rest;
+        Ok(bytes)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], Damaged> {
+        let (&bytes, rest) = self.0.split_first_chunk().ok_or(Damaged)?;
+        self.0 = rest;
+        Ok(bytes)
+    }
+
+    /// The next whole number.
+    pub fn u32(&mut self) -> Result<u32, Damaged> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    /// The next long whole number.
+    pub fn u64(&mut self) -> Result<u64, Damaged> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    /// The next number.
+    pub fn f32(&mut self) -> Result<f32, Damaged> {
+        self.u32().map(f32::from_bits)
+    }
+
+    /// The next number in double precision.
+    pub fn f64(&mut self) -> Result<f64, Damaged> {
+        self.u64().map(f64::from_bits)
+    }
+
+    /// The next number, which is 0 or 1.
+    pub fn flag(&mut self) -> Result<bool, Damaged> {
+        match self.u32()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(Damaged),
+        }
+    }
+
+    /// As many numbers as there are places.
+    pub fn f32s(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
+        places
+            .iter_mut()
+            .try_for_each(|place| self.f32().map(|number| *place = number))
+    }
+}

@@ -1,0 +1,208 @@
+//! The exact state of a film tile by tile as bytes, for parts and checkpoints ([`crate::render::part`]).
+
+use glam::{Vec2, Vec3};
+
+use super::Film;
+use crate::color::Rgb;
+use crate::material::MaterialId;
+use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::layers::{FilmLayers, LayerSums, Matte, MatteEntry};
+use crate::render::mean_error::{BLOCKS, BlockError};
+use crate::render::scene::FirstHit;
+use crate::render::tile::{PixelSum, Tile, TileSamples};
+
+impl Film {
+    /// Writes what the film has of a tile: of a share its chunks alone. Splats are left out; no integrator makes any.
+    pub fn write_tile(&self, tile: Tile, to: &mut Writer) {
+        to.u32(u32::from(self.chunks.is_none()));
+        if self.chunks.is_none() {
+            for index in self.places_of(tile) {
+                write_sum(&self.sums[index], to);
+                to.u32(self.counts[index]);
+                self.noted[index].into_iter().for_each(|mean| to.f32(mean));
+                write_hit(self.first_hits[index].as_ref(), to);
+                write_layers(
+                    self.layers.values_of(self.kept, index),
+                    self.mattes_of(&self.layers, index),
+                    to,
+                );
+            }
+            let blocks = self.tile_index(tile.x, tile.y) * BLOCKS;
+            for error in &self.errors[blocks..blocks + BLOCKS] {
+                [error.noted, error.level].into_iter().for_each(|number| to.u32(number));
+                let sums = [error.difference, error.difference_before, error.spread, error.luminance];
+                sums.into_iter().for_each(|sum| to.f32(sum));
+            }
+        }
+        to.u32(self.chunks_of(tile).count() as u32);
+        for chunk in self.chunks_of(tile) {
+            [chunk.samples.start, chunk.samples.end]
+                .into_iter()
+                .for_each(|sample| to.u32(sample));
+            to.u32(u32::from(!chunk.first_hits.is_empty()));
+            for (pixel, sum) in chunk.pixels.iter().enumerate() {
+                write_sum(sum, to);
+                if let Some(hit) = chunk.first_hits.get(pixel) {
+                    write_hit(hit.as_ref(), to);
+                }
+                write_layers(
+                    chunk.layers.values_of(self.kept, pixel),
+                    self.mattes_of(&chunk.layers, pixel),
+                    to,
+                );
+            }
+        }
+    }
+
+    /// Takes up what [`Self::write_tile`] has written: sums in place of those of the tile, and chunks after the samples that the tile has. Returns the
+    /// number of samples after which the tile has all of them, if there are any.
+    pub fn read_tile(&mut self, tile: Tile, from: &mut Reader) -> Result<Option<u32>, Damaged> {
+        let mut end = None;
+        let pixels = (tile.width * tile.height) as usize;
+        if from.flag()? {
+            for index in self.places_of(tile).collect::<Vec<_>>() {
+                self.sums[index] = read_sum(from)?;
+                self.counts[index] = from.u32()?;
+                end = end.max(Some(self.counts[index]));
+                self.noted[index] = [from.f32()?, from.f32()?];
+                self.first_hits[index] = read_hit(from)?;
+                let (values, mattes) = (self.kept.values(), self.kept.matte_count());
+                from.f32s(&mut self.layers.values[index * values..][..values])?;
+                for matte in &mut self.layers.mattes[index * mattes..][..mattes] {
+                    *matte = read_matte(from)?;
+                }
+            }
+            let blocks = self.tile_index(tile.x, tile.y) * BLOCKS;
+            for error in &mut self.errors[blocks..blocks + BLOCKS] {
+                *error = BlockError {
+                    noted: from.u32()?,
+                    level: from.u32()?,
+                    difference: from.f32()?,
+                    difference_before: from.f32()?,
+                    spread: from.f32()?,
+                    luminance: from.f32()?,
+                };
+            }
+            // The counts have the samples of the chunk that is not whole, which are added below.
+            let chunks = from.u32()?;
+            if chunks > 0 {
+                let chunk = read_chunk(tile, pixels, self.kept, from)?;
+                let length = chunk.samples.len() as u32;
+                for index in self.places_of(tile).collect::<Vec<_>>() {
+                    self.counts[index] = self.counts[index].checked_sub(length).ok_or(Damaged)?;
+                }
+                self.add(&chunk);
+            }
+            return if chunks > 1 { Err(Damaged) } else { Ok(end) };
+        }
+        for _ in 0..from.u32()? {
+            let chunk = read_chunk(tile, pixels, self.kept, from)?;
+            end = Some(chunk.samples.end);
+            self.add(&chunk);
+        }
+        Ok(end)
+    }
+
+    fn places_of(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
+        let start = self.index(tile.x, tile.y);
+        let step = crate::render::tile::TILE as usize;
+        (0..tile.height as usize).flat_map(move |y| (0..tile.width as usize).map(move |x| start + y * step + x))
+    }
+
+    fn mattes_of<'a>(&self, layers: &'a LayerSums, pixel: usize) -> &'a [Matte] {
+        let count = self.kept.matte_count();
+        &layers.mattes[pixel * count..][..count]
+    }
+}
+
+fn read_chunk(tile: Tile, pixels: usize, kept: FilmLayers, from: &mut Reader) -> Result<TileSamples, Damaged> {
+    let samples = from.u32()?..from.u32()?;
+    let has_hits = from.flag()?;
+    let mut chunk = TileSamples {
+        tile,
+        samples,
+        blocks: None,
+        pixels: Vec::with_capacity(pixels),
+        layers: LayerSums::with_capacity(kept, pixels),
+        first_hits: Vec::new(),
+        splats: Vec::new(),
+        rays: 0,
+        invalid: 0,
+    };
+    chunk.layers.resize(kept, pixels);
+    let (values, mattes) = (kept.values(), kept.matte_count());
+    for pixel in 0..pixels {
+        chunk.pixels.push(read_sum(from)?);
+        if has_hits {
+            chunk.first_hits.push(read_hit(from)?);
+        }
+        from.f32s(&mut chunk.layers.values[pixel * values..][..values])?;
+        for matte in &mut chunk.layers.mattes[pixel * mattes..][..mattes] {
+            *matte = read_matte(from)?;
+        }
+    }
+    if chunk.samples.is_empty() {
+        Err(Damaged)
+    } else {
+        Ok(chunk)
+    }
+}
+
+fn write_sum(sum: &PixelSum, to: &mut Writer) {
+    for vector in [sum.radiance, sum.albedo, sum.normal] {
+        vector.to_array().into_iter().for_each(|value| to.f32(value));
+    }
+    to.f32(sum.depth);
+    to.f32(sum.luminance_squared);
+}
+
+fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
+    let mut values = [0.0; 11];
+    from.f32s(&mut values)?;
+    Ok(PixelSum {
+        radiance: Rgb::from_slice(&values[..3]),
+        albedo: Rgb::from_slice(&values[3..6]),
+        normal: Vec3::from_slice(&values[6..9]),
+        depth: values[9],
+        luminance_squared: values[10],
+    })
+}
+
+fn write_hit(hit: Option<&FirstHit>, to: &mut Writer) {
+    to.u32(u32::from(hit.is_some()));
+    if let Some(hit) = hit {
+        to.u32(hit.instance);
+        to.u32(hit.material.0);
+        hit.uv.to_array().into_iter().for_each(|value| to.f32(value));
+    }
+}
+
+fn read_hit(from: &mut Reader) -> Result<Option<FirstHit>, Damaged> {
+    if !from.flag()? {
+        return Ok(None);
+    }
+    Ok(Some(FirstHit {
+        instance: from.u32()?,
+        material: MaterialId(from.u32()?),
+        uv: Vec2::new(from.f32()?, from.f32()?),
+    }))
+}
+
+fn write_layers(values: &[f32], mattes: &[Matte], to: &mut Writer) {
+    values.iter().for_each(|&value| to.f32(value));
+    for matte in mattes {
+        to.u32(matte.entries().count() as u32);
+        for MatteEntry { id, samples } in matte.entries() {
+            [id, samples].into_iter().for_each(|number| to.u32(number));
+        }
+    }
+}
+
+fn read_matte(from: &mut Reader) -> Result<Matte, Damaged> {
+    let mut matte = Matte::default();
+    for _ in 0..from.u32()? {
+        let (id, samples) = (from.u32()?, from.u32()?);
+        matte.add_entry(MatteEntry { id, samples });
+    }
+    Ok(matte)
+}

@@ -1,0 +1,128 @@
+//! Parts of a picture with their exact sums: shares that are merged, and checkpoints that are resumed.
+//!
+//! A part is an EXR file. Any program shows the picture in it, which has what was rendered so far. Behind the picture, where readers of EXR do not look,
+//! follows the state: a header in JSON, the sums of each tile bit by bit, and what the engine knows of its job. A checkpoint is a part that is not finished.
+
+mod cover;
+mod file;
+mod origin;
+
+use serde::{Deserialize, Serialize};
+
+pub use self::cover::{CoverError, check_cover};
+pub use self::file::{PartError, PartFile, write_part};
+pub use self::origin::{FileDigest, Origin};
+
+use super::layers::FilmLayers;
+use super::tile::{TILE, Tile, tiles};
+use crate::layer::{Layer, Layers};
+
+/// A rectangle of whole tiles of the picture, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Crop {
+    /// The first column.
+    pub x: u32,
+    /// The first row.
+    pub y: u32,
+    /// The number of columns, above 0.
+    pub width: u32,
+    /// The number of rows, above 0.
+    pub height: u32,
+}
+
+impl Crop {
+    /// The whole picture.
+    pub fn whole(width: u32, height: u32) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        }
+    }
+
+    /// An error in words if it does not lie in a picture of this size, or cuts tiles.
+    pub fn check(self, width: u32, height: u32) -> Result<(), String> {
+        let axes = [("X", self.x, self.width, width), ("Y", self.y, self.height, height)];
+        for (axis, start, length, all) in axes {
+            let end = start.saturating_add(length);
+            if length == 0 || end > all {
+                return Err(format!(
+                    "the crop does not lie in the picture, which has {width} x {height} pixels"
+                ));
+            }
+            let cut = [start, end].into_iter().find(|edge| edge % TILE != 0 && *edge != all);
+            if let Some(cut) = cut {
+                let (before, after) = (cut / TILE * TILE, cut.next_multiple_of(TILE).min(all));
+                return Err(format!(
+                    "a crop begins and ends at multiples of {TILE} pixels or at the edge of the picture, and not at {axis} = {cut}: {before} and {after} \
+                     are the nearest"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it has the pixels of the tile.
+    pub fn has(self, tile: Tile) -> bool {
+        (self.x..self.x + self.width).contains(&tile.x) && (self.y..self.y + self.height).contains(&tile.y)
+    }
+
+    /// Its tiles, in a picture of this size.
+    pub fn tiles(self, width: u32, height: u32) -> impl Iterator<Item = Tile> {
+        tiles(width, height).into_iter().filter(move |&tile| self.has(tile))
+    }
+}
+
+/// What a file says of its part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartHeader {
+    /// What the picture is of.
+    pub origin: Origin,
+    /// The width of the whole picture in pixels.
+    pub width: u32,
+    /// The height of the whole picture in pixels.
+    pub height: u32,
+    /// The pixels of the part.
+    pub crop: Crop,
+    /// The first sample of each pixel, and the end of its samples as they were asked for.
+    pub samples: [u32; 2],
+    /// Whether the part has all of these samples.
+    pub is_finished: bool,
+    /// The layers that are kept, by name.
+    pub layers: Vec<String>,
+    /// What is needed to write the picture.
+    pub about: About,
+}
+
+/// What is needed to write the picture of a part without its scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct About {
+    /// The attributes of the picture that are texts.
+    pub texts: Vec<(String, String)>,
+    /// The seed, as the picture's attribute says it.
+    pub seed: u32,
+    /// The names of the shapes by instance, if a layer needs them.
+    pub objects: Vec<String>,
+    /// The names of the materials, if a layer needs them.
+    pub materials: Vec<String>,
+    /// The names of the light groups.
+    pub light_groups: Vec<String>,
+    /// The bits of the axes of the camera in the world, for layers in camera space.
+    pub camera_axes: [u32; 9],
+    /// The bits of the attributes `worldToCamera` and `worldToNDC`, see [`crate::render::layered_image::Attribute::Matrix`].
+    pub matrices: [[u32; 16]; 2],
+    /// The film's `pixel_format` and `component_format`.
+    pub storage: [Option<String>; 2],
+}
+
+impl PartHeader {
+    /// What the film keeps.
+    pub fn film_layers(&self) -> FilmLayers {
+        let known = self.layers.iter().filter_map(|name| Layer::from_name(name));
+        FilmLayers {
+            groups: self.about.light_groups.len(),
+            layers: Layers::of(&known.collect::<Vec<_>>()),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! What a picture was rendered of, and how two such differ.
+
+use serde::{Deserialize, Serialize};
+
+/// A file that was read, and a digest of its content.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileDigest {
+    /// The path, from the folder of the scene on where it lies below that.
+    pub path: String,
+    /// A digest of the content.
+    pub digest: String,
+}
+
+/// Everything that the samples of a picture depend on.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The version of the program.
+    pub version: String,
+    /// The files that the scene consists of, in the order of their paths.
+    pub files: Vec<FileDigest>,
+    /// Everything else, by name.
+    pub settings: Vec<(String, String)>,
+}
+
+/// The longest value of a setting that a message quotes, in bytes.
+const LONGEST_QUOTED: usize = 60;
+
+impl Origin {
+    /// How the picture now differs from `then`, a sentence for each difference.
+    pub fn differences(&self, then: &Self) -> Vec<String> {
+        let mut found = Vec::new();
+        if self.version != then.version {
+            found.push(format!(
+                "the version of Sunroom is {}, and was {}",
+                self.version, then.version
+            ));
+        }
+        for file in &self.files {
+            match then.files.iter().find(|other| other.path == file.path) {
+                Some(other) if other.digest == file.digest => {}
+                Some(_) => found.push(format!("{} has another content", file.path)),
+                None => found.push(format!("{} was not part of the scene", file.path)),
+            }
+        }
+        for file in &then.files {
+            if !self.files.iter().any(|other| other.path == file.path) {
+                found.push(format!("{} is no longer part of the scene", file.path));
+            }
+        }
+        let value_in = |settings: &[(String, String)], name: &str| {
+            let found = settings.iter().find(|(known, _)| known == name);
+            found.map_or_else(|| "not set".to_owned(), |(_, value)| value.clone())
+        };
+        let own = self.settings.iter().map(|(name, _)| name);
+        let gone = then.settings.iter().map(|(name, _)| name);
+        let gone = gone.filter(|name| !self.settings.iter().any(|(known, _)| known == *name));
+        for name in own.chain(gone) {
+            let [now, before] = [&self.settings, &then.settings].map(|settings| value_in(settings, name));
+            if now != before {
+                found.push(match now.len().max(before.len()) <= LONGEST_QUOTED {
+                    true => format!("{name} is {now}, and was {before}"),
+                    false => format!("{name} differs"),
+                });
+            }
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_named() {
+        let file = |path: &str, digest: &str| FileDigest {
+            path: path.to_owned(),
+            digest: digest.to_owned(),
+        };
+        let setting = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let then = Origin {
+            version: "1".to_owned(),
+            files: vec![file("a.xml", "1"), file("b.obj", "1"), file("c.png", "1")],
+            settings: vec![setting("the seed", "1"), setting("-D x", "2")],
+        };
+        assert_eq!(then.differences(&then), [""; 0]);
+        let now = Origin {
+            version: "2".to_owned(),
+            files: vec![file("a.xml", "1"), file("b.obj", "2"), file("d.png", "1")],
+            settings: vec![setting("the seed", "3")],
+        };
+        let expected = [
+            "the version of Sunroom is 2, and was 1",
+            "b.obj has another content",
+            "d.png was not part of the scene",
+            "c.png is no longer part of the scene",
+            "the seed is 3, and was 1",
+            "-D x is not set, and was 2",
+        ];
+        assert_eq!(now.differences(&then), expected);
+    }
+}
