@@ -506,12 +506,18 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
     );
     toasts.add(Tone::Note, Topic::Other, "Saved".into(), None);
     let harness = show(toasts.clone(), |egui, shown| {
-        toasts::show(&mut shown.it, true, egui, egui.content_rect(), &mut shown.commands);
+        toasts::show(
+            &mut shown.it,
+            Some(Tone::Error),
+            egui,
+            egui.content_rect(),
+            &mut shown.commands,
+        );
     });
     // While a question is open.
     assert!(harness.query_by_label(line).is_none() && harness.query_by_label("Saved").is_some());
     let mut harness = show(toasts, |egui, shown| {
-        toasts::show(&mut shown.it, false, egui, egui.content_rect(), &mut shown.commands);
+        toasts::show(&mut shown.it, None, egui, egui.content_rect(), &mut shown.commands);
     });
     assert!(harness.query_by_label(line).is_some());
     click(&mut harness, "Messages");

@@ -124,11 +124,27 @@ fn is_scene(path: &Path, picture: Option<&AssetPicture>) -> bool {
     }
 }
 
+/// The buttons beside the list of folders.
+const ADD: &str = "Add…";
+const KEEP: &str = "+";
+const TAKE_OUT: &str = "\u{2212}";
+
+/// The width that a button with this text needs in a row, with the gap before it.
+fn width_of_button(ui: &Ui, text: &str) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let text = ui
+        .painter()
+        .layout_no_wrap(text.to_owned(), font, egui::Color32::PLACEHOLDER);
+    let spacing = ui.spacing();
+    text.size().x.ceil() + 2.0 * spacing.button_padding.x + spacing.item_spacing.x
+}
+
 /// The folders to begin with, and the buttons to add one and to take one away.
 fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let place = place_of(known, state.folder.as_deref()).map(|place| &known.places[place]);
-        let width = (ui.available_width() - 104.0).max(60.0);
+        let beside: f32 = [ADD, KEEP, TAKE_OUT].iter().map(|text| width_of_button(ui, text)).sum();
+        let width = (ui.available_width() - beside).max(60.0);
         egui::ComboBox::from_id_salt("places")
             .width(width)
             .truncate()
@@ -144,13 +160,13 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
             })
             .response
             .on_hover_text("Folders to begin with");
-        let button = ui.button("Add…");
+        let button = ui.button(ADD);
         if button.on_hover_text("Choose a folder for this list").clicked() {
             commands.push(Command::ShowDialog(FileDialogKind::AssetFolder));
         }
         let is_known = |folder: &PathBuf| known.places.iter().any(|place| place.folder == *folder);
         let new = state.folder.clone().filter(|folder| !is_known(folder));
-        let button = ui.add_enabled(new.is_some(), egui::Button::new("+"));
+        let button = ui.add_enabled(new.is_some(), egui::Button::new(KEEP));
         let button = button
             .on_hover_text("Keep this folder in the list")
             .on_disabled_hover_text("This folder is in the list");
@@ -158,7 +174,7 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
             commands.push(Command::Shell(ShellCommand::AddAssetFolder(folder)));
         }
         let own = place.filter(|place| place.is_own);
-        let button = ui.add_enabled(own.is_some(), egui::Button::new("\u{2212}"));
+        let button = ui.add_enabled(own.is_some(), egui::Button::new(TAKE_OUT));
         let help = "Take the folder from the list. Its files stay.";
         if let (true, Some(own)) = (button.on_hover_text(help).clicked(), own) {
             commands.push(Command::Shell(ShellCommand::RemoveAssetFolder(own.folder.clone())));

@@ -44,7 +44,7 @@ pub fn show(
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(columns as f32 * (PICTURE.x + GAP));
-                ui.label(RichText::new("Sample scenes").strong());
+                title_of_picture(ui, RichText::new("Sample scenes").strong());
                 ui.spacing_mut().item_spacing = egui::vec2(GAP, GAP);
                 let height = room.y - 90.0;
                 egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
@@ -83,6 +83,16 @@ pub fn show(
     !(modal.inner || opens || modal.should_close())
 }
 
+/// A text that begins where the pictures do, which are in buttons.
+fn title_of_picture(ui: &mut Ui, text: RichText) {
+    ui.horizontal(|ui| {
+        let padding = ui.spacing().button_padding.x;
+        ui.spacing_mut().item_spacing.x = 0.0;
+        ui.add_space(padding);
+        ui.label(text);
+    });
+}
+
 /// A sample's picture with its title; a click opens it.
 fn tile(ui: &mut Ui, sample: &Sample, commands: &mut Vec<Command>) {
     ui.vertical(|ui| {
@@ -94,11 +104,7 @@ fn tile(ui: &mut Ui, sample: &Sample, commands: &mut Vec<Command>) {
             }
             None => ui.add_enabled(path.is_some(), Button::new(sample.title).min_size(PICTURE)),
         };
-        ui.horizontal(|ui| {
-            // The title begins where the picture does.
-            ui.add_space(ui.spacing().button_padding.x);
-            ui.label(sample.title);
-        });
+        title_of_picture(ui, sample.title.into());
         let absent = format!("scenes/{} is not there", sample.file);
         let response = response
             .on_hover_text(format!("Open scenes/{}", sample.file))

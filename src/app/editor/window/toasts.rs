@@ -14,8 +14,14 @@ const WIDTH: f32 = 380.0;
 /// The room in points from the edges of the picture, and from the axes in its corner.
 const GAP: f32 = 10.0;
 
-/// Shows the messages at the right of `place`, below the axes in its corner. Errors wait while a question is open: the answer may solve them.
-pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
+/// Shows the messages at the right of `place`, below the axes in its corner, without messages of the tone `hidden`.
+pub fn show(
+    toasts: &mut Toasts,
+    hidden: Option<Tone>,
+    context: &egui::Context,
+    place: Rect,
+    commands: &mut Vec<Command>,
+) {
     let current = toasts.current();
     if current.is_empty() {
         return;
@@ -32,8 +38,8 @@ pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rec
         .constrain_to(place)
         .show(context, |ui| {
             ui.set_width(width);
-            let waits = |toast: &Toast| asks && toast.tone == Tone::Error;
-            for (index, toast) in current.iter().enumerate().rev().filter(|(_, toast)| !waits(toast)) {
+            let is_shown = |toast: &Toast| Some(toast.tone) != hidden;
+            for (index, toast) in current.iter().enumerate().rev().filter(|(_, toast)| is_shown(toast)) {
                 ui.push_id(toast.since, |ui| {
                     if toast_frame(ui, toast, commands) {
                         dismissed = Some(index);

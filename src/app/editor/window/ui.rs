@@ -32,7 +32,7 @@ use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
-use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::toasts::{Toasts, Tone};
 use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -287,8 +287,14 @@ pub fn show_window(
         // How to save them is no question any more.
         requests.save_question = None;
     }
-    let asks = shell.trusted.question.is_some();
-    toasts::show(&mut said.toasts, asks, &context, widgets.viewport_place, commands);
+    let hidden = match requests.sheet {
+        // The answer may solve the errors.
+        _ if shell.trusted.question.is_some() => Some(Tone::Error),
+        // It would cover the page and tell of a scene that the user has not asked for.
+        Some(Sheet::Start) => Some(Tone::Note),
+        _ => None,
+    };
+    toasts::show(&mut said.toasts, hidden, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
     *is_typing = context
         .memory(|memory| memory.focused())
