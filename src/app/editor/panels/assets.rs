@@ -145,21 +145,25 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
         let place = place_of(known, state.folder.as_deref()).map(|place| &known.places[place]);
         let beside: f32 = [ADD, KEEP, TAKE_OUT].iter().map(|text| width_of_button(ui, text)).sum();
         let width = (ui.available_width() - beside).max(60.0);
-        egui::ComboBox::from_id_salt("places")
-            .width(width)
-            .truncate()
-            .selected_text(place.map_or("Folders", |place| &place.name))
-            .show_ui(ui, |ui| {
-                for place in known.places.iter() {
-                    let is_shown = state.folder.as_ref() == Some(&place.folder);
-                    let entry = ui.selectable_label(is_shown, &place.name);
-                    if entry.on_hover_text(place.folder.display().to_string()).clicked() {
-                        state.folder = Some(place.folder.clone());
+        // A list cuts its text only where its row ends.
+        ui.scope(|ui| {
+            ui.set_max_width(width);
+            egui::ComboBox::from_id_salt("places")
+                .width(width)
+                .truncate()
+                .selected_text(place.map_or("Folders", |place| &place.name))
+                .show_ui(ui, |ui| {
+                    for place in known.places.iter() {
+                        let is_shown = state.folder.as_ref() == Some(&place.folder);
+                        let entry = ui.selectable_label(is_shown, &place.name);
+                        if entry.on_hover_text(place.folder.display().to_string()).clicked() {
+                            state.folder = Some(place.folder.clone());
+                        }
                     }
-                }
-            })
-            .response
-            .on_hover_text("Folders to begin with");
+                })
+                .response
+                .on_hover_text("Folders to begin with");
+        });
         let button = ui.button(ADD);
         if button.on_hover_text("Choose a folder for this list").clicked() {
             commands.push(Command::ShowDialog(FileDialogKind::AssetFolder));
