@@ -5,12 +5,13 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use crate::document::paths::file_name;
 use crate::engine::PackedScene;
 use crate::files;
 use crate::render::part::{FileDigest, Origin};
 use crate::scene::IntegratorSettings;
 
-/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads); paths in the folder of `scene` begin there.
+/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads); paths are relative to the folder of `scene`.
 /// `others` are further settings by name. An error names a file that cannot be read any more.
 pub fn origin(world: &World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
     let folder = scene.canonicalize().unwrap_or_else(|_| scene.to_owned());
@@ -20,7 +21,7 @@ pub fn origin(world: &World, scene: &Path, others: Vec<(String, String)>) -> Res
         let full = path.canonicalize().unwrap_or_else(|_| path.clone());
         let digest = digest(&full).map_err(|error| format!("{}: {error}", path.display()))?;
         digests.push(FileDigest {
-            path: full.strip_prefix(folder).unwrap_or(&full).display().to_string(),
+            path: file_name(&full, folder),
             digest,
         });
     }

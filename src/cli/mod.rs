@@ -25,6 +25,7 @@ mod report;
 mod sequence;
 mod share;
 mod stats;
+mod submit;
 mod tev;
 mod watch;
 
@@ -55,6 +56,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Put together the parts of a picture that were rendered one by one
     Merge(Box<merge::MergeArgs>),
+    /// Make a job that renders a scene on many machines
+    Submit(Box<submit::SubmitArgs>),
     /// Report what is wrong with scene files
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
@@ -90,6 +93,7 @@ pub fn run() -> ExitCode {
         Some(Command::Edit(args)) => edit(args),
         Some(Command::Render(args)) => render::run(*args),
         Some(Command::Merge(args)) => merge::run(&args),
+        Some(Command::Submit(args)) => submit::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Diff(args)) => diff::run(&args),

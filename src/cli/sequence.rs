@@ -36,7 +36,7 @@ pub struct SequenceArgs {
 }
 
 /// `17` or `1..120`
-fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+pub fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let number = |text: &str| text.trim().parse::<u32>().ok();
     let (first, last) = text.split_once("..").unwrap_or((text, text));
     let last = last.strip_prefix('=').unwrap_or(last);

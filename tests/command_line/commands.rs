@@ -549,7 +549,7 @@ fn a_misspelt_command_gets_a_suggestion() {
         (&["rendr"], more),
         (
             &["frobnicate"],
-            "the commands are edit, render, merge, check, convert, diff, bench, completions, man",
+            "the commands are edit, render, merge, submit, check, convert, diff, bench, completions, man",
         ),
     ] {
         let output = sunroom().args(arguments).output().expect("starts");

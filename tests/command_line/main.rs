@@ -9,4 +9,5 @@ mod monkey;
 mod pictures;
 mod sequences;
 mod shares;
+mod submit;
 mod workshop;

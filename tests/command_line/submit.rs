@@ -1,0 +1,244 @@
+//! `sunroom submit`: the folder of a job, and its scripts as a farm would start them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use sunroom::render::image_io::exr::decode_exr;
+
+use crate::workshop::{Workshop, sunroom};
+
+const SCENE: &str = r#"<scene version="3.0.0">
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="24"/></film>
+    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+  </sensor>
+  <shape type="ply" id="mesh"><string name="filename" value="../meshes/triangle.ply"/></shape>
+  <shape type="sphere" id="ball">
+    <animation name="to_world"><transform time="0"/><transform time="1"><translate x="1"/></transform></animation>
+  </shape>
+  <emitter type="constant"/>
+</scene>
+"#;
+
+const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n0 1 0\n3 0 1 2\n";
+
+/// A scene in a folder beside that of its mesh.
+fn shop() -> Workshop {
+    let shop = Workshop::new();
+    shop.write("scenes/still life.xml", SCENE);
+    shop.write("meshes/triangle.ply", TRIANGLE);
+    shop
+}
+
+fn run(shop: &Workshop, arguments: &[&str]) -> Output {
+    let mut command = sunroom();
+    command
+        .current_dir(shop.folder())
+        .args(arguments)
+        .env_remove("SUNROOM_ASSETS");
+    command.output().expect("the program starts")
+}
+
+#[track_caller]
+fn succeeds(output: &Output) {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[cfg(unix)]
+#[track_caller]
+fn script(folder: &Path, name: &str, arguments: &[&str]) {
+    let mut command = Command::new(folder.join(name));
+    command
+        .args(arguments)
+        .env("SUNROOM", env!("CARGO_BIN_EXE_sunroom"))
+        .env_remove("SUNROOM_ASSETS");
+    succeeds(&command.output().expect("bash"));
+}
+
+#[cfg(unix)]
+#[test]
+fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
+    let shop = shop();
+    let scene = "scenes/still life.xml";
+    let options = ["--aov", "depth", "--shutter", "0.5"];
+    let frames = ["--frames", "3..5"];
+    let mut submit = vec!["submit", scene, "--to", "slurm", "-o", "job", "--shares", "2"];
+    submit.extend(frames);
+    submit.push("--");
+    submit.extend(options);
+    succeeds(&run(&shop, &submit));
+    // The original is not needed any more.
+    std::fs::rename(shop.path("meshes"), shop.path("elsewhere")).expect("renamed");
+    let job = shop.path("job");
+    for task in ["5", "0", "4", "1", "3", "2", "2"] {
+        script(&job, "task", &[task, "--threads", "1"]);
+    }
+    for frame in ["3", "4", "5"] {
+        script(&job, "merge", &[frame]);
+    }
+    std::fs::rename(shop.path("elsewhere"), shop.path("meshes")).expect("renamed");
+    let mut render = vec!["render", scene, "-o", "whole-####.exr"];
+    render.extend(frames);
+    render.extend(options);
+    succeeds(&run(&shop, &render));
+    for frame in 3..=5 {
+        let read = |name: String| {
+            let bytes = std::fs::read(shop.path(&name)).expect("a picture");
+            let image = decode_exr(&bytes).expect("an EXR file");
+            // The attributes name the file of the scene, which is another one in the job.
+            ["", "Depth"].map(|layer| image.layer(layer))
+        };
+        let merged = read(format!("job/pictures/still_life-000{frame}.exr"));
+        assert!(merged.iter().all(Option::is_some));
+        assert!(merged == read(format!("whole-000{frame}.exr")), "frame {frame}");
+    }
+}
+
+/// Runs a job of two frames by a program of the system, if that is installed, and looks whether the pictures are there.
+#[cfg(unix)]
+#[track_caller]
+fn runs_by(system: &str, program: &str, version: &str, start: &dyn Fn(&Path) -> Command) {
+    if Command::new(program).arg(version).output().is_err() {
+        println!("{program} is not installed: its job is not run");
+        return;
+    }
+    let shop = shop();
+    let scene = "scenes/still life.xml";
+    succeeds(&run(
+        &shop,
+        &[
+            "submit", scene, "--to", system, "-o", "job", "--shares", "2", "--frames", "0..1",
+        ],
+    ));
+    let mut start = start(&shop.path("job"));
+    start
+        .env("SUNROOM", env!("CARGO_BIN_EXE_sunroom"))
+        .env_remove("SUNROOM_ASSETS");
+    let output = start.output().expect("the system");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{said}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    for frame in 0..=1 {
+        let picture = shop.path(&format!("job/pictures/still_life-000{frame}.exr"));
+        assert!(picture.exists(), "frame {frame}: {said}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn open_job_description_runs_the_template() {
+    runs_by("openjd", "openjd", "--version", &|job| {
+        let mut command = Command::new("openjd");
+        command.arg("run").arg(job.join("template.yaml"));
+        command.args(["--step", "Merge", "--run-dependencies"]);
+        command
+    });
+}
+
+#[cfg(unix)]
+#[test]
+fn gnu_parallel_runs_the_job() {
+    runs_by("parallel", "parallel", "--version", &|job| {
+        let mut command = Command::new(job.join("parallel"));
+        command.arg(":");
+        command
+    });
+}
+
+#[test]
+fn a_dry_run_writes_nothing_and_tells_all() {
+    let shop = shop();
+    let output = run(
+        &shop,
+        &[
+            "submit",
+            "scenes/still life.xml",
+            "--to",
+            "openjd",
+            "-o",
+            "job",
+            "--shares",
+            "4",
+            "--spp",
+            "64",
+            "--dry-run",
+        ],
+    );
+    succeeds(&output);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for part in [
+        "files/scenes/still life.xml",
+        "files/meshes/triangle.ply",
+        "template.yaml",
+        "4 tasks",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert!(!shop.path("job").exists());
+}
+
+#[test]
+fn a_job_is_measured() {
+    let shop = shop();
+    let output = run(
+        &shop,
+        &[
+            "submit",
+            "scenes/still life.xml",
+            "--to",
+            "parallel",
+            "-o",
+            "job",
+            "--spp",
+            "64",
+            "--dry-run",
+            "--",
+            "--width",
+            "16",
+        ],
+    );
+    succeeds(&output);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("1 tasks"));
+}
+
+#[test]
+fn what_cannot_be_a_job_is_refused() {
+    let shop = shop();
+    shop.write("full/file", "");
+    let refused = |arguments: &[&str], code: i32| {
+        let output = run(&shop, arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let scene = "scenes/still life.xml";
+    assert!(refused(&["submit", scene, "--to", "slurm", "-o", "full", "--shares", "1"], 2).contains("not empty"));
+    assert!(refused(&["submit", scene, "--to", "pbs", "-o", "job"], 2).contains("openjd"));
+    refused(&["submit", "scenes/missing.xml", "--to", "slurm", "-o", "job"], 1);
+    // Measuring shows what tasks would refuse.
+    refused(
+        &["submit", scene, "--to", "slurm", "-o", "job", "--", "--width", "0"],
+        1,
+    );
+    let absolute = SCENE.replace("../meshes", &shop.path("meshes").display().to_string());
+    shop.write("scenes/absolute.xml", absolute);
+    let text = refused(
+        &[
+            "submit",
+            "scenes/absolute.xml",
+            "--to",
+            "slurm",
+            "-o",
+            "job",
+            "--shares",
+            "1",
+        ],
+        1,
+    );
+    assert!(text.contains("absolute name"), "{text}");
+    assert!(!shop.path("job").exists());
+}
