@@ -1,6 +1,6 @@
 //! The JSON of a glTF 2.0 file, as far as it is read here: the objects of the specification with their defaults.
 //!
-//! Indices are as the file has them; whoever follows one checks it. What is not listed is not looked at.
+//! Indices are as the file has them; the code that follows one checks it. Members that are not listed here are not read.
 
 use std::collections::HashMap;
 

@@ -46,7 +46,7 @@ pub struct Navigation {
     pub scene_size: f32,
     /// The world's upward direction.
     pub up: Vec3,
-    /// The point that the view was turned about last, in world space. See [`Navigation::pivot_ahead`].
+    /// The point that the view was turned about last, in world space.
     pub pivot: Option<Vec3>,
 }
 

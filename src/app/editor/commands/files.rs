@@ -188,7 +188,7 @@ fn noisy_path(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The place itself, or with a number before the extension the first one without a file: nobody was asked whether that may be replaced.
+/// The place itself, or with a number before the extension the first one without a file: the dialog asked only about the other file.
 fn free_path(path: PathBuf) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default();
     let numbered = |number: u32| {
