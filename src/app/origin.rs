@@ -1,7 +1,9 @@
 //! What a picture is rendered of, for parts and checkpoints: digests of the scene's files, and the settings.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
@@ -10,21 +12,36 @@ use crate::engine::PackedScene;
 use crate::files;
 use crate::render::part::{FileDigest, Origin};
 use crate::scene::IntegratorSettings;
+use crate::scene::assets::parts_cache::is_cached_part;
+
+/// Digests of the files that were read so far: each file is hashed once, however many frames are rendered. None stands for a file whose content follows
+/// from that of others.
+#[derive(Resource, Default)]
+struct Digests(BTreeMap<PathBuf, Option<FileDigest>>);
 
 /// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads); paths are relative to the folder of `scene`.
+/// Parts of glTF files in the user's cache are left out: they follow from the glTF files, and lie elsewhere on another machine.
 /// `others` are further settings by name. An error names a file that cannot be read any more.
-pub fn origin(world: &World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
+pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
     let folder = scene.canonicalize().unwrap_or_else(|_| scene.to_owned());
     let folder = folder.parent().unwrap_or(Path::new(""));
-    let mut digests = Vec::new();
+    let mut known = world.get_resource_or_init::<Digests>();
     for path in files::recorded_reads() {
+        let Entry::Vacant(place) = known.0.entry(path) else {
+            continue;
+        };
+        let path = place.key();
         let full = path.canonicalize().unwrap_or_else(|_| path.clone());
-        let digest = digest(&full).map_err(|error| format!("{}: {error}", path.display()))?;
-        digests.push(FileDigest {
-            path: file_name(&full, folder),
-            digest,
-        });
+        let found = match is_cached_part(&full) {
+            true => None,
+            false => Some(FileDigest {
+                path: file_name(&full, folder),
+                digest: digest(&full).map_err(|error| format!("{}: {error}", path.display()))?,
+            }),
+        };
+        place.insert(found);
     }
+    let mut digests: Vec<FileDigest> = known.0.values().flatten().cloned().collect();
     digests.sort_by(|a, b| a.path.cmp(&b.path));
     digests.dedup();
     let mut settings = Vec::new();
@@ -49,7 +66,7 @@ pub fn origin(world: &World, scene: &Path, others: Vec<(String, String)>) -> Res
         );
         add("the grouping of lights", short(format!("{:?}", view.light_groups)));
     }
-    settings.extend(others);
+    settings.extend(others.into_iter().map(|(name, value)| (name, short(value))));
     Ok(Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         files: digests,

@@ -6,8 +6,7 @@ use std::process::ExitCode;
 
 use sunroom::engine::{Outcome, RenderError};
 
-use super::outputs::is_stdout;
-use super::report;
+use super::{outputs, report};
 
 /// The exit code after an interrupt by the user; shells use 128 + SIGINT.
 pub const INTERRUPTED: u8 = 130;
@@ -62,15 +61,13 @@ impl Ending {
     /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
     /// without noise; `written`: the outputs that have the picture.
     pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {
-        let files = written.iter().filter(|path| !is_stdout(path));
-        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
-        let files = files.join(", ");
         let Some(reason) = &self.broken_off_by else {
-            if !quiet && !files.is_empty() {
-                report::line(format_args!("the picture is in {files}"));
+            if !quiet {
+                outputs::report_written(written);
             }
             return;
         };
+        let files = outputs::names_of_files(written);
         if !self.is_whole() {
             let (missing, all) = (self.pixels_without_samples, self.pixels);
             let more = if denoise {

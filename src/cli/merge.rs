@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use sunroom::app::threads::worker_count;
 use sunroom::engine::PictureNames;
 use sunroom::layer::Layer;
 use sunroom::memory;
@@ -14,6 +15,7 @@ use sunroom::render::film::Film;
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::render::part::{PartFile, PartHeader, check_cover};
+use sunroom::scene::Film as SensorFilm;
 use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::args::{MemoryArgs, ThreadArgs};
@@ -96,6 +98,10 @@ fn check(parts: &[(String, PartFile)], force: bool) -> Result<(), Failure> {
         if !header.is_finished {
             return Err(format!("{name} is not finished: `sunroom render --resume` goes on with it").into());
         }
+        if !SensorFilm::is_possible(header.width, header.height) {
+            let (width, height, most) = (header.width, header.height, SensorFilm::MOST_PIXELS);
+            return Err(format!("{name} has {width} x {height} pixels; a picture has at most {most}").into());
+        }
         let differences = header.origin.differences(&first.origin);
         let is_alike =
             [header.width, header.height] == [first.width, first.height] && header.film_layers() == first.film_layers();
@@ -116,11 +122,7 @@ fn check(parts: &[(String, PartFile)], force: bool) -> Result<(), Failure> {
 }
 
 fn write(args: &MergeArgs, film: &Film, header: &PartHeader) -> Result<ExitCode, Failure> {
-    let threads = args
-        .threads
-        .threads
-        .and_then(|threads| usize::try_from(threads).ok())
-        .filter(|&threads| threads > 0);
+    let threads = Some(worker_count(args.threads.threads, false).get());
     let layers = film.layers().layers;
     let denoised = (args.denoise || layers.contains(Layer::Denoised))
         .then(|| denoise_film(film, threads, &AtomicBool::new(false)));

@@ -55,7 +55,8 @@ pub fn write_each(outputs: &[PathBuf], write: impl Fn(&Path) -> Result<(), Image
     written
 }
 
-fn is_exr(path: &Path) -> bool {
+/// Whether the name of the file is that of an EXR file.
+pub fn is_exr(path: &Path) -> bool {
     FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr)
 }
 
@@ -72,12 +73,20 @@ pub fn keep_elsewhere(image: &LayeredImage) {
     }
 }
 
+/// The names of the files among these outputs, for a message.
+pub fn names_of_files(outputs: &[&Path]) -> String {
+    let files = outputs.iter().filter(|path| !is_stdout(path));
+    files
+        .map(|path| path.display().to_string())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
 /// Says which files have the picture.
 pub fn report_written(written: &[&Path]) {
-    let files = written.iter().filter(|path| !is_stdout(path));
-    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    let files = names_of_files(written);
     if !files.is_empty() {
-        report::line(format_args!("the picture is in {}", files.join(", ")));
+        report::line(format_args!("the picture is in {files}"));
     }
 }
 

@@ -128,7 +128,15 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     }
     let Some(frames) = args.sequence.frames.clone() else {
         let progress = Progress::new(args.quiet, args.time);
-        return picture(&mut app, args, &args.output, &limits, progress, load_ms, None);
+        return picture(
+            &mut app,
+            args,
+            &args.output,
+            &limits,
+            progress,
+            load_ms,
+            Settings::new(),
+        );
     };
     let mut sequence = InSequence::begin(&frames);
     let seed = app.world().resource::<SamplerSettings>().seed;
@@ -141,6 +149,12 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         let samples = args.spp.or(limits.samples.filter(|_| args.shares.samples.is_none()));
         let samples = samples.unwrap_or_else(|| samples_of_film(app.world()));
         let moments = args.sequence.moments(app.world(), frame, samples);
+        let has_motion = app
+            .world()
+            .resource::<IntegratorSettings>()
+            .layers
+            .contains(Layer::Motion);
+        let of_frame = args.sequence.settings(frame, &moments, has_motion);
         let show = |world: &mut World, frame| args.sequence.show(world, frame, turning.as_ref());
         // Every frame has noise of its own.
         app.world_mut().resource_mut::<SamplerSettings>().seed = seed.wrapping_add(frame);
@@ -156,7 +170,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
             &limits,
             progress,
             milliseconds(began.elapsed()),
-            Some(frame),
+            of_frame,
         )?;
         if this != ExitCode::SUCCESS {
             code = this;
@@ -204,20 +218,26 @@ fn picture(
     limits: &Limits,
     progress: Progress,
     load_ms: f64,
-    frame: Option<u32>,
+    of_frame: Settings,
 ) -> Result<ExitCode, Failure> {
     let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
-    let settings = settings(args, frame);
+    let settings = settings(args, of_frame);
     let (scene, checkpoints) = (&args.scene.scene, &args.checkpoints);
     let share = share::begin(app.world_mut(), scene, &args.shares, checkpoints, samples, settings)?;
-    let write = |world: &World, picture: &LayeredImage| {
+    // Standard output has place for one picture, the finished one.
+    let files: Vec<PathBuf> = outputs
+        .iter()
+        .filter(|path| !outputs::is_stdout(path))
+        .cloned()
+        .collect();
+    let write = |world: &World, picture: &LayeredImage, places| {
         let options = file_options(world, args);
         match share.as_ref().filter(|share| share.is_part) {
             Some(share) => {
                 let part = share.cut(picture.clone());
-                outputs::write_each(outputs, |path| share.write(world, path, &part, &options))
+                outputs::write_each(places, |path| share.write(world, path, &part, &options))
             }
-            None => outputs::write_each(outputs, |path| outputs::write_picture(path, picture, &options)),
+            None => outputs::write_each(places, |path| outputs::write_picture(path, picture, &options)),
         }
     };
     let mut watch = Watch {
@@ -227,7 +247,7 @@ fn picture(
         partial: args.partial,
         has_events: args.stats == Some(StatsFormat::JsonLines),
         describe: &|picture, world| describe(picture, world, args),
-        write: &|world, picture| write(world, picture).len() == outputs.len(),
+        write: &|world, picture| write(world, picture, &files).len() == files.len(),
         last: Last::default(),
     };
     let rendered = render_watched(app, limits, |world| watch.look(world));
@@ -279,12 +299,14 @@ fn picture(
     }
     let mut picture = layered_picture(app.world(), &image, denoised_layer.as_deref());
     describe(&mut picture, app.world(), args);
-    let written = write(app.world(), &picture);
+    let written = write(app.world(), &picture, outputs);
     if written.is_empty() {
         outputs::keep_elsewhere(&picture);
     }
 
-    ending.report(status.samples, args.quiet, args.denoise, &written);
+    // A share counts the samples of the whole picture.
+    let samples = status.samples.saturating_sub(status.first);
+    ending.report(samples, args.quiet, args.denoise, &written);
     if let Some(error) = &denoise_failure {
         report::error(format_args!("{error}; the picture is not denoised"));
     }
@@ -299,7 +321,7 @@ fn picture(
             scene: args.scene.scene.clone(),
             width: image.width,
             height: image.height,
-            spp: status.samples,
+            spp: samples,
             noise: status.noise,
             seed: app.world().resource::<SamplerSettings>().seed,
             threads,
@@ -336,6 +358,8 @@ fn check_together(args: &RenderArgs) -> Result<(), Failure> {
         "a checkpoint is of one picture: --frames has to be a single frame"
     } else if args.stats == Some(StatsFormat::JsonLines) && args.output.iter().any(|path| outputs::is_stdout(path)) {
         "a picture and events cannot both go to standard output"
+    } else if args.partial.is_some() && args.output.iter().any(|path| outputs::is_stdout(path)) {
+        "--partial writes several pictures, and standard output has place for one"
     } else if let (Some(samples), Some(spp)) = (&args.shares.samples, args.spp)
         && samples.end > spp
     {
@@ -347,13 +371,13 @@ fn check_together(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// What samples depend on beside the scene and the view.
-fn settings(args: &RenderArgs, frame: Option<u32>) -> Settings {
+fn settings(args: &RenderArgs, of_frame: Settings) -> Settings {
     let accel = args
         .accel
         .to_possible_value()
         .map_or_else(String::new, |value| value.get_name().to_owned());
     let mut settings = vec![("the acceleration structure".to_owned(), accel)];
-    settings.extend(frame.map(|frame| ("the frame".to_owned(), frame.to_string())));
+    settings.extend(of_frame);
     let defines = args.scene.defines.defines.iter();
     settings.extend(defines.map(|(name, value)| (format!("-D {name}"), value.clone())));
     settings

@@ -12,6 +12,7 @@ use sunroom::scene::{ActiveSensor, Authored, Sensor, ToWorld, Turntable, show_mo
 
 use super::outputs::is_stdout;
 use super::report::Failure;
+use super::share::Settings;
 
 /// The most frames of a sequence: a day at 24 frames a second has fewer.
 const MOST_FRAMES: u32 = 10_000_000;
@@ -97,14 +98,42 @@ impl SequenceArgs {
         Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
     }
 
+    /// What the samples of a frame depend on beside the scene, by name. `moments` are in frames.
+    pub fn settings(&self, frame: u32, moments: &[f64], has_motion: bool) -> Settings {
+        let seconds = |moments: &mut dyn Iterator<Item = f64>| {
+            let times: Vec<String> = moments.map(|moment| (moment / self.fps).to_string()).collect();
+            times.join(", ")
+        };
+        let mut settings = vec![
+            ("the frame".to_owned(), frame.to_string()),
+            (
+                "the list of moments in seconds".to_owned(),
+                seconds(&mut moments.iter().copied()),
+            ),
+        ];
+        if has_motion {
+            let before = seconds(&mut moments.iter().map(|moment| moment - 1.0));
+            settings.push(("the list of moments a frame earlier in seconds".to_owned(), before));
+        }
+        if let Some((start, count)) = self.turn() {
+            settings.push(("the turntable".to_owned(), format!("{count} frames from {start} on")));
+        }
+        settings
+    }
+
+    /// The first frame of the turn of the camera, and the number of its frames.
+    fn turn(&self) -> Option<(u32, u32)> {
+        let frames = self.frames.as_ref()?;
+        Some(match self.turntable? {
+            Some(count) => (0, count),
+            None => (*frames.start(), frames.end() - frames.start() + 1),
+        })
+    }
+
     /// Brings the scene to the time of a frame, or to one between two frames.
     pub fn show(&self, world: &mut World, frame: f64, camera: Option<&TurningCamera>) {
         show_moment(world, frame / self.fps);
-        if let (Some(camera), Some(frames)) = (camera, &self.frames) {
-            let (start, count) = match self.turntable.flatten() {
-                Some(count) => (0, count),
-                None => (*frames.start(), frames.end() - frames.start() + 1),
-            };
+        if let (Some(camera), Some((start, count))) = (camera, self.turn()) {
             camera.turn(world, (frame - f64::from(start)) / f64::from(count));
         }
     }

@@ -7,7 +7,9 @@ use std::time::Duration;
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::app::origin::origin;
-use sunroom::engine::{OpenShutter, PackedScene, PictureNames, RenderControl, RenderFilm, job_state, resume};
+use sunroom::engine::{
+    OpenShutter, PackedScene, PictureNames, RenderControl, RenderFilm, job_state, reserve_film, resume,
+};
 use sunroom::layer::Layer;
 use sunroom::render::film::Film;
 use sunroom::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
@@ -16,7 +18,7 @@ use sunroom::render::part::{About, Crop, Origin, PartFile, PartHeader, write_par
 use sunroom::render::passes::{chunk_of, is_cut};
 use sunroom::scene::{ActiveSensor, Film as SensorFilm};
 
-use super::outputs::is_stdout;
+use super::outputs::{is_exr, is_stdout};
 use super::parse;
 use super::report::{self, Failure};
 
@@ -77,7 +79,6 @@ impl ShareArgs {
         if !self.is_given() {
             return Ok(());
         }
-        let is_exr = |path: &&PathBuf| FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
         if let Some(path) = outputs.iter().find(|path| is_stdout(path) || !is_exr(path)) {
             return Err(Failure::Usage(format!(
                 "{}: a part of a picture is an EXR file, which has the exact sums for `sunroom merge`",
@@ -98,7 +99,7 @@ impl ShareArgs {
 }
 
 /// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is packed. `samples`: the number of samples
-/// that are asked for; `wanted`: other things that samples depend on.
+/// that are asked for; `settings`: other things that samples depend on.
 pub fn begin(
     world: &mut World,
     scene: &Path,
@@ -199,6 +200,7 @@ impl Share {
             let [start, end] = header.samples;
             return Err(format!("{name} is of --samples {start}..{end} --crop {x},{y},{width},{height}").into());
         }
+        reserve_film(world)?;
         let mut film = Film::with_layers(self.size[0], self.size[1], kept);
         if self.samples[0] > 0 {
             film.keep_chunks();
@@ -320,7 +322,7 @@ pub fn pixel_counts(share: Option<&Share>, film: &Film) -> [usize; 2] {
 fn about(world: &World, described: &LayeredImage) -> About {
     let names = PictureNames::of(world);
     let text = |(name, attribute): &(String, Attribute)| match attribute {
-        // Those of cryptomattes tell what is in the pixels, which are other ones in the end.
+        // Manifests of cryptomattes list what is in these pixels; the finished picture has others.
         Attribute::Text(value) if !name.starts_with("cryptomatte/") => Some((name.clone(), value.clone())),
         _ => None,
     };

@@ -108,7 +108,9 @@ impl Watch<'_> {
             Ok(()) => {
                 self.last.saved = Some(status.rays);
                 if self.has_events {
-                    event(json!({ "event": "checkpoint", "file": path, "samples": status.samples }));
+                    event(
+                        json!({ "event": "checkpoint", "file": path.display().to_string(), "samples": status.samples }),
+                    );
                 }
                 true
             }

@@ -82,7 +82,7 @@ pub(super) fn dispatch_job(
             old.cancel();
             demand.deferred.drop_later(old);
         }
-        let reserved = film.bypass_change_detection().reserve(&view);
+        let reserved = film.bypass_change_detection().reserve(&view, &control, stop.samples);
         let mut new = Job::new(
             demand.extracted.scene.clone(),
             view,

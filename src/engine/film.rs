@@ -4,14 +4,17 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
 
+use bevy::math::UVec2;
 use bevy::prelude::*;
 
 use crate::memory::{self, Reservation, Shortage};
 use crate::render::film::Film;
-use crate::render::tile::{Tile, TilePreview};
+use crate::render::tile::{Tile, TilePreview, tiles};
 use crate::render::view::View;
 
+use super::control::RenderControl;
 use super::light_groups::LightGroup;
+use super::schedule::tiles_in;
 
 /// The film, and the parts of it that have changed since the last look.
 #[derive(Resource, Default)]
@@ -53,9 +56,15 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    /// Reserves the memory for the film of this view, in place of the former reservation.
-    pub(super) fn reserve(&mut self, view: &View) -> Result<(), FilmShortage> {
-        let bytes = Film::memory_bytes(view.width, view.height, view.film_layers());
+    /// Reserves the memory for the film of this view, in place of the former reservation. The film of a share keeps chunks up to `samples`.
+    pub(super) fn reserve(&mut self, view: &View, control: &RenderControl, samples: u32) -> Result<(), FilmShortage> {
+        let kept = view.film_layers();
+        let chunks = control.share.filter(|&first| first > 0).map_or(0, |first| {
+            let size = UVec2::new(view.width, view.height);
+            let tiles = tiles_in(control.region, &tiles(view.width, view.height), size);
+            Film::chunk_bytes(tiles.len(), first..samples, kept)
+        });
+        let bytes = Film::memory_bytes(view.width, view.height, kept).saturating_add(chunks);
         let result = match &mut self.memory {
             Some(memory) => memory.resize(bytes),
             None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
@@ -79,14 +88,21 @@ impl RenderFilm {
         if self.is_of(begun) {
             return Vec::new();
         }
-        let old = self.film.begin(view.width, view.height, view.film_layers());
+        let mut film = std::mem::take(&mut self.film);
+        let old = film.begin(view.width, view.height, view.film_layers());
+        self.begin_with(begun, light_groups, is_coarse, film);
+        old
+    }
+
+    /// Shows this film, the picture of the job that was begun at this time.
+    pub(super) fn begin_with(&mut self, begun: Instant, light_groups: &Arc<[LightGroup]>, is_coarse: bool, film: Film) {
+        self.film = film;
         self.light_groups = light_groups.clone();
         self.is_coarse = is_coarse;
         self.begun = Some(begun);
         self.job += 1;
         self.samples = 0;
         self.dirty.clear();
-        old
     }
 
     /// Whether it has the picture of the job that was begun at this time.

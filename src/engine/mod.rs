@@ -50,7 +50,7 @@ pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
-pub use saved::{job_state, resume};
+pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;

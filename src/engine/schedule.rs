@@ -1,7 +1,7 @@
 //! The order of work: which tile comes first, and how many samples each visit to a tile makes.
 //!
-//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), whoever renders and however often the work is
-//! interrupted: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
+//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), on any thread, with any number of
+//! interruptions: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};

@@ -5,12 +5,14 @@ mod errors;
 mod state;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use glam::Vec3;
 
 use self::chunks::{is_whole, without_splats};
 use super::layers::{FilmLayers, LayerSums, Matte};
 use super::mean_error::{BLOCK, BLOCKS, BlockError};
+use super::passes::chunks_in;
 use super::scene::FirstHit;
 use super::splats::{Splat, Splats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
@@ -42,7 +44,7 @@ pub struct Film {
     layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
-    /// Of each tile the chunk that is not whole yet, see [`super::passes`]. The counts have its samples, and the sums have not.
+    /// Of each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet in `sums`.
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,
@@ -103,6 +105,12 @@ impl Film {
             + COPIES * size_of::<Rgb>();
         let rounded = |side: u32| u64::from(side.next_multiple_of(TILE));
         rounded(width) * rounded(height) * pixel as u64
+    }
+
+    /// The memory in bytes of the chunks of so many tiles that the film of a share with these samples keeps, see [`Self::keep_chunks`].
+    pub fn chunk_bytes(tiles: usize, samples: Range<u32>, kept: FilmLayers) -> u64 {
+        let tile = (TILE * TILE) as usize * (size_of::<PixelSum>() + kept.sum_bytes());
+        (tiles as u64 * tile as u64).saturating_mul(chunks_in(samples))
     }
 
     /// The number of pixels in a row.

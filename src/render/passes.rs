@@ -9,6 +9,7 @@
 //! Sums of sums also lose fewer digits than one long sum does (Higham, The accuracy of floating point summation, SIAM Journal on Scientific Computing
 //! 14(4), 1993).
 
+use std::iter::successors;
 use std::ops::Range;
 
 /// The longest pass, in samples per pixel.
@@ -36,6 +37,12 @@ pub fn chunk_of(sample: u32) -> Range<u32> {
     start..start.saturating_add(length)
 }
 
+/// The number of chunks that have some of these samples.
+pub fn chunks_in(samples: Range<u32>) -> u64 {
+    let starts = successors(Some(samples.start), |&start| Some(chunk_of(start).end));
+    starts.take_while(|&start| start < samples.end).count() as u64
+}
+
 /// Whether a picture may be cut before sample number `sample`.
 pub fn is_cut(sample: u32) -> bool {
     chunk_of(sample).start == sample
@@ -44,6 +51,18 @@ pub fn is_cut(sample: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn chunks_are_counted() {
+        assert_eq!(chunks_in(0..0), 0);
+        // 0..1, 1..2, 2..4, 4..8 and 8..16
+        assert_eq!(chunks_in(0..16), 5);
+        assert_eq!(
+            [chunks_in(16..256), chunks_in(256..512), chunks_in(256..513)],
+            [15, 8, 9]
+        );
+        assert_eq!(chunks_in(1 << 31..u32::MAX), 8);
+    }
 
     #[test]
     fn passes_double_and_then_stay() {

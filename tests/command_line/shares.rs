@@ -1,8 +1,9 @@
 //! Shares of a picture and their merging, checkpoints, and what a render tells while it works.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::workshop::{Workshop, sunroom};
 
@@ -296,21 +297,133 @@ fn shares_refuse_what_cannot_be_divided() {
     assert!(usage(&["--crop", "32,0,96,32"]).contains("does not lie in the picture"));
     let message = fails(&shop, 2, &["render", "scene.xml", "-o", "a.png", "--samples", "0..8"]);
     assert!(message.contains("a part of a picture is an EXR file"), "{message}");
+    let message = fails(
+        &shop,
+        2,
+        &["render", "scene.xml", "-o", "-", "-o", "a.exr", "--partial", "1s"],
+    );
+    assert!(message.contains("--partial writes several pictures"), "{message}");
     shop.scene(&SCENE.replace("</sampler>", "<boolean name='adaptive' value='true'/></sampler>"));
     let message = usage(&["--samples", "0..8"]);
     assert!(message.contains("adaptive sampling"), "{message}");
 }
 
-/// Starts a render with checkpoints, and waits until it has written one.
+#[test]
+fn frames_at_other_times_are_other_pictures() {
+    let shop = shop();
+    for (name, samples, fps) in [
+        ("a.exr", "0..4", "24"),
+        ("b.exr", "4..8", "24"),
+        ("c.exr", "4..8", "25"),
+    ] {
+        let share = ["--samples", samples, "--spp", "8", "--frames", "3", "--fps", fps];
+        succeeds(
+            &shop,
+            &[
+                &["render", "scene.xml", "-q", "-o", &name.replace(".exr", "-#.exr")][..],
+                &share,
+            ]
+            .concat(),
+        );
+    }
+    succeeds(&shop, &["merge", "-q", "-o", "all.exr", "a-3.exr", "b-3.exr"]);
+    let message = fails(&shop, 1, &["merge", "-o", "all.exr", "a-3.exr", "c-3.exr"]);
+    assert!(
+        message.contains("the list of moments in seconds is 0.12, and was 0.125"),
+        "{message}"
+    );
+}
+
+/// The pictures in a glTF file are taken apart into a folder of the user's caches, which lies elsewhere on another machine.
+#[cfg(target_os = "linux")]
+#[test]
+fn shares_of_gltf_files_agree_between_machines() {
+    let shop = shop();
+    let glb = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/gltf/small.glb");
+    shop.write("small.glb", std::fs::read(glb).expect("it is in the repository"));
+    for (name, samples, cache) in [("a.exr", "0..4", "cache-a"), ("b.exr", "4..8", "cache-b")] {
+        let share = [
+            "render",
+            "small.glb",
+            "-q",
+            "-o",
+            name,
+            "--size",
+            "32x32",
+            "--samples",
+            samples,
+        ];
+        let mut command = command(&shop, &share);
+        let output = command.env("XDG_CACHE_HOME", shop.path(cache)).output();
+        assert!(output.expect("the program starts").status.success());
+        assert!(shop.path(cache).join("sunroom/gltf").exists());
+    }
+    succeeds(&shop, &["merge", "-q", "-o", "all.exr", "a.exr", "b.exr"]);
+}
+
+#[test]
+fn figures_of_a_share_count_its_own_samples() {
+    let shop = shop();
+    let output = run(
+        &shop,
+        &[
+            "render",
+            "scene.xml",
+            "-q",
+            "-o",
+            "a.exr",
+            "--samples",
+            "16..48",
+            "--stats=json",
+        ],
+    );
+    let stats: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(stats["spp"], 32);
+}
+
+/// 15 groups of samples are kept, each as large as the sums of the picture.
+#[test]
+fn the_groups_of_a_share_count_in_the_memory_budget() {
+    let shop = shop();
+    let render = [
+        "render",
+        "scene.xml",
+        "-q",
+        "-o",
+        "a.exr",
+        "--size",
+        "512x512",
+        "--memory",
+        "128M",
+    ];
+    let message = fails(&shop, 1, &[&render[..], &["--samples", "16..256"]].concat());
+    assert!(message.contains("a film of 512 x 512 pixels needs"), "{message}");
+    let crop = ["--crop", "0,0,32,32", "--samples", "16..256"];
+    succeeds(&shop, &[&render[..], &crop].concat());
+}
+
+/// Starts a render with checkpoints, and waits until it has written one itself.
 fn start_with_checkpoint(shop: &Workshop, arguments: &[&str]) -> Child {
+    let path = shop.path("c.exr");
+    let before = written(&path);
     let mut command = command(shop, arguments);
     let child = command
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    wait_for(&shop.path("c.exr"));
+    let begin = Instant::now();
+    while written(&path) == before {
+        let is_late = begin.elapsed() > Duration::from_secs(600);
+        assert!(!is_late, "there is no new {}", path.display());
+        std::thread::sleep(Duration::from_millis(5));
+    }
     child
+}
+
+/// The time at which a file was written, if it is there.
+fn written(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|about| about.modified()).ok()
 }
 
 fn wait_for(path: &Path) {
@@ -483,6 +596,7 @@ fn signals_ask_for_a_checkpoint_and_for_the_picture_so_far() {
     );
 }
 
+#[cfg(unix)]
 #[test]
 fn pictures_so_far_and_events_come_by_themselves() {
     let shop = shop();
@@ -493,18 +607,30 @@ fn pictures_so_far_and_events_come_by_themselves() {
         "-o",
         "a.png",
         "--time",
-        "2500ms",
+        // An interrupt ends it much earlier.
+        "600s",
         "--partial",
         "100ms",
         "--stats=json-lines",
     ];
-    let output = run(&shop, &arguments);
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).expect("UTF-8");
-    let events: Vec<serde_json::Value> = text
-        .lines()
-        .map(|line| serde_json::from_str(line).expect(line))
-        .collect();
+    let mut child = command(&shop, &arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let (mut text, mut events, mut is_interrupted) = (String::new(), Vec::<serde_json::Value>::new(), false);
+    for line in BufReader::new(child.stdout.take().expect("a pipe")).lines() {
+        let line = line.expect("UTF-8");
+        events.push(serde_json::from_str(&line).expect(&line));
+        text += &format!("{line}\n");
+        let count = |name: &str| events.iter().filter(|event| event["event"] == name).count();
+        if count("picture") > 2 && count("progress") > 0 && !is_interrupted {
+            assert!(shop.path("a.png").exists());
+            let sent = Command::new("kill").arg("-INT").arg(child.id().to_string()).status();
+            is_interrupted = sent.expect("kill is there").success();
+        }
+    }
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{text}");
     let of = |name: &str| events.iter().filter(|event| event["event"] == name).collect::<Vec<_>>();
     assert!(
         of("begin").len() == 1 && of("end").len() == 1 && of("picture").len() > 2,
@@ -541,6 +667,7 @@ fn a_full_disk_leaves_the_old_checkpoint() {
     let output = output.expect("unshare is there");
     let message = String::from_utf8_lossy(&output.stderr);
     if message.contains("unshare failed") || message.contains("permission denied") {
+        eprintln!("skipped: the system permits no mount namespace");
         return;
     }
     assert!(output.status.success(), "{message}");

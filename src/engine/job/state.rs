@@ -8,7 +8,7 @@ use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
 
 impl Job {
-    /// Writes the state. What workers are at is not part of it, and will be made again.
+    /// Writes the state. Passes under way are not saved; they are rendered again.
     pub fn write(&self) -> Vec<u8> {
         let mut to = Writer::default();
         self.done.iter().for_each(|&samples| to.u32(samples));
@@ -53,8 +53,7 @@ impl Job {
         };
         self.adaptation.read(&mut from)?;
         self.preview_left = 0;
-        self.begin_in(film);
-        film.film = saved;
+        film.begin_with(self.begun, &self.light_groups, self.is_coarse, saved);
         film.samples = self.least_samples();
         for (index, &tile) in self.tiles.iter().enumerate().filter(|(index, _)| self.done[*index] > 0) {
             self.noise_of_tiles.update(index, &film.film, tile);

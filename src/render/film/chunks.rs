@@ -1,4 +1,4 @@
-//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is whole. What is read has both.
+//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is whole. Reading adds both.
 
 use std::borrow::Cow;
 

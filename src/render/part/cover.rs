@@ -1,7 +1,7 @@
 //! Whether parts make up a whole picture.
 
 use super::{Crop, PartHeader};
-use crate::render::tile::tiles;
+use crate::render::tile::{Tile, tiles};
 
 /// The reason why parts are not a whole picture. `place` is the rectangle around the pixels that it is about.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -26,7 +26,7 @@ fn place_in_words(place: &Crop) -> String {
     format!("the {width} x {height} pixels at {x},{y}")
 }
 
-/// Checks that every pixel of the picture has all samples from 0 on exactly once. Names are those of the files. All parts are of one picture.
+/// Checks that every pixel of the picture has all samples from 0 on exactly once. Each part has the name of its file. All parts are of one picture.
 pub fn check_cover(parts: &[(String, PartHeader)]) -> Result<(), CoverError> {
     let Some((_, first)) = parts.first() else {
         return Ok(());
@@ -34,13 +34,7 @@ pub fn check_cover(parts: &[(String, PartHeader)]) -> Result<(), CoverError> {
     let end = parts.iter().map(|(_, part)| part.samples[1]).max().unwrap_or(0);
     let mut error: Option<CoverError> = None;
     for tile in tiles(first.width, first.height) {
-        let place = Crop {
-            x: tile.x,
-            y: tile.y,
-            width: tile.width,
-            height: tile.height,
-        };
-        let Some(found) = fault_of_tile(parts, place, end) else {
+        let Some(found) = fault_of_tile(parts, tile, end) else {
             continue;
         };
         match &mut error {
@@ -51,12 +45,10 @@ pub fn check_cover(parts: &[(String, PartHeader)]) -> Result<(), CoverError> {
     error.map_or(Ok(()), Err)
 }
 
-fn fault_of_tile(parts: &[(String, PartHeader)], place: Crop, end: u32) -> Option<CoverError> {
-    let covers = |part: &PartHeader| {
-        let Crop { x, y, width, height } = part.crop;
-        (x..x + width).contains(&place.x) && (y..y + height).contains(&place.y)
-    };
-    let mut here: Vec<&(String, PartHeader)> = parts.iter().filter(|(_, part)| covers(part)).collect();
+fn fault_of_tile(parts: &[(String, PartHeader)], tile: Tile, end: u32) -> Option<CoverError> {
+    let Tile { x, y, width, height } = tile;
+    let place = Crop { x, y, width, height };
+    let mut here: Vec<&(String, PartHeader)> = parts.iter().filter(|(_, part)| part.crop.has(tile)).collect();
     here.sort_by_key(|(_, part)| part.samples);
     let (mut reached, mut last) = (0, None);
     for (name, part) in here {

@@ -1,5 +1,6 @@
 //! The file of a part: an EXR picture, behind it the state, and at the very end the length of the state.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ const MAGIC: &[u8; 8] = b"SUNROOM+";
 /// The checksum, the length of the state, and [`MAGIC`].
 const TAIL: u64 = 4 + 8 + 8;
 /// The longest header in bytes: it has the names of all shapes.
-const LONGEST_HEADER: u32 = 1 << 30;
+const LONGEST_HEADER: usize = 1 << 26;
 
 /// The reason why a part cannot be read. The messages do not name the file.
 #[derive(Debug, thiserror::Error)]
@@ -36,8 +37,8 @@ pub enum PartError {
     Damaged(#[from] Damaged),
 }
 
-/// Writes a part in one step: after a failure the old file is there. `picture` is the content of an EXR file, `tiles` are those of the part that have samples,
-/// and `job` is what the engine knows.
+/// Writes a part in one step: after a failure the old file is there. `picture` is the content of an EXR file, `tiles` are the tiles of the part that have samples,
+/// and `job` is the state of the engine's job.
 pub fn write_part(
     path: &Path,
     picture: &[u8],
@@ -54,6 +55,9 @@ pub fn write_part(
             length: 0,
         };
         let text = serde_json::to_vec(header)?;
+        if text.len() > LONGEST_HEADER {
+            return Err(io::Error::other("the names of the shapes are too long for a part"));
+        }
         let mut start = Writer::default();
         start.u32(FORMAT);
         start.u32(text.len() as u32);
@@ -122,17 +126,21 @@ impl PartFile {
             return Err(PartError::NoState);
         }
         let start = tail_at.checked_sub(state_length).ok_or(Damaged)?;
+        check_sum(&mut file, [start, state_length])?;
         file.seek(SeekFrom::Start(start))?;
         let mut file = file.take(state_length);
         if read_u32(&mut file)? != FORMAT {
             return Err(PartError::Format);
         }
-        let length = read_u32(&mut file)?;
+        let length = read_u32(&mut file)? as usize;
         if length > LONGEST_HEADER {
             return Err(Damaged.into());
         }
         let mut text = Vec::new();
-        (&mut file).take(length.into()).read_to_end(&mut text)?;
+        (&mut file).take(length as u64).read_to_end(&mut text)?;
+        if text.len() != length {
+            return Err(Damaged.into());
+        }
         let header: PartHeader = serde_json::from_slice(&text).map_err(|_| Damaged)?;
         if !header.is_possible() {
             return Err(Damaged.into());
@@ -141,7 +149,7 @@ impl PartFile {
             path: path.to_owned(),
             header,
             state: [start, state_length],
-            tiles_at: 8 + u64::from(length),
+            tiles_at: 8 + length as u64,
         })
     }
 
@@ -154,10 +162,12 @@ impl PartFile {
     pub fn read_into(&self, film: &mut Film) -> Result<Vec<u8>, PartError> {
         let mut file = files::open(&self.path, LARGEST_DATA)?;
         let [start, length] = self.state;
-        self.check_sum(&mut file)?;
+        // Another file may have its name by now.
+        check_sum(&mut file, self.state)?;
         file.seek(SeekFrom::Start(start + self.tiles_at))?;
         let mut file = BufReader::new(file.take(length - self.tiles_at));
-        let (all, mut content) = (self.header.crop, Vec::new());
+        let tiles = self.header.crop.tiles(self.header.width, self.header.height);
+        let (mut missing, mut content): (HashSet<Tile>, _) = (tiles.collect(), Vec::new());
         for _ in 0..read_u32(&mut file)? {
             let [x, y, width, height] = [
                 read_u32(&mut file)?,
@@ -166,8 +176,7 @@ impl PartFile {
                 read_u32(&mut file)?,
             ];
             let tile = Tile { x, y, width, height };
-            let mut known = all.tiles(self.header.width, self.header.height);
-            if !known.any(|known| known == tile) {
+            if !missing.remove(&tile) {
                 return Err(Damaged.into());
             }
             let length = read_u32(&mut file)?;
@@ -178,26 +187,29 @@ impl PartFile {
                 return Err(Damaged.into());
             }
         }
+        if self.header.is_finished && !missing.is_empty() {
+            return Err(Damaged.into());
+        }
         let length = read_u32(&mut file)?;
         let mut job = Vec::new();
         file.take(length.into()).read_to_end(&mut job)?;
         Ok(job)
     }
+}
 
-    fn check_sum(&self, file: &mut File) -> Result<(), PartError> {
-        let [start, length] = self.state;
-        file.seek(SeekFrom::Start(start))?;
-        let (mut crc, mut buffer, mut state) = (Crc::new(), vec![0; 1 << 20], file.take(length));
-        loop {
-            match state.read(&mut buffer)? {
-                0 => break,
-                count => crc.update(&buffer[..count]),
-            }
+/// An error if the state at this place, of this length, has another checksum than the one behind it.
+fn check_sum(file: &mut File, [start, length]: [u64; 2]) -> Result<(), PartError> {
+    file.seek(SeekFrom::Start(start))?;
+    let (mut crc, mut buffer, mut state) = (Crc::new(), vec![0; 1 << 20], file.take(length));
+    loop {
+        match state.read(&mut buffer)? {
+            0 => break,
+            count => crc.update(&buffer[..count]),
         }
-        match read_u32(file)? == crc.sum() {
-            true => Ok(()),
-            false => Err(Damaged.into()),
-        }
+    }
+    match read_u32(file)? == crc.sum() {
+        true => Ok(()),
+        false => Err(Damaged.into()),
     }
 }
 
@@ -217,5 +229,69 @@ fn read_u32(file: &mut impl Read) -> Result<u32, PartError> {
     match file.read_exact(&mut bytes) {
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Err(Damaged.into()),
         read => Ok(read.map(|()| u32::from_le_bytes(bytes))?),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::part::{About, Crop, Origin};
+    use crate::render::tile::tiles;
+
+    fn header() -> PartHeader {
+        PartHeader {
+            origin: Origin::default(),
+            width: 64,
+            height: 32,
+            crop: Crop::whole(64, 32),
+            samples: [0, 1],
+            is_finished: false,
+            layers: Vec::new(),
+            about: About::default(),
+        }
+    }
+
+    /// What reading a part with these tiles of an empty film gives.
+    fn read(tiles: &[Tile], is_finished: bool) -> Result<Vec<u8>, PartError> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("part.exr");
+        let mut film = Film::new(64, 32);
+        let header = PartHeader {
+            is_finished,
+            ..header()
+        };
+        write_part(&path, b"", &header, &film, tiles, &[7]).expect("a writable folder");
+        PartFile::open(&path)?.read_into(&mut film)
+    }
+
+    #[test]
+    fn each_tile_comes_once_and_a_finished_part_has_all() {
+        let tiles = tiles(64, 32);
+        assert_eq!(read(&tiles[..1], false).expect("a checkpoint"), [7]);
+        for (tiles, is_finished) in [(&tiles[..0], true), (&[tiles[0], tiles[0]], false)] {
+            let result = read(tiles, is_finished);
+            assert!(matches!(result, Err(PartError::Damaged(_))), "{tiles:?}");
+        }
+    }
+
+    #[test]
+    fn a_header_has_its_stated_length() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("part.exr");
+        let text = serde_json::to_vec(&header()).expect("JSON");
+        for (more, is_whole) in [(0, true), (1, false), (1 << 20, false)] {
+            let mut state = Writer::default();
+            state.u32(FORMAT);
+            state.u32(text.len() as u32 + more);
+            state.0.extend(&text);
+            let mut crc = Crc::new();
+            crc.update(&state.0);
+            let length = state.0.len() as u64;
+            state.u32(crc.sum());
+            state.u64(length);
+            state.0.extend_from_slice(MAGIC);
+            std::fs::write(&path, &state.0).expect("a writable folder");
+            assert_eq!(PartFile::open(&path).is_ok(), is_whole, "{more}");
+        }
     }
 }

@@ -249,6 +249,11 @@ pub(crate) fn allow_parts(allow: impl FnOnce(&Path)) {
     }
 }
 
+/// Whether this canonical path is that of a part in the cache.
+pub(crate) fn is_cached_part(path: &Path) -> bool {
+    CACHE.folder.as_ref().is_some_and(|folder| path.starts_with(folder))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
