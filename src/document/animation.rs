@@ -43,15 +43,17 @@ impl Interpolation {
 }
 
 impl Track {
-    /// The value at this time in seconds.
+    /// The value at this time in seconds. A key is reached at the moments that have its time in single precision, too: the time of a frame may be a rounding
+    /// before the key that a file has for this frame.
     pub fn at(&self, time: f64) -> Value {
-        let after = self.keys.partition_point(|key| key.time <= time);
+        let reached = time.max(key_time(time));
+        let after = self.keys.partition_point(|key| key.time <= reached);
         match (
             after.checked_sub(1).map(|before| &self.keys[before]),
             self.keys.get(after),
         ) {
             (Some(before), Some(after)) => {
-                let share = (time - before.time) / (after.time - before.time);
+                let share = (time - before.time).max(0.0) / (after.time - before.time);
                 between(&before.value, &after.value, self.interpolation.way(share))
             }
             (Some(key), None) | (None, Some(key)) => key.value.clone(),
@@ -253,6 +255,9 @@ pub fn is_animated(object: &Object) -> bool {
     object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(is_animated)
 }
 
+/// The greatest time of a key in seconds, before or after 0.
+pub const MOST_TIME: f64 = 1e9;
+
 /// The time that a key has for a moment, both in seconds: files hold times in single precision.
 pub fn key_time(time: f64) -> f64 {
     f64::from(time as f32)
@@ -418,6 +423,31 @@ mod tests {
         assert_eq!(value(Interpolation::Step, 2.999), 2.0);
         assert_eq!(value(Interpolation::Step, 3.0), 6.0);
         assert_eq!(track(Interpolation::Linear, &keys).span(), (1.0, 4.0));
+    }
+
+    #[test]
+    fn a_frame_has_the_value_of_its_key() {
+        for fps in [23.976, 24.0, 29.97, 30.0, 60.0] {
+            let time = |frame: i64| frame as f64 / fps;
+            let keys = |of: fn(i64) -> Value| {
+                (0..=48)
+                    .map(|frame| (key_time(time(frame)), of(frame)))
+                    .collect::<Vec<_>>()
+            };
+            let numbers = track(Interpolation::Step, &keys(Value::Integer));
+            let texts = track(Interpolation::Linear, &keys(|frame| Value::String(frame.to_string())));
+            let levels = track(Interpolation::Linear, &keys(|frame| Value::Float(frame as f32)));
+            for frame in 0..=48 {
+                assert_eq!(numbers.at(time(frame)), Value::Integer(frame), "{fps}");
+                assert_eq!(texts.at(time(frame)), Value::String(frame.to_string()), "{fps}");
+                let Value::Float(level) = levels.at(time(frame)) else {
+                    panic!("a number");
+                };
+                assert!(level >= frame as f32 && level < frame as f32 + 1e-4, "{fps}: {level}");
+                let before = time(frame) - 0.01 / fps;
+                assert_eq!(numbers.at(before), Value::Integer((frame - 1).max(0)), "{fps}");
+            }
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use glam::{Mat4, Quat, Vec3, Vec4};
 
 use super::schema::{Animation, AnimationSampler, Node};
 use super::{Gltf, GltfError};
+use crate::document::animation::MOST_TIME;
 
 /// A scale that takes the place of smaller ones, 0 above all, by which animations hide things: nothing may be flattened.
 const LEAST_SCALE: f32 = 1e-4;
@@ -186,6 +187,9 @@ impl Gltf {
         }
         if !times.is_sorted_by(|a, b| a[0] < b[0]) || !times.iter().all(|time| time[0].is_finite()) {
             return Err(bad("has times that do not rise".to_owned()));
+        }
+        if times.iter().any(|time| f64::from(time[0].abs()) > MOST_TIME) {
+            return Err(bad("has times beyond 1e9 s".to_owned()));
         }
         if !values.iter().flatten().all(|number| number.is_finite()) {
             return Err(bad("has values that are not finite".to_owned()));

@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use smol_str::{SmolStr, format_smolstr};
 
 use super::write::patch::superseded_by;
-use crate::document::animation::{is_animated, key_time};
+use crate::document::animation::{MOST_TIME, is_animated, key_time};
 use crate::document::{Category, Child, Index, Interpolation, Key, Object, Property, Span, Track, Value};
 
 /// The parameters that say where a thing is, in the order in which they are looked for.
@@ -273,6 +273,9 @@ impl KeyEdit {
             Self::RemoveAll => return Ok(None),
             Self::Remove => {
                 track.keys.remove(place(&track, time)?);
+            }
+            Self::Move { to, .. } if !(-MOST_TIME..=MOST_TIME).contains(&to) => {
+                return Err("there is no such time".to_owned());
             }
             Self::Move { from, to } => {
                 let key = track.keys.remove(place(&track, from)?);

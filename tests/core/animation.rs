@@ -97,6 +97,11 @@ fn broken_keys_are_named_with_their_places() {
             "expected a number, found `soon`",
         ),
         (
+            r#"<animation name="radius"><float time="0" value="1"/><float time="1e30" value="2"/></animation>"#,
+            "3:66",
+            "expected a time from -1e9 to 1e9 s, found `1e30`",
+        ),
+        (
             r#"<animation name="radius"><float time="1" value="1"/><float time="1" value="2"/></animation>"#,
             "3:66",
             "expected a time after that of the key before, 1 s, found 1 s",

@@ -338,7 +338,7 @@ fn what_is_not_read_is_named() {
 #[test]
 fn an_animation_that_cannot_be_read_is_left_out_and_the_scene_stays() {
     type Break = fn(&mut Model) -> (usize, usize);
-    let cases: [(&str, Break); 8] = [
+    let cases: [(&str, Break); 9] = [
         ("accessor 99 is not there", |model| (model.sampler("LINEAR", 99, 1), 0)),
         ("has type VEC2 where VEC3 is expected", |model| {
             (model.curve("LINEAR", &[0.0], "VEC2", &[0.0; 2]), 0)
@@ -351,6 +351,9 @@ fn an_animation_that_cannot_be_read_is_left_out_and_the_scene_stays() {
         }),
         ("times that do not rise", |model| {
             (model.curve("LINEAR", &[1.0, 1.0], "VEC3", &[0.0; 6]), 0)
+        }),
+        ("times beyond 1e9 s", |model| {
+            (model.curve("LINEAR", &[0.0, 1e30], "VEC3", &[0.0; 6]), 0)
         }),
         ("values that are not finite", |model| {
             (model.curve("LINEAR", &[1.0], "VEC3", &[f32::NAN; 3]), 0)

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::element::{known, leaf};
 use super::names::Names;
 use super::parser::{Frame, OpenAnimation, Parser};
+use crate::document::animation::MOST_TIME;
 use crate::document::property::{VALUE_TAGS, read_value};
 use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
@@ -77,6 +78,11 @@ impl Parser {
                 return None;
             }
         };
+        if time.abs() > MOST_TIME {
+            let message = format!("expected a time from -1e9 to 1e9 s, found {}", quote(&text));
+            self.diagnostics.error(span, message);
+            return None;
+        }
         if let Some(last) = animation.keys.last()
             && time <= last.time
         {

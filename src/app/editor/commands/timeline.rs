@@ -12,6 +12,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::timeline::TimeStep;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::document::animation::MOST_TIME;
 use crate::engine::PackedScene;
 use crate::scene::{
     ActiveSensor, FreeView, KeyEdit, KeyPath, Keys, SceneStatus, ToWorld, Turntable, edit_keys, place_path,
@@ -20,7 +21,7 @@ use crate::scene::{
 
 /// Shows the scene at a time in seconds. Playing ends.
 pub fn set_time(world: &mut World, time: f64) -> Result<(), CommandError> {
-    if !time.is_finite() || time.abs() > 1e9 {
+    if !(-MOST_TIME..=MOST_TIME).contains(&time) {
         return Err("There is no such time.".into());
     }
     world.resource_mut::<ViewSettings>().playback.stop();

@@ -276,17 +276,10 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, st
     let played = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
     painter.rect_filled(played, 0.0, visuals.faint_bg_color);
     // Numbers at round frames, as many as have room.
-    let per_frame = scale.place(frames.time(1.0)) - scale.place(0.0);
-    let steps = (0..7).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_i64.pow(power)));
-    let step = steps
-        .into_iter()
-        .find(|step| *step as f32 * per_frame >= NUMBERS)
-        .unwrap_or(5_000_000);
-    let whole = |time: f64| (frames.frame(time) / step as f64).round() as i64;
+    let (first, last) = (frames.frame(scale.first), frames.frame(scale.last));
     let font = egui::TextStyle::Small.resolve(ui.style());
-    for number in whole(scale.first)..=whole(scale.last) {
-        let frame = number * step;
-        let x = scale.place(frames.time(frame as f64));
+    for frame in numbered(first, last, f64::from(scale.width / NUMBERS)) {
+        let x = scale.place(frames.time(frame));
         let color = visuals.weak_text_color();
         painter.vline(
             x,
@@ -294,7 +287,13 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, st
             Stroke::new(1.0, color.gamma_multiply(0.3)),
         );
         let corner = pos2(x + 3.0, rect.top() + 1.0);
-        painter.text(corner, egui::Align2::LEFT_TOP, frame.to_string(), font.clone(), color);
+        painter.text(
+            corner,
+            egui::Align2::LEFT_TOP,
+            format!("{frame:.0}"),
+            font.clone(),
+            color,
+        );
     }
     for time in model.all.iter() {
         painter.add(mark(
@@ -324,6 +323,17 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, st
     ));
 }
 
+/// The round frames from `first` to `last` that have numbers. `most` is how many steps between numbers have room.
+fn numbered(first: f64, last: f64, most: f64) -> impl Iterator<Item = f64> {
+    let least = ((last - first) / most).max(1.0);
+    let power = 10_f64.powi(least.log10().floor() as i32);
+    let steps = [1.0, 2.0, 5.0].map(|digit| digit * power);
+    let step = steps.into_iter().find(|step| *step >= least).unwrap_or(10.0 * power);
+    let begin = (first / step).round();
+    let count = ((last / step).round() - begin).min(most + 1.0) as u32;
+    (0..=count).map(move |index| (begin + f64::from(index)) * step)
+}
+
 /// The colour of keys.
 pub(crate) fn key_color(ui: &Ui) -> Color32 {
     match ui.visuals().dark_mode {
@@ -338,4 +348,24 @@ pub(crate) fn mark(place: egui::Pos2, color: Color32, size: f32) -> Shape {
     let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
     let corners = corners.map(|corner: Vec2| place + corner);
     Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_frames_have_numbers_as_have_room() {
+        let numbers = |first: f64, last: f64| numbered(first, last, 10.0).collect::<Vec<_>>();
+        assert_eq!(
+            numbers(0.0, 95.0),
+            [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0]
+        );
+        assert_eq!(numbers(-4.0, 3.0), [-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(numbers(0.0, 1001.0), [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]);
+        for last in [1e6, 24e9, 1e14, 24e30] {
+            let found = numbers(-last, last);
+            assert!((4..=12).contains(&found.len()), "{last}: {found:?}");
+        }
+    }
 }
