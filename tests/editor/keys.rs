@@ -349,13 +349,45 @@ fn a_turntable_is_one_step_that_goes_around_once() {
 }
 
 #[test]
+fn a_key_of_the_place_of_a_light_leaves_it_where_it_is() {
+    let (_folder, mut world) = opened(
+        r#"<scene version="3.0.0"><sensor type="perspective"/>
+    <emitter type="point" id="spark"><point name="position" x="1" y="2" z="3"/></emitter>
+    <emitter type="directional" id="sun"><vector name="direction" x="1" y="-1" z="0"/></emitter>
+</scene>"#,
+    );
+    let sun = find(&mut world, "sun");
+    let before = *world.get::<ToWorld>(sun).expect("a direction");
+    do_all(&mut world, &["key spark to_world", "key sun to_world"]);
+    assert_eq!(place(&mut world, "spark"), Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(*world.get::<ToWorld>(sun).expect("a direction"), before);
+    do_all(&mut world, &["time 1", "move spark 0,2,0", "time 0.5"]);
+    assert_eq!(place(&mut world, "spark"), Vec3::new(1.0, 3.0, 3.0));
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    save(&mut world, &path).expect("it can be written");
+    let text = std::fs::read_to_string(&path).expect("a file");
+    assert!(
+        text.contains("<animation name=\"position\"") && text.contains("<animation name=\"direction\""),
+        "{text}"
+    );
+    assert!(!text.contains("to_world"), "{text}");
+    assert_file_shows_the_same(&mut world, &[0.0, 0.5, 1.0]);
+}
+
+#[test]
 fn what_cannot_have_keys_says_so() {
     let mut world = bare_world();
     do_all(
         &mut world,
-        &["add sphere name=ball at=0,-1,0 size=1", "material-of ball"],
+        &[
+            "add sphere name=ball at=0,-1,0 size=1",
+            "material-of ball",
+            "add sphere name=far",
+            "key far",
+        ],
     );
     let cases = [
+        ("move-key far to_world 0 1e30", "there is no such time"),
         ("key ball colour", "\"colour\" cannot be edited: there is no such value"),
         ("unkey ball", "it has no keys"),
         ("move-key ball to_world 0 1", "it has no keys"),
@@ -368,6 +400,7 @@ fn what_cannot_have_keys_says_so() {
         let found = say(&mut world, line).expect_err(line);
         assert!(found.contains(expected), "{line}: {found}");
     }
+    do_all(&mut world, &["stand-still far"]);
     let document = to_document(&gather::describe(&mut world), "/x.xml".as_ref());
     assert!(
         parse_str(document::to_xml(&document).expect("text"), "/x.xml".as_ref(), &[])

@@ -122,12 +122,22 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
         targets => targets.to_vec(),
     };
     for (thing, path) in targets {
+        let path = own_place(edit.world, thing, path);
         match edit_keys(edit.world, thing, &path, how)? {
             Some(keys) => edit.set(thing, keys),
             None => edit.remove::<Keys>(thing),
         }
     }
     Ok(())
+}
+
+/// The path itself, or that by which the plugin of the thing says where it is, such as `position`, if the path is another one for a place.
+fn own_place(world: &World, thing: Entity, path: KeyPath) -> KeyPath {
+    let has_keys = world.get::<Keys>(thing).is_some_and(|keys| keys.track(&path).is_some());
+    match path.is_place() && !has_keys {
+        true => place_path(world, thing).unwrap_or(path),
+        false => path,
+    }
 }
 
 /// Lets the camera in use go once around the middle of the selection, or of the scene, from the first frame on to the one after the last.
