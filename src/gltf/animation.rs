@@ -3,6 +3,7 @@
 //! All animations play together from 0 s on. An animation that cannot be read, or that drives a part of a node's pose that an earlier one drives, is left out
 //! as a whole, because files hold alternatives ("walk", "run") as well as the parts of one motion.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
@@ -70,16 +71,13 @@ impl Gltf {
     pub(super) fn animations(&self) -> Animations {
         let mut all = Animations::default();
         let mut known = Known::default();
-        // The titles of the animations that drive a part of a node.
-        let mut drivers: HashMap<(usize, &str), String> = HashMap::new();
+        // The indices of the animations that drive a part of a node.
+        let mut drivers: HashMap<(usize, &str), usize> = HashMap::new();
         for (index, animation) in self.root.animations.iter().enumerate() {
-            let title = match &animation.name {
-                Some(name) => format!("animation {index} ({name})"),
-                None => format!("animation {index}"),
-            };
-            let parts = match self.parts(animation, &title, &mut known, &mut all.warnings) {
+            let parts = match self.parts((index, animation), &mut known, &mut all.warnings) {
                 Ok(parts) => parts,
                 Err(error) => {
+                    let title = self.animation_title(index);
                     all.warnings.push(format!("{title} is left out: {error}"));
                     continue;
                 }
@@ -87,12 +85,13 @@ impl Gltf {
             let rival = parts.keys().find_map(|key| Some((key, drivers.get(key)?)));
             if let Some(((node, path), rival)) = rival {
                 let node = self.node_title(*node);
+                let [title, rival] = [index, *rival].map(|animation| self.animation_title(animation));
                 let sentence = format!("{title} is left out: it drives the {path} of {node}, as {rival} does");
                 all.warnings.push(sentence);
                 continue;
             }
             for ((node, path), part) in parts {
-                drivers.insert((node, path), title.clone());
+                drivers.insert((node, path), index);
                 let curves = all.nodes.entry(node).or_default();
                 match part {
                     Part::Translation(curve) => curves.translation = Some(curve),
@@ -107,14 +106,21 @@ impl Gltf {
     /// The node's index with its name.
     pub(super) fn node_title(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
-        format!("node {index} ({})", name.unwrap_or("unnamed"))
+        format!("node {index} ({})", short(name.unwrap_or("unnamed")))
+    }
+
+    /// The animation's index with its name.
+    fn animation_title(&self, index: usize) -> String {
+        match &self.root.animations[index].name {
+            Some(name) => format!("animation {index} ({})", short(name)),
+            None => format!("animation {index}"),
+        }
     }
 
     /// The curves of an animation, by the node and the path of their targets.
     fn parts<'a>(
         &self,
-        animation: &'a Animation,
-        title: &str,
+        (number, animation): (usize, &'a Animation),
         known: &mut Known,
         warnings: &mut Vec<String>,
     ) -> Result<BTreeMap<(usize, &'a str), Part>, GltfError> {
@@ -131,13 +137,13 @@ impl Gltf {
                     "weights" => "morph weights",
                     _ => path,
                 };
-                let sentence = format!("{title}: the {what} of {} are not read", self.node_title(index));
-                passed_over.push(sentence);
+                let (title, node) = (self.animation_title(number), self.node_title(index));
+                passed_over.push(format!("{title}: the {} of {node} are not read", short(what)));
                 continue;
             }
             let node = self.get("node", &self.root.nodes, index)?;
             if node.matrix.is_some() {
-                let node = self.node_title(index);
+                let (title, node) = (self.animation_title(number), self.node_title(index));
                 passed_over.push(format!("{title}: {node} has a matrix and stands still"));
                 continue;
             }
@@ -292,6 +298,14 @@ impl Curves {
         self.translation.iter().for_each(|curve| curve.add_times(times));
         self.rotation.iter().for_each(|curve| curve.add_times(times));
         self.scale.iter().for_each(|curve| curve.add_times(times));
+    }
+}
+
+/// A name as messages have it: the first 60 letters.
+fn short(name: &str) -> Cow<'_, str> {
+    match name.char_indices().nth(60) {
+        Some((end, _)) => format!("{}...", &name[..end]).into(),
+        None => name.into(),
     }
 }
 

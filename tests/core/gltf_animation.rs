@@ -336,6 +336,21 @@ fn what_is_not_read_is_named() {
 }
 
 #[test]
+fn long_names_are_cut_in_warnings() {
+    let mut model = Model::new();
+    let weights = model.curve("LINEAR", &[0.0, 1.0], "SCALAR", &[0.0, 1.0]);
+    let animation = model.animation(&"long ".repeat(1000), &[(weights, 0, "weights")]);
+    let node = format!(r#"{{"mesh": 0, "name": "{}"}}"#, "face".repeat(1000));
+    let imported = model.try_import(&node, &[animation]).expect("imports");
+    let start = format!(
+        "animation 0 ({}...): the morph weights of node 0 (face",
+        "long ".repeat(12)
+    );
+    assert!(imported.warnings[0].starts_with(&start), "{:?}", imported.warnings);
+    assert!(imported.warnings[0].len() < 300);
+}
+
+#[test]
 fn an_animation_that_cannot_be_read_is_left_out_and_the_scene_stays() {
     type Break = fn(&mut Model) -> (usize, usize);
     let cases: [(&str, Break); 9] = [
