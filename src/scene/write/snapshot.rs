@@ -3,7 +3,7 @@
 
 use bevy::ecs::archetype::{Archetype, ArchetypeId};
 use bevy::ecs::change_detection::Tick;
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
 use super::entities::Entities;
@@ -126,9 +126,10 @@ impl Snapshot {
     /// These things alone, without their materials, but with the groups and materials that they cannot be read without.
     pub fn of_things(world: &World, things: &[Entity]) -> Self {
         let mut wanted: Vec<Entity> = Vec::new();
+        let mut known = EntityHashSet::default();
         let mut waiting = things.to_vec();
         while let Some(thing) = waiting.pop() {
-            if wanted.contains(&thing) {
+            if !known.insert(thing) {
                 continue;
             }
             wanted.push(thing);

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use bevy::ecs::change_detection::Tick as ChangeTick;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use super::EditorModel;
@@ -64,35 +66,53 @@ impl TimelineModel {
     }
 }
 
-/// Gathers the keys; without any, there is nothing to do.
-pub fn gather_timeline(world: &mut World) {
+/// What the keys in the model were gathered from.
+#[derive(Debug, Default, PartialEq)]
+pub struct Gathered {
+    /// The things that move, and when their keys changed.
+    moving: Vec<(Entity, ChangeTick)>,
+    /// The things whose keys are shown as those of the selection.
+    shown: Vec<Entity>,
+}
+
+/// Gathers the keys when they or the selection have changed.
+pub fn gather_timeline(world: &mut World, mut gathered: Local<Gathered>) {
     let time = shown_time(world);
     let settings = world.resource::<ViewSettings>();
     let (frames, is_playing) = (settings.timeline, settings.playback.is_playing());
-    let mut moving = world.query::<(Entity, &Keys)>();
+    let model = &mut world.resource_mut::<EditorModel>().0.timeline;
+    (model.frames, model.time, model.is_playing) = (frames, time, is_playing);
+    let mut moving = world.query::<(Entity, Ref<Keys>)>();
+    let mut now = Gathered::default();
+    let changes = moving.iter(world).map(|(entity, keys)| (entity, keys.last_changed()));
+    now.moving.extend(changes);
+    if !now.moving.is_empty() {
+        now.shown = shown_things(world);
+    }
+    if *gathered == now {
+        return;
+    }
+    *gathered = now;
+    let shown: EntityHashSet = gathered.shown.iter().copied().collect();
     let mut all: Vec<f64> = Vec::new();
     let mut selected = Ticks::new();
     let mut tracks: HashMap<Entity, Vec<(KeyPath, Arc<Track>)>> = HashMap::new();
-    if moving.iter(world).next().is_some() {
-        let shown = shown_things(world);
-        for (entity, keys) in moving.iter(world) {
-            for (path, track) in keys.tracks() {
-                all.extend(track.keys.iter().map(|key| key.time));
-                if !shown.contains(&entity) {
-                    continue;
-                }
-                tracks.entry(entity).or_default().push((path.clone(), track.clone()));
-                for key in &track.keys {
-                    let tick = selected.entry(TickTime(key.time)).or_default();
-                    tick.values.push((entity, path.clone()));
-                }
+    for (entity, keys) in moving.iter(world) {
+        for (path, track) in keys.tracks() {
+            all.extend(track.keys.iter().map(|key| key.time));
+            if !shown.contains(&entity) {
+                continue;
+            }
+            tracks.entry(entity).or_default().push((path.clone(), track.clone()));
+            for key in &track.keys {
+                let tick = selected.entry(TickTime(key.time)).or_default();
+                tick.values.push((entity, path.clone()));
             }
         }
-        all.sort_by(f64::total_cmp);
-        all.dedup();
     }
+    all.sort_by(f64::total_cmp);
+    all.dedup();
     let model = &mut world.resource_mut::<EditorModel>().0.timeline;
-    (model.frames, model.time, model.is_playing) = (frames, time, is_playing);
     share(&mut model.all, all);
     share(&mut model.selected, selected);
     share(&mut model.tracks, tracks);
@@ -101,13 +121,14 @@ pub fn gather_timeline(world: &mut World) {
 /// The selection, its materials and those in them.
 fn shown_things(world: &World) -> Vec<Entity> {
     let mut shown = world.resource::<Selection>().entities().to_vec();
+    let mut known: EntityHashSet = shown.iter().copied().collect();
     let mut next = 0;
     while let Some(&thing) = shown.get(next) {
         let uses = world.get::<UsesMaterial>(thing).map(|it| it.0);
         let first = world.get::<FirstNested>(thing).map(|it| it.0);
         let second = world.get::<SecondNested>(thing).map(|it| it.0);
         for inner in [uses, first, second].into_iter().flatten() {
-            if !shown.contains(&inner) {
+            if known.insert(inner) {
                 shown.push(inner);
             }
         }
