@@ -375,6 +375,53 @@ fn a_key_of_the_place_of_a_light_leaves_it_where_it_is() {
 }
 
 #[test]
+fn keys_between_frames_are_removed_where_they_are() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &[
+            "add sphere name=ball at=0,-1,0 size=1",
+            "key ball",
+            "time 0.041667",
+            "key ball",
+        ],
+    );
+    // Six decimals are not the time of the first frame, 1 / 24 s, in single precision.
+    do_all(&mut world, &["time 0", "select ball", "next-key", "unkey ball"]);
+    let ball = find(&mut world, "ball");
+    let times = |world: &World| {
+        let keys = world.get::<Keys>(ball).expect("keys");
+        keys.track(&KeyPath::new("to_world")).expect("a track").keys.len()
+    };
+    assert_eq!(times(&world), 1);
+    // That of a frame is shown as the frame.
+    do_all(&mut world, &["frame 1", "key ball", "time 0", "next-key"]);
+    assert_eq!(shown_time(&world), 1.0 / 24.0);
+}
+
+#[test]
+fn a_group_that_has_a_key_takes_its_members_along() {
+    let mut world = bare_world();
+    do_all(
+        &mut world,
+        &[
+            "add sphere name=left at=0,-1,0 size=1",
+            "add sphere name=right at=4,-1,0 size=1",
+            "select left right",
+            "group",
+            "key group/",
+            "time 1",
+            "move group/ 0,2,0",
+            "time 0.5",
+        ],
+    );
+    assert_eq!(place(&mut world, "group/left"), Vec3::Y);
+    assert_eq!(place(&mut world, "group/right"), Vec3::new(4.0, 1.0, 0.0));
+    do_all(&mut world, &["time 0"]);
+    assert_eq!(place(&mut world, "group/left"), Vec3::ZERO);
+}
+
+#[test]
 fn what_cannot_have_keys_says_so() {
     let mut world = bare_world();
     do_all(

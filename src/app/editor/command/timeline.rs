@@ -1,11 +1,15 @@
 //! The frames of the timeline, and the steps that go through them.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
+
+use crate::document::animation::key_time;
 
 /// The frames that are played, and how fast. They are no part of the scene: its keys are in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timeline {
-    /// Frames per second, from 0.001 to 100000.
+    /// Frames per second, in [`Timeline::FPS`].
     pub fps: f64,
     /// The first frame that is played.
     pub first: u32,
@@ -26,6 +30,8 @@ impl Default for Timeline {
 impl Timeline {
     /// The highest number of a frame.
     pub const MOST: u32 = 9_999_999;
+    /// The numbers of frames per second that there can be.
+    pub const FPS: RangeInclusive<f64> = 0.001..=100_000.0;
 
     /// The same with all numbers in their ranges.
     pub fn within_range(self) -> Self {
@@ -33,7 +39,7 @@ impl Timeline {
         let first = self.first.min(Self::MOST);
         Self {
             fps: if self.fps.is_finite() {
-                self.fps.clamp(0.001, 100_000.0)
+                self.fps.clamp(*Self::FPS.start(), *Self::FPS.end())
             } else {
                 usual.fps
             },
@@ -55,6 +61,13 @@ impl Timeline {
     /// The time of the frame that is nearest to a time, both in seconds.
     pub fn snapped(&self, time: f64) -> f64 {
         self.time(self.frame(time).round())
+    }
+
+    /// The exact time of the frame that a key at `time` is for, since keys have times in single precision. A key between frames stays where it is. Both
+    /// times are in seconds.
+    pub fn time_of_key(&self, time: f64) -> f64 {
+        let frame = self.snapped(time);
+        if key_time(frame) == key_time(time) { frame } else { time }
     }
 
     /// The time in seconds that the frames take.

@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::things::selected;
-use super::{note_input, view};
+use super::{grouping, note_input, view};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::timeline::TimeStep;
@@ -48,14 +49,7 @@ pub fn step(world: &mut World, step: TimeStep) -> Result<(), CommandError> {
                 true => times.filter(|time| *time > now + near).min_by(f64::total_cmp),
                 false => times.filter(|time| *time < now - near).max_by(f64::total_cmp),
             };
-            let found = found.ok_or("There is no further key.")?;
-            // Files have times in single precision: the frame that is meant is exact.
-            let frame = timeline.snapped(found);
-            if (frame - found).abs() < 1e-6 * (1.0 + found.abs()) {
-                frame
-            } else {
-                found
-            }
+            timeline.time_of_key(found.ok_or("There is no further key.")?)
         }
     };
     set_time(world, to)
@@ -109,18 +103,20 @@ pub(crate) fn play_on(world: &mut World) {
     let passed = from - first + Instant::now().saturating_duration_since(since).as_secs_f64();
     let frame = (timeline.frame(passed.rem_euclid(timeline.duration())) + 1e-9).floor();
     let time = timeline.time(f64::from(timeline.first) + frame);
-    if time != shown_time(world) {
+    if time != shown_time(world) && show_moment(world, time) {
         note_input(world, true);
-        show_moment(world, time);
     }
 }
 
 /// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its tracks.
 pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
-    let targets = match targets {
+    let mut targets = match targets {
         [] => targets_of_selection(edit, how)?,
         targets => targets.to_vec(),
     };
+    if how == KeyEdit::Set {
+        add_members(edit.world, &mut targets);
+    }
     for (thing, path) in targets {
         let path = own_place(edit.world, thing, path);
         match edit_keys(edit.world, thing, &path, how)? {
@@ -129,6 +125,24 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
         }
     }
     Ok(())
+}
+
+/// Adds the places of what moves with the groups whose places are among the targets.
+fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>) {
+    let places = targets.iter().filter(|(_, path)| path.is_place());
+    let mut known: EntityHashSet = places.map(|(thing, _)| *thing).collect();
+    let frames: Vec<Entity> = known
+        .iter()
+        .copied()
+        .filter(|thing| grouping::is_frame(world, *thing))
+        .collect();
+    for frame in frames {
+        for member in grouping::members(world, frame) {
+            if known.insert(member) {
+                targets.extend(place_path(world, member).map(|path| (member, path)));
+            }
+        }
+    }
 }
 
 /// The path itself, or that by which the plugin of the thing says where it is, such as `position`, if the path is another one for a place.

@@ -121,7 +121,7 @@ fn range(ui: &mut Ui, frames: &Timeline, commands: &mut Vec<Command>) {
     named(
         ui,
         "fps",
-        DragValue::new(&mut edited.fps).range(1.0..=240.0).max_decimals(3),
+        DragValue::new(&mut edited.fps).range(Timeline::FPS).max_decimals(3),
     );
     if edited != *frames {
         commands.push(Command::SetTimeline(edited.within_range()));
@@ -204,7 +204,7 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
         }
     } else if let Some(place) = pointer.filter(|_| response.dragged() || response.clicked()) {
         let key = key_at(place).filter(|_| response.clicked());
-        let time = key.map_or_else(|| time_at(place.x), |key| near_frame(&model.frames, key.0));
+        let time = key.map_or_else(|| time_at(place.x), |key| model.frames.time_of_key(key.0));
         if time != model.time {
             commands.push(Command::SetTime(time));
         }
@@ -227,21 +227,12 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
     paint(ui, model, &scale, rect, row, state);
 }
 
-/// Keys have times in single precision; the frame that is meant is exact.
-fn near_frame(frames: &Timeline, time: f64) -> f64 {
-    let frame = frames.snapped(time);
-    match (frame - time).abs() < 1e-6 * (1.0 + time.abs()) {
-        true => frame,
-        false => time,
-    }
-}
-
 fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Vec<Command>) {
     let Some(tick) = model.selected.get(&key) else {
         return ui.close();
     };
     if ui.button("Remove this key").clicked() {
-        commands.push(Command::SetTime(near_frame(&model.frames, key.0)));
+        commands.push(Command::SetTime(model.frames.time_of_key(key.0)));
         commands.push(Command::Key(tick.values.clone(), KeyEdit::Remove));
         ui.close();
     }

@@ -163,6 +163,9 @@ pub fn follow_views(
     if is_opened && let Err(error) = file.leave() {
         warn!("The view is not remembered: {error}");
     }
+    if is_opened {
+        settings.playback.stop();
+    }
     match path {
         Some(path) if is_opened => {
             settings.bookmarks = file.open(path);
@@ -359,6 +362,21 @@ mod tests {
                 assert_eq!(last.map(|view| view.pose), expected);
             }
         }
+    }
+
+    #[test]
+    fn a_scene_that_is_opened_does_not_play() {
+        let mut world = opened(true, true);
+        world.init_resource::<ViewSettings>();
+        world.resource_mut::<ViewSettings>().playback.start(0.0);
+        let mut plays = |fresh_load: bool| {
+            let mut status = world.resource_mut::<SceneStatus>();
+            (status.fresh_load, status.revision) = (fresh_load, status.revision + 1);
+            world.run_system_cached(follow_views).expect("runs");
+            world.resource::<ViewSettings>().playback.is_playing()
+        };
+        assert!(plays(false));
+        assert!(!plays(true));
     }
 
     #[test]

@@ -419,10 +419,10 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 .ok_or("expected off or 1 to 5")?;
             Command::Shell(ShellCommand::ShowTutorial(Some(step)))
         }
-        ("time", [time]) => Command::SetTime(parse_float(time)?.into()),
+        ("time", [time]) => Command::SetTime(timeline::precise(time)?),
         ("frame", [frame]) => {
-            let timeline = world.resource::<ViewSettings>().timeline;
-            Command::SetTime(timeline.time(parse_float(frame)?.into()))
+            let frames = world.resource::<ViewSettings>().timeline;
+            Command::SetTime(frames.time(timeline::precise(frame)?))
         }
         ("timeline", [fps, first, last]) => timeline::frames(fps, first, last)?,
         ("key", [name, path @ ..]) if path.len() <= 1 => timeline::set(world, name, path.first().copied())?,

@@ -10,10 +10,16 @@ use crate::document::Interpolation;
 use crate::document::value::parse_float;
 use crate::scene::{KeyEdit, KeyPath, Keys, place_path, shown_time};
 
+/// A number of double precision, as times are. Its range is that of other numbers.
+pub fn precise(text: &str) -> Result<f64, ScriptError> {
+    parse_float(text)?;
+    text.trim().parse().map_err(|_| "expected a number".into())
+}
+
 /// `timeline FPS FIRST LAST`
 pub fn frames(fps: &str, first: &str, last: &str) -> Result<Command, ScriptError> {
     let timeline = Timeline {
-        fps: parse_float(fps)?.into(),
+        fps: precise(fps)?,
         first: count(first)?,
         last: count(last)?,
     };
@@ -54,7 +60,7 @@ pub fn remove(world: &mut World, name: &str, path: Option<&str>, edit: KeyEdit) 
 /// `move-key NAME PROPERTY FROM TO`
 pub fn shift(world: &mut World, name: &str, path: &str, times: [&str; 2]) -> Result<Command, ScriptError> {
     let thing = named(world, name)?;
-    let [from, to] = times.map(|time| parse_float(time).map(f64::from));
+    let [from, to] = times.map(precise);
     let edit = KeyEdit::Move { from: from?, to: to? };
     Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit))
 }
