@@ -239,7 +239,7 @@ mod tests {
         assert_eq!(flies("Ctrl+W"), [""; 0]);
         // A letter with Control does not clash with flying, a letter alone does.
         assert_eq!(names(&key("N"), "fly-up", &bound), ["denoise"]);
-        assert_eq!(names(&key("K"), "fly-up", &bound), [""; 0]);
+        assert_eq!(names(&key("J"), "fly-up", &bound), [""; 0]);
     }
 
     #[test]
