@@ -186,5 +186,6 @@ fn storage(header: &PartHeader) -> FilmStorage {
         components: ComponentFormat::ALL
             .into_iter()
             .find(|format| is(components, format.name())),
+        file: None,
     }
 }

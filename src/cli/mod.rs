@@ -16,6 +16,7 @@ mod ending;
 mod generate;
 mod merge;
 mod monkey;
+mod named_outputs;
 mod outputs;
 mod parse;
 mod picture_args;

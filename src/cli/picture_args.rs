@@ -2,12 +2,12 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use sunroom::engine::file_options;
 use sunroom::render::image_io::{ExrCompression, FileOptions};
-use sunroom::render::layered_image::StoredColors;
 use sunroom::render::tonemap::{Display, ToneMap};
 use sunroom::render::white_balance::WhiteBalance;
 
-use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
+use sunroom::scene::FilmStorage;
 
 use super::parse;
 
@@ -65,20 +65,15 @@ impl FileArgs {
 
     /// The options for a film that asks to be stored in its own way. Arguments count before the film.
     pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
+        let of_film = file_options(storage, display);
         FileOptions {
-            display,
-            exr_half: match self.exr_type {
-                Some(precision) => precision == ExrType::Half,
-                None => storage.components == Some(ComponentFormat::Float16),
-            },
-            stored: match storage.pixels {
-                None | Some(PixelFormat::Rgb | PixelFormat::Rgba) => StoredColors::Rgb,
-                Some(PixelFormat::Luminance | PixelFormat::LuminanceAlpha) => StoredColors::Luminance,
-                Some(PixelFormat::Xyz | PixelFormat::Xyza) => StoredColors::Xyz,
-            },
+            exr_half: self
+                .exr_type
+                .map_or(of_film.exr_half, |precision| precision == ExrType::Half),
             exr_compression: self.compression,
             png_16_bits: self.png_bits == "16",
             jpeg_quality: self.jpeg_quality,
+            ..of_film
         }
     }
 }

@@ -22,9 +22,7 @@ use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::scene::Film as SensorFilm;
-use sunroom::scene::{
-    AccelMethod, ActiveSensor, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus,
-};
+use sunroom::scene::{AccelMethod, ActiveSensor, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus};
 
 pub use self::args::RenderArgs;
 
@@ -33,6 +31,7 @@ use self::overrides::apply_overrides;
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
 use super::ending::{Ending, INTERRUPTED, TERMINATED};
+use super::named_outputs::{check_compression, default_output};
 use super::progress::{InSequence, Progress};
 use super::report::Failure;
 use super::sequence::{TurningCamera, frame_path};
@@ -122,7 +121,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     }
 
-    check_compression(app.world(), args)?;
+    let named = match args.output.is_empty() {
+        true => vec![default_output(app.world(), &args.scene.scene, &args.sequence)?],
+        false => args.output.clone(),
+    };
+    check_compression(app.world(), args.file.compression(), &named)?;
     if let Some(address) = &args.display_server {
         display_server::show(&mut app, address, &args.scene.scene);
     }
@@ -131,7 +134,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         return picture(
             &mut app,
             args,
-            &args.output,
+            &named,
             &limits,
             progress,
             load_ms,
@@ -161,7 +164,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         if !open_shutter(&mut app, moments, &limits, show)? {
             break;
         }
-        let outputs: Vec<PathBuf> = args.output.iter().map(|path| frame_path(path, frame)).collect();
+        let outputs: Vec<PathBuf> = named.iter().map(|path| frame_path(path, frame)).collect();
         let progress = Progress::new(args.quiet, args.time).within(sequence.clone());
         let this = picture(
             &mut app,
@@ -184,23 +187,6 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         code = ExitCode::from(INTERRUPTED);
     }
     Ok(code)
-}
-
-/// An error if the compression would damage a layer, before anything is rendered.
-fn check_compression(world: &World, args: &RenderArgs) -> Result<(), Failure> {
-    let compression = args.file.compression();
-    let layers = world.resource::<IntegratorSettings>().layers;
-    let mut mattes = [Layer::CryptoObject, Layer::CryptoMaterial].into_iter();
-    let Some(matte) = mattes.find(|&layer| layers.contains(layer)) else {
-        return Ok(());
-    };
-    if compression.keeps_floats() || !outputs::has_exr(&args.output) {
-        return Ok(());
-    }
-    let (layer, compression) = (matte.name(), compression.name());
-    Err(Failure::Usage(format!(
-        "the layer `{layer}` would be damaged by the compression `{compression}`: choose one without loss, such as `zip`"
-    )))
 }
 
 /// The samples per pixel that the active camera asks for.
@@ -356,6 +342,8 @@ fn check_together(args: &RenderArgs) -> Result<(), Failure> {
     let frames = args.sequence.frames.as_ref().map_or(1, |frames| frames.clone().count());
     let message = if args.checkpoints.are_given() && frames > 1 {
         "a checkpoint is of one picture: --frames has to be a single frame"
+    } else if args.checkpoints.are_given() && args.output.is_empty() {
+        "a picture with a checkpoint needs a name, by `-o`: the same command has to go on with it"
     } else if args.stats == Some(StatsFormat::JsonLines) && args.output.iter().any(|path| outputs::is_stdout(path)) {
         "a picture and events cannot both go to standard output"
     } else if args.partial.is_some() && args.output.iter().any(|path| outputs::is_stdout(path)) {

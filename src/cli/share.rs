@@ -74,10 +74,15 @@ impl ShareArgs {
         self.samples.is_some() || self.crop.is_some()
     }
 
-    /// Refuses outputs that cannot be parts, and ranges that cannot be merged.
+    /// Refuses outputs that are not named or cannot be parts, and ranges that cannot be merged.
     pub fn check(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
         if !self.is_given() {
             return Ok(());
+        }
+        if outputs.is_empty() {
+            let message =
+                "a part of a picture needs a name of its own, by `-o`: the film names the file of the whole picture";
+            return Err(Failure::Usage(message.to_owned()));
         }
         if let Some(path) = outputs.iter().find(|path| is_stdout(path) || !is_exr(path)) {
             return Err(Failure::Usage(format!(

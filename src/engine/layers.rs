@@ -11,10 +11,11 @@ use crate::color::Rgb;
 use crate::layer::Layer;
 use crate::render::camera::Camera;
 use crate::render::film::Film;
-use crate::render::image_io::ImageRgb;
-use crate::render::layered_image::LayeredImage;
+use crate::render::image_io::{FileOptions, ImageRgb};
+use crate::render::layered_image::{LayeredImage, StoredColors};
 use crate::render::layers::{LayerNames, layered_image};
-use crate::scene::{DocumentOrder, SceneId};
+use crate::render::tonemap::Display;
+use crate::scene::{ComponentFormat, DocumentOrder, FilmStorage, PixelFormat, SceneId};
 
 /// The names that layers refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -107,6 +108,20 @@ impl<'w> DistinctNames<'w> {
             }
             _ => name,
         }
+    }
+}
+
+/// How files hold a picture of a film, as its scene says it.
+pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
+    FileOptions {
+        display,
+        exr_half: storage.components == Some(ComponentFormat::Float16),
+        stored: match storage.pixels {
+            None | Some(PixelFormat::Rgb | PixelFormat::Rgba) => StoredColors::Rgb,
+            Some(PixelFormat::Luminance | PixelFormat::LuminanceAlpha) => StoredColors::Luminance,
+            Some(PixelFormat::Xyz | PixelFormat::Xyza) => StoredColors::Xyz,
+        },
+        ..FileOptions::default()
     }
 }
 

@@ -44,7 +44,7 @@ use bevy::prelude::*;
 pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion, render_watched};
 pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
-pub use layers::{PictureNames, layered_picture};
+pub use layers::{PictureNames, file_options, layered_picture};
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;

@@ -9,6 +9,47 @@ pub struct FilmStorage {
     pub pixels: Option<PixelFormat>,
     /// `component_format`.
     pub components: Option<ComponentFormat>,
+    /// `file_format`.
+    pub file: Option<PictureFormat>,
+}
+
+/// The kind of file for a picture whose file is not named.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// OpenEXR.
+    OpenExr,
+    /// Radiance.
+    Rgbe,
+    /// Portable float map.
+    Pfm,
+}
+
+impl PictureFormat {
+    /// The names in files, those that are written first.
+    pub const NAMES: [(&str, Self); 4] = [
+        ("openexr", Self::OpenExr),
+        ("rgbe", Self::Rgbe),
+        ("pfm", Self::Pfm),
+        ("exr", Self::OpenExr),
+    ];
+
+    /// The name that is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OpenExr => "openexr",
+            Self::Rgbe => "rgbe",
+            Self::Pfm => "pfm",
+        }
+    }
+
+    /// The ending of names of files, without its dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::OpenExr => "exr",
+            Self::Rgbe => "hdr",
+            Self::Pfm => "pfm",
+        }
+    }
 }
 
 /// The channels of a pixel.

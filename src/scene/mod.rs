@@ -67,7 +67,7 @@ pub(crate) use declare::PluginInfo;
 pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter, EmitterKind};
 pub(crate) use file_value::FileValue;
-pub use film_storage::{ComponentFormat, FilmStorage, PixelFormat};
+pub use film_storage::{ComponentFormat, FilmStorage, PictureFormat, PixelFormat};
 pub(crate) use framing::FrameWhenLoaded;
 pub use framing::world_bounds;
 pub use group::Placements;

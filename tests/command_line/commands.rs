@@ -341,8 +341,8 @@ fn the_strategies_and_structures_give_one_picture() {
 fn wrong_usage_is_2_and_wrong_files_are_1() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);
-    let missing_output = sunroom().arg("render").arg(&scene).output().expect("starts");
-    assert_code(&missing_output, 2);
+    let missing_scene = sunroom().arg("render").output().expect("starts");
+    assert_code(&missing_scene, 2);
     assert_code(&render(&scene, &shop.path("a.png"), &["--spp", "0"]), 2);
     assert_code(&render(&scene, &shop.path("a.png"), &["--time", "yesterday"]), 2);
     for noise in ["0", "-0.1", "quiet", "inf"] {
@@ -1057,4 +1057,32 @@ fn the_page_about_the_format_has_every_bsdf_and_light_with_their_parameters() {
     }
     // Were nothing written, nothing would be looked for.
     assert!(count > 80, "only {count} names");
+}
+
+#[test]
+fn without_an_output_the_film_names_the_kind_of_file() {
+    let shop = Workshop::new();
+    let run = |scene: &Path, more: &[&str]| {
+        let mut command = sunroom();
+        command.arg("render").arg(scene).args(["-q", "--spp", "1"]).args(more);
+        command.output().expect("the program starts")
+    };
+    for (format, file) in [("", "exr"), ("exr", "exr"), ("rgbe", "hdr"), ("pfm", "pfm")] {
+        let name = format!("room-{format}");
+        let given = format!("<film type=\"hdrfilm\"><string name=\"file_format\" value=\"{format}\"/>");
+        let text = match format {
+            "" => SCENE.to_owned(),
+            _ => SCENE.replace("<film type=\"hdrfilm\">", &given),
+        };
+        let scene = shop.write(&format!("{name}.xml"), text);
+        assert_code(&run(&scene, &[]), 0);
+        let picture = std::fs::read(shop.path(&format!("{name}.{file}"))).expect("written");
+        assert_eq!(load_image(&picture).expect("a picture").width(), 40);
+        // It is not replaced, and its frames have names of their own.
+        let again = run(&scene, &[]);
+        assert_code(&again, 2);
+        assert!(String::from_utf8_lossy(&again.stderr).contains("is there already: name a file with `-o`"));
+        assert_code(&run(&scene, &["--frames", "3"]), 0);
+        assert!(shop.path(&format!("{name}-0003.{file}")).exists());
+    }
 }

@@ -303,6 +303,18 @@ fn shares_refuse_what_cannot_be_divided() {
         &["render", "scene.xml", "-o", "-", "-o", "a.exr", "--partial", "1s"],
     );
     assert!(message.contains("--partial writes several pictures"), "{message}");
+    for more in [["--samples", "0..8"], ["--crop", "0,0,32,32"]] {
+        let message = fails(&shop, 2, &[&["render", "scene.xml"][..], &more].concat());
+        assert!(message.contains("a part of a picture needs a name"), "{message}");
+    }
+    for more in [["--checkpoint", "c.exr"], ["--resume", "c.exr"]] {
+        let message = fails(&shop, 2, &[&["render", "scene.xml"][..], &more].concat());
+        assert!(
+            message.contains("a picture with a checkpoint needs a name"),
+            "{message}"
+        );
+    }
+    assert!(!shop.path("scene.exr").exists() && !shop.path("c.exr").exists());
     shop.scene(&SCENE.replace("</sampler>", "<boolean name='adaptive' value='true'/></sampler>"));
     let message = usage(&["--samples", "0..8"]);
     assert!(message.contains("adaptive sampling"), "{message}");

@@ -167,6 +167,7 @@ fn parameters_are_read() {
             storage: FilmStorage {
                 pixels: Some(PixelFormat::Rgb),
                 components: None,
+                file: None,
             },
             noise_target: Some(0.02),
             adaptive: true,

@@ -242,6 +242,27 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
+fn films_say_in_which_kind_of_file_they_are_stored() {
+    for (name, format) in PictureFormat::NAMES {
+        let content = film(&format!("<string name='file_format' value='{name}'/>"));
+        let mut scene = clean(&format!("<sensor type='perspective'>{content}</sensor>"));
+        assert_eq!(scene.sensors[0].film.storage.file, Some(format));
+        scene.sensors[0].identity = Default::default();
+        let text = document::to_xml(&to_document(&scene, Path::new("/there/scene.xml"))).expect("can be written");
+        assert!(
+            text.contains(&format!(r#""file_format" value="{}""#, format.name())),
+            "{text}"
+        );
+    }
+    let unknown = film("<string name='file_format' value='png'/>");
+    let (_, complaints) = describe(&format!("<sensor type='perspective'>{unknown}</sensor>"));
+    assert!(
+        complaints.len() == 1 && complaints[0].contains("`png` is not supported"),
+        "{complaints:?}"
+    );
+}
+
+#[test]
 fn films_say_how_they_are_stored() {
     for pixels in PixelFormat::ALL {
         for components in ComponentFormat::ALL {
@@ -254,6 +275,7 @@ fn films_say_how_they_are_stored() {
             let storage = FilmStorage {
                 pixels: Some(pixels),
                 components: Some(components),
+                file: None,
             };
             assert_eq!(scene.sensors[0].film.storage, storage);
             // Written as if it had been made in the editor.

@@ -17,8 +17,9 @@ use crate::cli::stats::StatsFormat;
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given several times
-    #[arg(short, long, required = true, value_name = "OUT")]
+    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given several times [default: a new file
+    /// beside the scene, of the kind that the film names, or .exr]
+    #[arg(short, long, value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Camera to render with, by its id or its index from 0 on [default: the first]
     #[arg(long, value_name = "NAME|INDEX")]

@@ -164,6 +164,9 @@ fn film_object(film: &Film) -> Object {
     if let Some(components) = film.storage.components {
         object = with_string(object, "component_format", components.name());
     }
+    if let Some(file) = film.storage.file {
+        object = with_string(object, "file_format", file.name());
+    }
     with_child(object, filter)
 }
 

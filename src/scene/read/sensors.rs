@@ -8,7 +8,7 @@ use crate::document::{Category, Object, Reader};
 use crate::scene::description::SensorDescription;
 use crate::scene::encode::objects;
 use crate::scene::{
-    ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PixelFormat, ReconstructionFilter, Sensor,
+    ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PictureFormat, PixelFormat, ReconstructionFilter, Sensor,
 };
 
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
@@ -122,9 +122,9 @@ impl<'a> SceneReader<'a> {
                 &ComponentFormat::ALL,
                 ComponentFormat::name,
             ),
+            file: chosen(&mut reader, "file_format", &PictureFormat::NAMES, |(name, _)| name).map(|(_, format)| format),
         };
         reader.ignore(&[
-            "file_format",
             "banner",
             "high_quality_edges",
             "sample_border",

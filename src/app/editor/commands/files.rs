@@ -15,13 +15,15 @@ use crate::app::editor::session::save_question::SaveQuestion;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
-use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::exr::write_exr;
+use crate::engine::{RenderState, RenderStatus, file_options};
 use crate::render::image_io::{
-    ExrCompression, FileFormat, ImageIoError, write_displayed, write_image, write_to_temporary_folder,
+    FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
 use crate::scene::write::{self, OnChange, SaveError};
-use crate::scene::{self, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
+use crate::scene::{
+    self, ActiveSensor, Film, FilmStorage, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState,
+    SceneStatus, insert,
+};
 
 /// The path of texts of the clipboard: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
@@ -155,7 +157,10 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
             picture
         };
         match is_exr {
-            true => write_exr(path, &finished::layered(world, &picture), ExrCompression::default()),
+            true => {
+                let options = file_options(film_storage(world), display.tone());
+                write_layered(path, &finished::layered(world, &picture), &options)
+            }
             false => write_image(path, &picture, &display.tone()),
         }
     };
@@ -175,6 +180,13 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     }
     say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())
+}
+
+/// How the film of the camera is stored, as the scene says it.
+fn film_storage(world: &World) -> FilmStorage {
+    let sensor = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
+    let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
+    film.map(|film| film.storage).unwrap_or_default()
 }
 
 /// The place of the picture as sampled beside that of the denoised one: `room-noisy.exr` beside `room.exr`.

@@ -9,10 +9,17 @@ use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::memory::Bytes;
 use crate::render::layers::FilmLayers;
 use crate::scene::parameters::{FOV, FOV_AXIS};
-use crate::scene::{Film, FovAxis, LengthUnit, Lens, ReconstructionFilter, Sensor, aperture};
+use crate::scene::{ComponentFormat, Film, FovAxis, LengthUnit, Lens, ReconstructionFilter, Sensor, aperture};
 
 /// The largest edge: a larger film alone would fill the memory of a small machine.
 const LARGEST_EDGE: u32 = 8192;
+
+/// The precision of the colours in EXR files.
+const PRECISIONS: [(Option<ComponentFormat>, &str); 3] = [
+    (None, "floats by default"),
+    (Some(ComponentFormat::Float32), "floats of 32 bits"),
+    (Some(ComponentFormat::Float16), "halves of 16 bits"),
+];
 
 /// Shows the rows of a camera; true if edited. `aspect` is the film's width over its height.
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) -> bool {
@@ -177,6 +184,12 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     changed |= filter(ui, &mut film.filter);
     changed |= fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20);
     changed |= fields::checkbox(ui, ("Adaptive", "adaptive"), &mut film.adaptive);
+    changed |= fields::choice(
+        ui,
+        ("EXR colours", "component_format"),
+        &mut film.storage.components,
+        &PRECISIONS,
+    );
     let mut is_limited = film.noise_target.is_some();
     if fields::checkbox(ui, "Limit noise", &mut is_limited) {
         film.noise_target = is_limited.then_some(0.02);

@@ -10,8 +10,9 @@ use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integ
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
-    Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
-    ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture,
+    Absorption, AreaLight, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material,
+    ParameterInfo, ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition,
+    Texture,
 };
 
 /// Says why a parameter was not set.
@@ -114,6 +115,16 @@ pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignEr
         visitor.value("height", &mut film.height, pixels);
         visitor.value("sample_count", &mut film.sample_count, pixels);
         visitor.parsed("adaptive", &mut film.adaptive, parse_boolean);
+        visitor.value("component_format", &mut film.storage.components, |text| {
+            let mut formats = ComponentFormat::ALL.into_iter();
+            match text {
+                "none" => Ok(None),
+                name => formats
+                    .find(|format| format.name() == name)
+                    .map(Some)
+                    .ok_or_else(|| AssignError::Refused(format!("expected none, float16 or float32, found {name}"))),
+            }
+        });
         visitor.value("noise_target", &mut film.noise_target, |text| match text {
             "none" => Ok(None),
             number => within(parse_float(number)?, &(f32::MIN_POSITIVE..=f32::MAX)).map(Some),

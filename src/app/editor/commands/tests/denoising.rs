@@ -8,6 +8,9 @@ use crate::app::editor::picture::denoiser::follow_denoiser;
 use crate::engine::EngineSystems;
 use crate::files::{LARGEST_DATA, read};
 use crate::render::denoise::denoise_film;
+use crate::render::image_io::exr::decode_exr;
+use crate::render::layered_image::Samples;
+use crate::scene::{ActiveSensor, ComponentFormat, Film};
 
 fn denoising_app(samples: u32) -> App {
     let mut app = app();
@@ -90,4 +93,18 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     let plain = folder.path().join("plain.exr");
     apply(app.world_mut(), Command::SaveImage(plain.clone())).expect("saved");
     assert!(plain.exists() && !folder.path().join("plain-noisy.exr").exists());
+    // Its colours have the precision that the film asks for.
+    let precision = |path: &Path| {
+        let image = decode_exr(&read(path, LARGEST_DATA).expect("a file")).expect("an EXR file");
+        matches!(image.channel("R").expect("a colour").samples, Samples::Half(_))
+    };
+    assert!(!precision(&plain));
+    let camera = app.world().resource::<ActiveSensor>().0.expect("a camera");
+    let mut film = *app.world().get::<Film>(camera).expect("it has a film");
+    film.storage.components = Some(ComponentFormat::Float16);
+    apply(app.world_mut(), Command::SetFilm(camera, film)).expect("set");
+    let halves = folder.path().join("halves.exr");
+    apply(app.world_mut(), Command::SaveImage(halves.clone())).expect("it is begun");
+    update_until(&mut app, |_| halves.exists());
+    assert!(precision(&halves));
 }
