@@ -22,7 +22,9 @@ use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::scene::Film as SensorFilm;
-use sunroom::scene::{AccelMethod, ActiveSensor, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus};
+use sunroom::scene::{
+    AccelMethod, ActiveSensor, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus,
+};
 
 pub use self::args::RenderArgs;
 
@@ -131,15 +133,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     }
     let Some(frames) = args.sequence.frames.clone() else {
         let progress = Progress::new(args.quiet, args.time);
-        return picture(
-            &mut app,
-            args,
-            &named,
-            &limits,
-            progress,
-            load_ms,
-            Settings::new(),
-        );
+        return picture(&mut app, args, &named, &limits, progress, load_ms, Settings::new());
     };
     let mut sequence = InSequence::begin(&frames);
     let seed = app.world().resource::<SamplerSettings>().seed;

@@ -983,10 +983,12 @@ fn help(command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 12] = [
     "",
     "edit",
     "render",
+    "merge",
+    "submit",
     "check",
     "convert",
     "diff",
