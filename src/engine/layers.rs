@@ -20,11 +20,11 @@ use crate::scene::{ComponentFormat, DocumentOrder, FilmStorage, PixelFormat, Sce
 /// The names that layers refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PictureNames {
-    /// Of the shapes, by instance; empty if no layer names them.
+    /// The names of the shapes, by instance; empty if no layer names them.
     pub objects: Vec<String>,
-    /// Of the materials, by [`crate::material::MaterialId`]; empty if no layer names them.
+    /// The names of the materials, by [`crate::material::MaterialId`]; empty if no layer names them.
     pub materials: Vec<String>,
-    /// Of the light groups.
+    /// The names of the light groups.
     pub light_groups: Vec<String>,
 }
 

@@ -78,7 +78,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// As many numbers as there are places.
+    /// Reads a number for each place.
     pub fn f32s(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
         places
             .iter_mut()

@@ -44,7 +44,7 @@ pub struct Film {
     layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
-    /// Of each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet in `sums`.
+    /// For each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet in `sums`.
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,

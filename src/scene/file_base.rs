@@ -212,7 +212,7 @@ impl Recognised {
         }
     }
 
-    /// As [`Self::new`], for two readings of one file at different times: what is at the same place is the same.
+    /// Compares two readings of one file at different times, as [`Self::new`] compares two files: objects at the same place are the same.
     pub(super) fn in_order(before: &SceneDescription, now: &SceneDescription) -> Self {
         let counts = |scene: &SceneDescription| {
             let (shapes, sensors) = (scene.shapes.len(), scene.sensors.len());

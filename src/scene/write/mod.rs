@@ -1,6 +1,6 @@
 //! Turns a [`SceneDescription`] back into a document; [`gather`] makes the description from the entities.
 //!
-//! What nobody edited is written as it was read, parameters that were not understood included. Materials stay where they were declared:
+//! Unedited parts are written as they were read, parameters that were not understood included. Materials stay where they were declared:
 //! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
 //! old text ([`save()`]); without that it makes a new file ([`write_anew`]).
 
@@ -54,8 +54,8 @@ pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), Sav
     Ok(())
 }
 
-/// The texts to write when a scene is saved at `path`, of which that one is the last. What nobody edited is as it was written; what was edited in
-/// an included file is written there if the scene stays where it was.
+/// The texts to write when a scene is saved at `path`, of which that one is the last. Unedited parts are as they were written; edits in
+/// an included file are written there if the scene stays where it was.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
     Ok(plan(scene, path)?.0)
 }
