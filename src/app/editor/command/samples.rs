@@ -41,6 +41,12 @@ impl Sample {
     }
 }
 
+/// Whether a scene lies in the folder of the samples.
+pub(crate) fn is_sample(scene: &Path) -> bool {
+    let is_there = |folder: &Path| SAMPLES.iter().all(|sample| folder.join(sample.file).is_file());
+    scene.parent().is_some_and(is_there)
+}
+
 /// A folder that comes with the program, such as `assets/environments`, where [`Sample::path`] looks for scenes.
 pub(crate) fn program_folder(name: &str) -> Option<PathBuf> {
     places_of(Path::new(name)).find(|path| path.is_dir())

@@ -14,6 +14,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::files::noisy_beside;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus, file_options};
 use crate::render::image_io::{
@@ -167,7 +168,8 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     written.map_err(CommandError::file)?;
     // Files with radiance go to other programs, which may have another denoiser.
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
-        let path = free_path(noisy_path(path));
+        // Both are one picture: saving it again replaces both, and the dialog asks about both.
+        let path = noisy_beside(path);
         write_image(&path, &noisy, &display.tone()).map_err(CommandError::file)?;
         say_saved(world, format!("Saved the picture as sampled as {}", path.display()));
     }
@@ -187,33 +189,6 @@ fn film_storage(world: &World) -> FilmStorage {
     let sensor = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
     let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
     film.map(|film| film.storage).unwrap_or_default()
-}
-
-/// The place of the picture as sampled beside that of the denoised one: `room-noisy.exr` beside `room.exr`.
-fn noisy_path(path: &Path) -> PathBuf {
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push("-noisy");
-    if let Some(extension) = path.extension() {
-        name.push(".");
-        name.push(extension);
-    }
-    path.with_file_name(name)
-}
-
-/// The place itself, or with a number before the extension the first one without a file: the dialog asked only about the other file.
-fn free_path(path: PathBuf) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default();
-    let numbered = |number: u32| {
-        let mut name = stem.to_owned();
-        name.push(format!("-{number}"));
-        if let Some(extension) = path.extension() {
-            name.push(".");
-            name.push(extension);
-        }
-        path.with_file_name(name)
-    };
-    let mut places = std::iter::once(path.clone()).chain((2..).map(numbered));
-    places.find(|place| !place.exists()).unwrap_or_else(|| path.clone())
 }
 
 /// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about
@@ -241,16 +216,4 @@ pub fn copy(world: &mut World) -> Result<(), CommandError> {
     let text = document::to_xml(&document).map_err(|error| error.to_string())?;
     world.resource_mut::<Requests>().clipboard = Some(text);
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_noisy_picture_is_beside_the_other_whatever_dots_its_name_has() {
-        let noisy = |path: &str| noisy_path(Path::new(path)).display().to_string();
-        assert_eq!(noisy("/a/room.exr"), "/a/room-noisy.exr");
-        assert_eq!(noisy("/a.b/room.v2.hdr"), "/a.b/room.v2-noisy.hdr");
-    }
 }

@@ -7,13 +7,14 @@ use bevy_egui::egui;
 
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
-use crate::app::editor::command::samples::{program_folder, program_folders};
+use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
-use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension};
+use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension, noisy_beside};
+use crate::render::image_io::FileFormat;
 use crate::render::tonemap::ToneMap;
 
 #[derive(Resource, Default)]
@@ -36,6 +37,8 @@ pub struct DialogModel<'a> {
     pub scene: Option<&'a Path>,
     /// The tone map of saved pictures.
     pub tone_map: ToneMap,
+    /// Whether pictures are denoised: those of radiance are then saved as sampled as well.
+    pub denoises: bool,
     /// The files that were open, the last first.
     pub recent: &'a [PathBuf],
 }
@@ -57,11 +60,12 @@ impl Dialogs {
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
             let examples = || program_folder("scenes");
             let before = match wanted {
-                FileDialogKind::SaveImage => self.image_folder.clone(),
+                FileDialogKind::SaveImage => self.image_folder.clone().or_else(|| own_folder(model)),
+                FileDialogKind::SaveScene => own_folder(model),
                 FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
                 FileDialogKind::Import => self.import_folder.clone(),
                 FileDialogKind::AssetFolder => self.around_folder.clone(),
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene => None,
+                FileDialogKind::OpenScene => None,
             };
             let start = before.or_else(|| beside(model.scene)).or_else(examples);
             let dialog = opened(wanted, model, &start.unwrap_or_else(|| ".".into()));
@@ -92,6 +96,24 @@ impl Dialogs {
         }
         (self.open, requests.dialog) = (None, None);
     }
+}
+
+/// The folder to save in if the open scene is a sample, or has no file: that of the last file of one's own, or else the documents. None for other scenes,
+/// which have a folder.
+fn own_folder(model: DialogModel) -> Option<PathBuf> {
+    if model
+        .scene
+        .is_some_and(|scene| beside(Some(scene)).is_some() && !is_sample(scene))
+    {
+        return None;
+    }
+    let mut own = model.recent.iter().filter(|file| file.is_file() && !is_sample(file));
+    let last = own.find_map(|file| beside(Some(file)));
+    let home = std::env::home_dir().filter(|home| home.is_dir());
+    last.or_else(|| {
+        let documents = home.as_ref().map(|home| home.join("Documents"));
+        documents.filter(|folder| folder.is_dir()).or(home)
+    })
 }
 
 /// The folder of the scene's file.
@@ -202,7 +224,14 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog 
             Purpose::Save(IMAGES, proposed("picture", "png")),
         ),
     };
-    FileDialog::new(title, purpose, absolute(start), places(model.scene, model.recent))
+    let dialog = FileDialog::new(title, purpose, absolute(start), places(model.scene, model.recent));
+    match kind {
+        FileDialogKind::SaveImage if model.denoises => dialog.with_second(|path| {
+            let is_displayed = FileFormat::from_path(path).ok()?.is_displayed();
+            (!is_displayed).then(|| noisy_beside(path))
+        }),
+        _ => dialog,
+    }
 }
 
 /// The name of the scene's file with this extension; `otherwise` without a scene.
@@ -239,6 +268,27 @@ mod tests {
         // The tests run in a checkout.
         assert!(places.iter().any(|place| place.name == "Sample scenes"));
         assert!(places.iter().all(|place| place.folder.is_dir() != place.is_recent));
+    }
+
+    #[test]
+    fn what_is_made_of_a_sample_is_saved_among_the_files_of_its_user() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let own = folder.path().join("room.xml");
+        std::fs::write(&own, "").expect("a file");
+        let sample = program_folder("scenes").expect("a checkout").join("flat.xml");
+        let recent = [sample.clone(), folder.path().join("gone/other.xml"), own.clone()];
+        let start = |scene: Option<&Path>, recent: &[PathBuf]| {
+            own_folder(DialogModel {
+                scene,
+                tone_map: ToneMap::Clip,
+                denoises: false,
+                recent,
+            })
+        };
+        assert_eq!(start(Some(&sample), &recent), Some(folder.path().to_path_buf()));
+        assert_eq!(start(None, &recent), Some(folder.path().to_path_buf()));
+        assert_eq!(start(Some(&own), &recent), None);
+        assert_ne!(start(Some(&sample), &recent[..2]), beside(Some(&sample)));
     }
 
     #[test]

@@ -231,6 +231,7 @@ pub fn show_window(
         DialogModel {
             scene: scene.status.path.as_deref(),
             tone_map: settings.display.tone_map,
+            denoises: settings.denoising,
             recent: &shell.preferences.recent_files,
         },
         requests,

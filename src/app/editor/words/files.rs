@@ -1,6 +1,6 @@
 //! Texts about files: the extensions of their names, and messages about files that are gone.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
@@ -18,6 +18,17 @@ pub fn extension(path: &Path) -> String {
 /// The message about a file that was deleted or moved away.
 pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
+}
+
+/// The place of the picture as sampled beside that of the denoised one, with which it is saved: `room-noisy.exr` beside `room.exr`.
+pub fn noisy_beside(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push("-noisy");
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
 }
 
 /// The length of a file, such as `980 B`, `12 kB`, `3.4 MB`.
@@ -39,6 +50,13 @@ pub fn size_text(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_noisy_picture_is_beside_the_other_whatever_dots_its_name_has() {
+        let noisy = |path: &str| noisy_beside(Path::new(path)).display().to_string();
+        assert_eq!(noisy("/a/room.exr"), "/a/room-noisy.exr");
+        assert_eq!(noisy("/a.b/room.v2.hdr"), "/a.b/room.v2-noisy.hdr");
+    }
 
     #[test]
     fn sizes_have_two_digits_or_more() {

@@ -129,9 +129,13 @@ impl FileDialog {
     pub(super) fn replace_row(&mut self, ui: &mut Ui, file: &Path) -> Option<Outcome> {
         let mut outcome = None;
         ui.horizontal(|ui| {
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let known = self.entries.iter().find(|entry| entry.name == name);
-            ui.add(egui::Label::new(replaced_text(&name, known)).truncate());
+            let lost = self.lost_with(file).into_iter().map(|path| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let known = self.entries.iter().find(|entry| entry.name == name);
+                (name, known)
+            });
+            let lost: Vec<_> = lost.collect();
+            ui.add(egui::Label::new(replaced_text(&lost)).truncate());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.button("Keep it").clicked() {
                     self.replaces = None;
@@ -145,14 +149,23 @@ impl FileDialog {
     }
 }
 
-/// The question before a file is replaced, with what would be lost.
-fn replaced_text(name: &str, known: Option<&Entry>) -> String {
-    let about = known.map_or(String::new(), |entry| {
-        let size = size_text(entry.bytes);
-        match changed_text(entry) {
+/// The question before files are replaced, with what would be lost.
+fn replaced_text(lost: &[(String, Option<&Entry>)]) -> String {
+    let about = |known: &Entry| {
+        let size = size_text(known.bytes);
+        match changed_text(known) {
             changed if changed.is_empty() => format!(" ({size})"),
             changed => format!(" ({size}, of {changed})"),
         }
-    });
-    format!("{name} is there already{about}. Replace it?")
+    };
+    match lost {
+        [(name, known)] => format!(
+            "{name} is there already{}. Replace it?",
+            known.map_or(String::new(), about)
+        ),
+        lost => {
+            let names: Vec<&str> = lost.iter().map(|(name, _)| name.as_str()).collect();
+            format!("{} are there already. Replace both?", names.join(" and "))
+        }
+    }
 }

@@ -65,7 +65,9 @@ pub struct FileDialog {
     path: Option<String>,
     /// The name of the file to write.
     name: String,
-    /// The file that is there already, while it is asked whether to replace it.
+    /// The second file that is written with the one that is chosen, if any.
+    second: fn(&Path) -> Option<PathBuf>,
+    /// The file that is written, while it is asked whether to replace what is there already.
     replaces: Option<PathBuf>,
     /// The name of a folder to make, while it is typed.
     new_folder: Option<String>,
@@ -111,6 +113,7 @@ impl FileDialog {
             chosen: None,
             path: None,
             name,
+            second: |_| None,
             replaces: None,
             new_folder: None,
             has_begun: false,
@@ -118,6 +121,11 @@ impl FileDialog {
         };
         dialog.go_to(&folder);
         dialog
+    }
+
+    /// The dialog for what writes a second file as well: it is asked about both before one of them is replaced.
+    pub fn with_second(self, second: fn(&Path) -> Option<PathBuf>) -> Self {
+        Self { second, ..self }
     }
 
     fn saves(&self) -> bool {
@@ -407,11 +415,17 @@ impl FileDialog {
             Some((_, first)) if !is_of(formats, &path) => with_end(path, first),
             _ => path,
         };
-        if path.exists() {
+        if !self.lost_with(&path).is_empty() {
             self.replaces = Some(path);
             return None;
         }
         Some(Outcome::Picked(path))
+    }
+
+    /// The files that are there already and that writing this one replaces.
+    fn lost_with(&self, path: &Path) -> Vec<PathBuf> {
+        let written = std::iter::once(path.to_path_buf()).chain((self.second)(path));
+        written.filter(|path| path.exists()).collect()
     }
 }
 

@@ -43,6 +43,24 @@ fn a_saved_file_has_an_extension_and_another_one_is_replaced_only_after_a_questi
     assert_eq!(dialog.accept("inner/deep.exr"), picked("inner/deep.exr"));
 }
 
+#[test]
+fn a_second_file_is_asked_about_as_well() {
+    let folder = folder();
+    let purpose = Purpose::Save(PICTURES, "scene.exr".to_owned());
+    let dialog = FileDialog::new("", purpose, folder.path().to_path_buf(), Vec::new());
+    let mut dialog = dialog.with_second(|path| (path.extension()? == "exr").then(|| path.with_file_name("room.png")));
+    assert_eq!(
+        dialog.accept("scene"),
+        Some(Outcome::Picked(folder.path().join("scene.png")))
+    );
+    let exr = folder.path().join("scene.exr");
+    assert_eq!(dialog.accept("scene.exr"), None);
+    assert_eq!(dialog.lost_with(&exr), [folder.path().join("room.png")]);
+    std::fs::write(&exr, "").expect("a file");
+    assert_eq!(dialog.lost_with(&exr), [exr.clone(), folder.path().join("room.png")]);
+    assert_eq!(dialog.replaces, Some(exr));
+}
+
 type Shown = Harness<'static, (FileDialog, Option<Outcome>)>;
 
 /// A dialog that has been shown, and how it has ended.
