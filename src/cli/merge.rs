@@ -12,7 +12,7 @@ use sunroom::memory;
 use sunroom::render::camera::Camera;
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::film::Film;
-use sunroom::render::image_io::ImageRgb;
+use sunroom::render::image_io::{ExrCompression, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::render::part::{PartFile, PartHeader, check_cover};
 use sunroom::scene::Film as SensorFilm;
@@ -179,7 +179,7 @@ fn describe(picture: &mut LayeredImage, header: &PartHeader, samples: u32) {
 }
 
 fn storage(header: &PartHeader) -> FilmStorage {
-    let [pixels, components] = &header.about.storage;
+    let [pixels, components, compression] = &header.about.storage;
     let is = |wanted: &Option<String>, name: &str| wanted.as_deref() == Some(name);
     FilmStorage {
         pixels: PixelFormat::ALL.into_iter().find(|format| is(pixels, format.name())),
@@ -187,5 +187,6 @@ fn storage(header: &PartHeader) -> FilmStorage {
             .into_iter()
             .find(|format| is(components, format.name())),
         file: None,
+        compression: ExrCompression::ALL.into_iter().find(|way| is(compression, way.name())),
     }
 }

@@ -39,10 +39,9 @@ pub struct FileArgs {
     /// Precision of the colours in EXR files [default: the scene's, or float]
     #[arg(long, value_enum, value_name = "TYPE")]
     exr_type: Option<ExrType>,
-    /// Compression of EXR files
-    #[arg(long, value_name = "NAME", default_value = ExrCompression::Zip.name(),
-        value_parser = named(&ExrCompression::ALL, ExrCompression::name))]
-    compression: ExrCompression,
+    /// Compression of EXR files [default: the scene's, or zip]
+    #[arg(long, value_name = "NAME", value_parser = named(&ExrCompression::ALL, ExrCompression::name))]
+    compression: Option<ExrCompression>,
     /// Bits of each channel of PNG files
     #[arg(long, value_name = "BITS", default_value = "8", value_parser = PossibleValuesParser::new(["8", "16"]))]
     png_bits: String,
@@ -58,11 +57,6 @@ enum ExrType {
 }
 
 impl FileArgs {
-    /// The compression of EXR files.
-    pub fn compression(&self) -> ExrCompression {
-        self.compression
-    }
-
     /// The options for a film that asks to be stored in its own way. Arguments count before the film.
     pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
         let of_film = file_options(storage, display);
@@ -70,7 +64,7 @@ impl FileArgs {
             exr_half: self
                 .exr_type
                 .map_or(of_film.exr_half, |precision| precision == ExrType::Half),
-            exr_compression: self.compression,
+            exr_compression: self.compression.unwrap_or(of_film.exr_compression),
             png_16_bits: self.png_bits == "16",
             jpeg_quality: self.jpeg_quality,
             ..of_film

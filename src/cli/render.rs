@@ -127,7 +127,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         true => vec![default_output(app.world(), &args.scene.scene, &args.sequence)?],
         false => args.output.clone(),
     };
-    check_compression(app.world(), args.file.compression(), &named)?;
+    let compression = file_options(app.world(), args).exr_compression;
+    check_compression(app.world(), compression, &named)?;
     if let Some(address) = &args.display_server {
         display_server::show(&mut app, address, &args.scene.scene);
     }

@@ -350,6 +350,7 @@ fn about(world: &World, described: &LayeredImage) -> About {
         storage: [
             storage.pixels.map(|format| format.name().to_owned()),
             storage.components.map(|format| format.name().to_owned()),
+            storage.compression.map(|compression| compression.name().to_owned()),
         ],
     }
 }

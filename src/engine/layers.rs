@@ -116,6 +116,7 @@ pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
     FileOptions {
         display,
         exr_half: storage.components == Some(ComponentFormat::Float16),
+        exr_compression: storage.compression.unwrap_or_default(),
         stored: match storage.pixels {
             None | Some(PixelFormat::Rgb | PixelFormat::Rgba) => StoredColors::Rgb,
             Some(PixelFormat::Luminance | PixelFormat::LuminanceAlpha) => StoredColors::Luminance,

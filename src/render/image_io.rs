@@ -7,7 +7,6 @@
 
 mod displayed;
 pub mod exr;
-mod exr_compression;
 mod reading;
 
 use std::io::Write as _;
@@ -17,11 +16,11 @@ use image::ImageError;
 use image::codecs::hdr::HdrEncoder;
 use thiserror::Error;
 
-pub use self::exr_compression::ExrCompression;
 pub use self::reading::{LoadedPicture, load_picture};
 use super::layered_image::{LayeredImage, StoredColors};
 use super::tonemap::Display;
 use crate::color::Rgb;
+pub use crate::files::ExrCompression;
 use crate::files::write_atomically;
 
 /// A picture of linear Rec. 709 radiance, row by row from the top left.

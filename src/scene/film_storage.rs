@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::files::ExrCompression;
+
 /// The settings of `hdrfilm` about files. None where the scene does not say.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FilmStorage {
@@ -11,6 +13,9 @@ pub struct FilmStorage {
     pub components: Option<ComponentFormat>,
     /// `file_format`.
     pub file: Option<PictureFormat>,
+    /// `compression`, which Mitsuba does not have.
+    #[reflect(ignore)]
+    pub compression: Option<ExrCompression>,
 }
 
 /// The kind of file for a picture whose file is not named.

@@ -137,6 +137,16 @@ fn the_scene_says_how_its_film_is_stored() {
             .iter()
             .all(|channel| matches!(channel.samples, Samples::Float(_)))
     );
+
+    let film = "<film type=\"hdrfilm\"><string name=\"compression\" value=\"none\"/>";
+    let scene = shop.scene(&SCENE.replace("<film type=\"hdrfilm\">", film));
+    let length = |options: &[&str]| {
+        assert_success(&render(&scene, &outputs[..1], options));
+        std::fs::metadata(&outputs[0]).expect("written").len()
+    };
+    let (of_scene, of_argument) = (length(&[]), length(&["--compression", "zip"]));
+    assert_eq!(of_scene, length(&["--compression", "none"]));
+    assert!(of_argument < of_scene, "{of_argument} {of_scene}");
 }
 
 /// The painter of the viewport encodes with the same [`Display`] (`picture/painter.rs`).

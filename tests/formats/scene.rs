@@ -168,6 +168,7 @@ fn parameters_are_read() {
                 pixels: Some(PixelFormat::Rgb),
                 components: None,
                 file: None,
+                compression: None,
             },
             noise_target: Some(0.02),
             adaptive: true,

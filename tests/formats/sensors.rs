@@ -7,6 +7,7 @@ use glam::Vec2;
 use sunroom::app::headless::headless;
 use sunroom::document::{self, Severity};
 use sunroom::engine::{Limits, PackedScene, load_to_completion};
+use sunroom::files::ExrCompression;
 use sunroom::render::view::View;
 use sunroom::scene::read::read;
 use sunroom::scene::write::to_document;
@@ -263,6 +264,26 @@ fn films_say_in_which_kind_of_file_they_are_stored() {
 }
 
 #[test]
+fn films_say_how_their_files_are_made_smaller() {
+    for compression in ExrCompression::ALL {
+        let name = compression.name();
+        let content = film(&format!("<string name='compression' value='{name}'/>"));
+        let mut scene = clean(&format!("<sensor type='perspective'>{content}</sensor>"));
+        assert_eq!(scene.sensors[0].film.storage.compression, Some(compression));
+        scene.sensors[0].identity = Default::default();
+        let text = document::to_xml(&to_document(&scene, Path::new("/there/scene.xml"))).expect("can be written");
+        assert!(text.contains(&format!(r#""compression" value="{name}""#)), "{text}");
+    }
+    let unknown = film("<string name='compression' value='lzw'/>");
+    let (scene, complaints) = describe(&format!("<sensor type='perspective'>{unknown}</sensor>"));
+    assert_eq!(scene.sensors[0].film.storage.compression, None);
+    assert!(
+        complaints.len() == 1 && complaints[0].contains("`lzw` is not supported"),
+        "{complaints:?}"
+    );
+}
+
+#[test]
 fn films_say_how_they_are_stored() {
     for pixels in PixelFormat::ALL {
         for components in ComponentFormat::ALL {
@@ -276,6 +297,7 @@ fn films_say_how_they_are_stored() {
                 pixels: Some(pixels),
                 components: Some(components),
                 file: None,
+                compression: None,
             };
             assert_eq!(scene.sensors[0].film.storage, storage);
             // Written as if it had been made in the editor.

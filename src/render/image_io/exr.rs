@@ -12,13 +12,30 @@ use exr::math::RoundingMode;
 use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Encoding, FlatSamples, IntegerBounds, Layer, LayerAttributes,
-    LineOrder, Text, Vec2, WritableImage, f16,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, IntegerBounds, Layer,
+    LayerAttributes, LineOrder, Text, Vec2, WritableImage, f16,
 };
 
 use super::{ExrCompression, ImageIoError, write};
 use crate::render::layered_image::{Attribute, Channel, LayeredImage, Samples, full_name, is_cryptomatte, split_name};
 use crate::texture::{ImageFileError, read_exr_parts, reserve_exr};
+
+/// The method by which the crate makes files smaller.
+fn method_of(compression: ExrCompression) -> Compression {
+    match compression {
+        ExrCompression::None => Compression::Uncompressed,
+        ExrCompression::Rle => Compression::RLE,
+        ExrCompression::Zips => Compression::ZIP1,
+        ExrCompression::Zip => Compression::ZIP16,
+        ExrCompression::Piz => Compression::PIZ,
+        ExrCompression::Pxr24 => Compression::PXR24,
+        ExrCompression::B44 => Compression::B44,
+        ExrCompression::B44a => Compression::B44A,
+        // The level that OpenEXR itself begins with.
+        ExrCompression::Dwaa => Compression::DWAA(Some(45.0)),
+        ExrCompression::Dwab => Compression::DWAB(Some(45.0)),
+    }
+}
 
 /// Writes a layered picture to an EXR file, see [`encode_exr`].
 pub fn write_exr(path: &Path, image: &LayeredImage, compression: ExrCompression) -> Result<(), ImageIoError> {
@@ -36,7 +53,7 @@ pub fn encode_exr(image: &LayeredImage, compression: ExrCompression) -> Result<V
         .iter()
         .map(|channel| AnyChannel::new(text(&channel.name), rows(channel)));
     let encoding = Encoding {
-        compression: compression.method(),
+        compression: method_of(compression),
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };

@@ -112,8 +112,8 @@ pub struct About {
     pub camera_axes: [u32; 9],
     /// The bits of the attributes `worldToCamera` and `worldToNDC`, see [`crate::render::layered_image::Attribute::Matrix`].
     pub matrices: [[u32; 16]; 2],
-    /// The film's `pixel_format` and `component_format`.
-    pub storage: [Option<String>; 2],
+    /// The film's `pixel_format`, `component_format` and `compression`.
+    pub storage: [Option<String>; 3],
 }
 
 impl PartHeader {

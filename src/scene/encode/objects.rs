@@ -167,6 +167,9 @@ fn film_object(film: &Film) -> Object {
     if let Some(file) = film.storage.file {
         object = with_string(object, "file_format", file.name());
     }
+    if let Some(compression) = film.storage.compression {
+        object = with_string(object, "compression", compression.name());
+    }
     with_child(object, filter)
 }
 

@@ -5,6 +5,7 @@ use glam::Vec2;
 use super::parameters::Parameters;
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
+use crate::files::ExrCompression;
 use crate::scene::description::SensorDescription;
 use crate::scene::encode::objects;
 use crate::scene::{
@@ -16,6 +17,13 @@ const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 /// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
 pub fn fov_of_focal_length(millimetres: f32) -> f32 {
     2.0 * (0.5 * 36f32.hypot(24.0) / millimetres).atan().to_degrees()
+}
+
+/// The millimetres of a `focal_length` such as `50mm`; None for other texts.
+pub fn millimetres(focal_length: &str) -> Option<f32> {
+    let text = focal_length.trim();
+    let number = text.strip_suffix("mm").unwrap_or(text).trim().parse::<f32>().ok();
+    number.filter(|millimetres| *millimetres > 0.0 && millimetres.is_finite())
 }
 
 impl<'a> SceneReader<'a> {
@@ -123,6 +131,7 @@ impl<'a> SceneReader<'a> {
                 ComponentFormat::name,
             ),
             file: chosen(&mut reader, "file_format", &PictureFormat::NAMES, |(name, _)| name).map(|(_, format)| format),
+            compression: chosen(&mut reader, "compression", &ExrCompression::ALL, ExrCompression::name),
         };
         reader.ignore(&[
             "banner",
@@ -249,12 +258,9 @@ pub(super) fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
         return (45.0, axis);
     }
     let text = focal_length.unwrap_or("50mm");
-    let number = text.trim().strip_suffix("mm").unwrap_or(text).trim().parse::<f32>();
-    match number {
-        Ok(millimetres) if millimetres > 0.0 && millimetres.is_finite() => {
-            (fov_of_focal_length(millimetres), FovAxis::Diagonal)
-        }
-        _ => {
+    match millimetres(text) {
+        Some(millimetres) => (fov_of_focal_length(millimetres), FovAxis::Diagonal),
+        None => {
             let message = format!("expected a focal length such as `50mm`, found `{text}`");
             reader.error_at("focal_length", message);
             (fov_of_focal_length(50.0), FovAxis::Diagonal)

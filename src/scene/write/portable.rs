@@ -102,6 +102,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     .properties
                     .retain(|property| !matches!(property.name.as_str(), "noise_target" | "adaptive"));
             }
+            (Category::Film, _) if extensions == Extensions::Approximate => {
+                inner.properties.retain(|property| property.name != "compression");
+            }
             (Category::Shape, "triangle") => {
                 let name = files.name_of(TRIANGLE.to_owned(), |_| "triangle.obj".to_owned());
                 triangle(inner, &name);

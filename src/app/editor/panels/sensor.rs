@@ -6,6 +6,7 @@ use bevy_egui::egui::{self, Ui};
 use super::caption::Caption;
 use super::{fields, lengths};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
+use crate::files::ExrCompression;
 use crate::memory::Bytes;
 use crate::render::layers::FilmLayers;
 use crate::scene::parameters::{FOV, FOV_AXIS};
@@ -19,6 +20,21 @@ const PRECISIONS: [(Option<ComponentFormat>, &str); 3] = [
     (None, "floats by default"),
     (Some(ComponentFormat::Float32), "floats of 32 bits"),
     (Some(ComponentFormat::Float16), "halves of 16 bits"),
+];
+
+/// The compression of EXR files.
+const COMPRESSIONS: [(Option<ExrCompression>, &str); 11] = [
+    (None, "zip by default"),
+    (Some(ExrCompression::None), "none"),
+    (Some(ExrCompression::Rle), "rle"),
+    (Some(ExrCompression::Zips), "zips"),
+    (Some(ExrCompression::Zip), "zip"),
+    (Some(ExrCompression::Piz), "piz, for noise"),
+    (Some(ExrCompression::Pxr24), "pxr24, with loss"),
+    (Some(ExrCompression::B44), "b44, with loss"),
+    (Some(ExrCompression::B44a), "b44a, with loss"),
+    (Some(ExrCompression::Dwaa), "dwaa, with loss"),
+    (Some(ExrCompression::Dwab), "dwab, with loss"),
 ];
 
 /// Shows the rows of a camera; true if edited. `aspect` is the film's width over its height.
@@ -189,6 +205,15 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
         ("EXR colours", "component_format"),
         &mut film.storage.components,
         &PRECISIONS,
+    );
+    let caption = Caption::from(("Compression", "compression"));
+    changed |= fields::choice(
+        ui,
+        caption.explained(
+            "How EXR files are made smaller. With loss, floats or halves lose bits, and cryptomattes cannot be saved",
+        ),
+        &mut film.storage.compression,
+        &COMPRESSIONS,
     );
     let mut is_limited = film.noise_target.is_some();
     if fields::checkbox(ui, "Limit noise", &mut is_limited) {

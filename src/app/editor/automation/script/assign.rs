@@ -7,6 +7,7 @@ use bevy::math::Affine3A;
 use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
+use crate::files::ExrCompression;
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
@@ -116,19 +117,29 @@ pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignEr
         visitor.value("sample_count", &mut film.sample_count, pixels);
         visitor.parsed("adaptive", &mut film.adaptive, parse_boolean);
         visitor.value("component_format", &mut film.storage.components, |text| {
-            let mut formats = ComponentFormat::ALL.into_iter();
-            match text {
-                "none" => Ok(None),
-                name => formats
-                    .find(|format| format.name() == name)
-                    .map(Some)
-                    .ok_or_else(|| AssignError::Refused(format!("expected none, float16 or float32, found {name}"))),
-            }
+            one_of(text, "none", &ComponentFormat::ALL, ComponentFormat::name)
+        });
+        visitor.value("compression", &mut film.storage.compression, |text| {
+            one_of(text, "default", &ExrCompression::ALL, ExrCompression::name)
         });
         visitor.value("noise_target", &mut film.noise_target, |text| match text {
             "none" => Ok(None),
             number => within(parse_float(number)?, &(f32::MIN_POSITIVE..=f32::MAX)).map(Some),
         });
+    })
+}
+
+/// The value of this name among `all`; None for the word `unsaid`.
+fn one_of<T: Copy>(text: &str, unsaid: &str, all: &[T], name: fn(T) -> &'static str) -> Result<Option<T>, AssignError> {
+    if text == unsaid {
+        return Ok(None);
+    }
+    let found = all.iter().copied().find(|&value| name(value) == text);
+    found.map(Some).ok_or_else(|| {
+        let names: Vec<&str> = std::iter::once(unsaid)
+            .chain(all.iter().map(|&value| name(value)))
+            .collect();
+        AssignError::Refused(format!("expected {}; found {text}", names.join(", ")))
     })
 }
 

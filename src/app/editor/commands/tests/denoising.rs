@@ -6,7 +6,7 @@ use super::full_film::{app, update_until};
 use super::*;
 use crate::app::editor::picture::denoiser::follow_denoiser;
 use crate::engine::EngineSystems;
-use crate::files::{LARGEST_DATA, read};
+use crate::files::{ExrCompression, LARGEST_DATA, read};
 use crate::render::denoise::denoise_film;
 use crate::render::image_io::exr::decode_exr;
 use crate::render::layered_image::Samples;
@@ -102,9 +102,12 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     let camera = app.world().resource::<ActiveSensor>().0.expect("a camera");
     let mut film = *app.world().get::<Film>(camera).expect("it has a film");
     film.storage.components = Some(ComponentFormat::Float16);
+    film.storage.compression = Some(ExrCompression::None);
     apply(app.world_mut(), Command::SetFilm(camera, film)).expect("set");
     let halves = folder.path().join("halves.exr");
     apply(app.world_mut(), Command::SaveImage(halves.clone())).expect("it is begun");
     update_until(&mut app, |_| halves.exists());
     assert!(precision(&halves));
+    let size = |path: &Path| std::fs::metadata(path).expect("a file").len();
+    assert!(size(&halves) > 120 * 80 * 6, "it is not compressed: {}", size(&halves));
 }

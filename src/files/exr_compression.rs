@@ -1,6 +1,4 @@
-//! The compressions of OpenEXR that are written.
-
-use exr::prelude::Compression;
+//! The compressions of OpenEXR files: scenes name them, and the renderer writes with them.
 
 /// The ways in which OpenEXR makes files smaller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +41,7 @@ impl ExrCompression {
         Self::Dwab,
     ];
 
-    /// The name on the command line, as other programs call it.
+    /// The name on the command line and in scenes, as other programs call it.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -62,21 +60,5 @@ impl ExrCompression {
     /// Whether the bits of a float survive.
     pub fn keeps_floats(self) -> bool {
         !matches!(self, Self::Pxr24 | Self::Dwaa | Self::Dwab)
-    }
-
-    pub(super) fn method(self) -> Compression {
-        match self {
-            Self::None => Compression::Uncompressed,
-            Self::Rle => Compression::RLE,
-            Self::Zips => Compression::ZIP1,
-            Self::Zip => Compression::ZIP16,
-            Self::Piz => Compression::PIZ,
-            Self::Pxr24 => Compression::PXR24,
-            Self::B44 => Compression::B44,
-            Self::B44a => Compression::B44A,
-            // The level that OpenEXR itself begins with.
-            Self::Dwaa => Compression::DWAA(Some(45.0)),
-            Self::Dwab => Compression::DWAB(Some(45.0)),
-        }
     }
 }
