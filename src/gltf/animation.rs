@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 
+use super::passed_over::{Kind, PassedOver};
 use super::schema::{Animation, AnimationSampler, Node};
 use super::{Gltf, GltfError};
 use crate::document::animation::MOST_TIME;
@@ -21,8 +22,8 @@ const LEAST_SCALE: f32 = 1e-4;
 pub(super) struct Animations {
     /// By the index of the node.
     pub nodes: HashMap<usize, Curves>,
-    /// One sentence for each thing that is left out.
-    pub warnings: Vec<String>,
+    /// What is left out.
+    pub passed_over: PassedOver,
 }
 
 /// The moving parts of a node's pose.
@@ -74,20 +75,21 @@ impl Gltf {
         // The indices of the animations that drive a part of a node.
         let mut drivers: HashMap<(usize, &str), usize> = HashMap::new();
         for (index, animation) in self.root.animations.iter().enumerate() {
-            let parts = match self.parts((index, animation), &mut known, &mut all.warnings) {
+            let parts = match self.parts((index, animation), &mut known, &mut all.passed_over) {
                 Ok(parts) => parts,
                 Err(error) => {
-                    let title = self.animation_title(index);
-                    all.warnings.push(format!("{title} is left out: {error}"));
+                    let sentence = || format!("{} is left out: {error}", self.animation_title(index));
+                    all.passed_over.note(Kind::Broken, sentence);
                     continue;
                 }
             };
             let rival = parts.keys().find_map(|key| Some((key, drivers.get(key)?)));
             if let Some(((node, path), rival)) = rival {
-                let node = self.node_title(*node);
-                let [title, rival] = [index, *rival].map(|animation| self.animation_title(animation));
-                let sentence = format!("{title} is left out: it drives the {path} of {node}, as {rival} does");
-                all.warnings.push(sentence);
+                all.passed_over.note(Kind::Rival, || {
+                    let node = self.node_title(*node);
+                    let [title, rival] = [index, *rival].map(|animation| self.animation_title(animation));
+                    format!("{title} is left out: it drives the {path} of {node}, as {rival} does")
+                });
                 continue;
             }
             for ((node, path), part) in parts {
@@ -122,10 +124,10 @@ impl Gltf {
         &self,
         (number, animation): (usize, &'a Animation),
         known: &mut Known,
-        warnings: &mut Vec<String>,
+        passed_over: &mut PassedOver,
     ) -> Result<BTreeMap<(usize, &'a str), Part>, GltfError> {
         let mut parts = BTreeMap::new();
-        let mut passed_over = Vec::new();
+        let mut here = PassedOver::default();
         for channel in &animation.channels {
             let path = channel.target.path.as_str();
             // Targets without a node belong to extensions.
@@ -133,18 +135,22 @@ impl Gltf {
                 continue;
             };
             if !["translation", "rotation", "scale"].contains(&path) {
-                let what = match path {
-                    "weights" => "morph weights",
-                    _ => path,
+                let (kind, what) = match path {
+                    "weights" => (Kind::Weights, "morph weights"),
+                    _ => (Kind::Property, path),
                 };
-                let (title, node) = (self.animation_title(number), self.node_title(index));
-                passed_over.push(format!("{title}: the {} of {node} are not read", short(what)));
+                here.note(kind, || {
+                    let (title, node) = (self.animation_title(number), self.node_title(index));
+                    format!("{title}: the {} of {node} are not read", short(what))
+                });
                 continue;
             }
             let node = self.get("node", &self.root.nodes, index)?;
             if node.matrix.is_some() {
-                let (title, node) = (self.animation_title(number), self.node_title(index));
-                passed_over.push(format!("{title}: {node} has a matrix and stands still"));
+                here.note(Kind::Matrix, || {
+                    let (title, node) = (self.animation_title(number), self.node_title(index));
+                    format!("{title}: {node} has a matrix and stands still")
+                });
                 continue;
             }
             let sampler = self.get("sampler", &animation.samplers, channel.sampler)?;
@@ -155,7 +161,7 @@ impl Gltf {
             };
             parts.entry((index, path)).or_insert(part);
         }
-        warnings.append(&mut passed_over);
+        passed_over.append(here);
         Ok(parts)
     }
 

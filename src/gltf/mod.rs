@@ -13,6 +13,7 @@ mod material;
 mod mesh;
 mod motion;
 mod nodes;
+mod passed_over;
 mod picture;
 mod placed;
 pub mod scene;

@@ -103,8 +103,9 @@ impl Gltf {
         }
         let animations = self.animations();
         let placed = self.placed_nodes(&animations)?;
-        let warnings = animations.warnings.iter().chain(&placed.warnings);
-        warnings.for_each(|warning| builder.warn(warning.clone()));
+        let passed_over = animations.passed_over.clone().sentences();
+        let warnings = passed_over.chain(placed.warnings.iter().cloned());
+        warnings.for_each(|warning| builder.warn(warning));
         builder.warn_of_deformation(&placed);
         let mut allowance = Allowance::default();
         for (place, node) in placed.nodes.iter().enumerate() {

@@ -336,6 +336,30 @@ fn what_is_not_read_is_named() {
 }
 
 #[test]
+fn what_is_not_read_many_times_is_named_once() {
+    let mut model = Model::new();
+    let weights = model.curve("LINEAR", &[0.0, 1.0], "SCALAR", &[0.0, 1.0]);
+    let shift = model.curve("LINEAR", &[0.0, 1.0], "VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let nodes = vec![r#"{"mesh": 0}"#; 50].join(",");
+    let faces: Vec<_> = (0..50).map(|node| (weights, node, "weights")).collect();
+    let walk = [(shift, 0, "translation"), (weights, 0, "weights")];
+    let animations = [
+        model.animation("smile", &faces),
+        model.animation("walk", &walk),
+        model.animation("run", &walk[..1]),
+        model.animation("jump", &walk[..1]),
+    ];
+    let imported = model.try_import(&nodes, &animations).expect("imports");
+    assert_eq!(
+        imported.warnings,
+        [
+            "animation 0 (smile): the morph weights of node 0 (unnamed) are not read; so it is with 50 other channels",
+            "animation 2 (run) is left out: it drives the translation of node 0 (unnamed), as animation 1 (walk) does; so it is with another animation",
+        ]
+    );
+}
+
+#[test]
 fn long_names_are_cut_in_warnings() {
     let mut model = Model::new();
     let weights = model.curve("LINEAR", &[0.0, 1.0], "SCALAR", &[0.0, 1.0]);
