@@ -25,6 +25,8 @@ pub struct SceneDescription {
     pub path: PathBuf,
     /// The integrator in the file; `strategy` and `schlick` are not in files and have their defaults.
     pub integrator: IntegratorSettings,
+    /// The tracks of the integrator's settings.
+    pub integrator_keys: Keys,
     /// The unit of length.
     pub unit: LengthUnit,
     /// The moment, in seconds, of which all values are.

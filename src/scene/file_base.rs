@@ -16,8 +16,8 @@ use super::description::{
 use super::recognition::recognised;
 use super::write::entities::Entities;
 use super::{
-    Authored, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, IntegratorSettings, MemberOf, ObjectState, SceneId,
-    SecondNested, ShapeGroup, ToWorld, UsesMaterial,
+    Authored, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, IntegratorSettings, Keys, MemberOf, ObjectState,
+    SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// The description of the file, and the entity of each thing in it.
@@ -30,7 +30,8 @@ pub(super) struct FileBase {
     /// The state that an entity had when the file was read or written, where that is not the state that the file gives.
     /// The order is not compared.
     pub(super) unlike_file: HashMap<Entity, ObjectState>,
-    pub(super) integrator: Option<IntegratorSettings>,
+    /// The integrator's settings and their tracks in the file.
+    pub(super) integrator: Option<(IntegratorSettings, Keys)>,
 }
 
 impl FileBase {

@@ -31,7 +31,7 @@ pub(super) fn follow_file_to(world: &mut World, time: f64) {
         known.unwrap_or_else(|| world.spawn_empty().id())
     });
     let mut new_base = FileBase {
-        integrator: base.integrator.map(|_| scene.integrator),
+        integrator: base.integrator.map(|(_, keys)| (scene.integrator, keys)),
         ..FileBase::default()
     };
     for thing in Thing::all(&scene) {

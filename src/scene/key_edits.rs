@@ -3,13 +3,15 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use super::aperture::field_of_view;
 use super::encode::{lights, objects};
 use super::keys::{KeyEdit, KeyPath, Keys, value_at};
 use super::moment::shown_time;
-use super::write::patch::Draft;
+use super::read::millimetres;
+use super::write::patch::{Draft, superseded_by};
 use super::write::{folder, home_of, steps};
-use super::{Authored, ObjectState};
-use crate::document::{Object, Track, Value};
+use super::{Authored, AuthoredScene, IntegratorKeys, IntegratorSettings, ObjectState};
+use crate::document::{Category, Interpolation, Key, Object, Track, Value};
 
 /// The keys of a thing after an edit of one of its tracks. An error, in words, if that cannot be done.
 pub(crate) fn edit_keys(world: &World, thing: Entity, path: &KeyPath, edit: KeyEdit) -> Result<Option<Keys>, String> {
@@ -42,11 +44,18 @@ pub(crate) fn place_path(world: &World, thing: Entity) -> Option<KeyPath> {
     Some(Keys::place_in(world.get::<Keys>(thing), &plugin))
 }
 
-/// The keys of a thing that was edited: each value with a track that the edit has changed has a key of it at the time that is shown. A value that can have
-/// none any more, because a texture took its place or the plugin is another one, has no track.
+/// The keys of a thing that was edited.
+pub(crate) struct KeysAfter {
+    /// The keys that it has now.
+    pub keys: Keys,
+    /// The values that can have no keys any more, because a texture or another parameter took their place or the plugin is another one.
+    pub lost: Vec<KeyPath>,
+}
+
+/// The keys of a thing that was edited: each value with a track that the edit has changed has a key of it at the time that is shown.
 ///
 /// `before` is the state before the edit. None if the keys stay as they are.
-pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> Option<Keys> {
+pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> Option<KeysAfter> {
     let keys = before.keys.as_ref()?;
     let now = ObjectState::of(world, thing);
     if now.keys != before.keys || !now.is_there() {
@@ -57,24 +66,107 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
         plugin_in_file(world, thing, &now)?,
     );
     let time = shown_time(world);
-    let mut edited = keys.clone();
+    let mut after = KeysAfter {
+        keys: keys.clone(),
+        lost: Vec::new(),
+    };
     for (path, track) in keys.tracks() {
-        let (before, now) = (value_at(&old, path.as_str()), value_at(&new, path.as_str()));
-        if before == now {
+        let (before, value) = (value_at(&old, path.as_str()), value_at(&new, path.as_str()));
+        // At other times than that of the file's values, the file's words may not say the value.
+        let is_said_otherwise = before.is_none()
+            && superseded_by(path.as_str())
+                .iter()
+                .any(|other| value_at(&old, other) != value_at(&new, other));
+        if before == value && !is_said_otherwise {
             continue;
         }
-        let now = now.cloned().or_else(|| unwritten(&new, path, track));
-        let now = now.map(|now| match (now, track.at(time)) {
-            (Value::Transform(now), Value::Transform(old)) => Value::Transform(steps::revised(&old, &now)),
-            (now, _) => now,
+        let value = value.cloned().or_else(|| unwritten(&new, path, track));
+        let value = value.map(|value| match (value, track.at(time)) {
+            (Value::Transform(value), Value::Transform(old)) => Value::Transform(steps::revised(&old, &value)),
+            (value, _) => value,
         });
-        edited = edited.with(path, now.and_then(|now| track.with_key(time, now)));
+        let track = match value {
+            Some(value) => track.with_key(time, value).map(|track| (path.clone(), track)),
+            None => as_field_of_view(path, track, &now).and_then(|(path, track)| {
+                let value = value_at(&new, path.as_str())?;
+                Some((path, track.with_key(time, value.clone())?))
+            }),
+        };
+        after.keys = after.keys.with(path, None);
+        match track {
+            Some((path, track)) => after.keys = after.keys.with(&path, Some(track)),
+            None => after.lost.push(path.clone()),
+        }
     }
-    (edited != *keys).then_some(edited)
+    (after.keys != *keys).then_some(after)
 }
 
-/// The default of a value that a file leaves out.
+/// The track of a `focal_length` as that of the `fov` which takes its place when one of them is edited. Focal lengths are texts, which hold until the next
+/// key, and so do these fields of view.
+fn as_field_of_view(path: &KeyPath, track: &Track, now: &ObjectState) -> Option<(KeyPath, Track)> {
+    let (sensor, film) = now.sensor.as_ref().zip(now.film.as_ref())?;
+    if path.as_str() != "focal_length" {
+        return None;
+    }
+    let aspect = film.width as f32 / film.height as f32;
+    let degrees = |value: &Value| match value {
+        Value::String(text) => {
+            let metres = 1e-3 * millimetres(text)?;
+            Some(Value::Float(field_of_view(metres, sensor.fov_axis, aspect)))
+        }
+        _ => None,
+    };
+    let keys = track.keys.iter().map(|key| {
+        let value = degrees(&key.value)?;
+        Some(Key { time: key.time, value })
+    });
+    let track = Track {
+        keys: keys.collect::<Option<_>>()?,
+        interpolation: Interpolation::Step,
+    };
+    Some((KeyPath::new("fov"), track))
+}
+
+/// The keys of the integrator after an edit of its settings: each setting with a track that has another value now has a key of it at the time that is
+/// shown. None if the keys stay as they are.
+pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
+    let keys = &world.get_resource::<IntegratorKeys>()?.0;
+    let settings = world.get_resource::<IntegratorSettings>()?;
+    let authored = world.get_resource::<AuthoredScene>()?.integrator.as_ref();
+    let plugin = Draft::new(authored.map(|(_, authored)| authored), objects::integrator(settings)).object;
+    let time = shown_time(world);
+    let mut edited = keys.clone();
+    for (path, track) in keys.tracks() {
+        edited = edited.with(path, None);
+        let Some(path) = setting_path(&plugin, path) else {
+            continue;
+        };
+        let now = value_at(&plugin, path.as_str()).filter(|now| **now != track.at(time));
+        let track = match now {
+            Some(now) => track.with_key(time, now.clone()),
+            None => Some(Track::clone(track)),
+        };
+        edited = edited.with(&path, track);
+    }
+    (edited != *keys).then_some(IntegratorKeys(edited))
+}
+
+/// The path that a setting of the integrator has now: with layers the integrator `aov` is around the one that has it.
+fn setting_path(plugin: &Object, path: &KeyPath) -> Option<KeyPath> {
+    let words = path.as_str();
+    let outside = words.rsplit_once('.').map(|(_, name)| name.to_owned());
+    let inside = || format!("{}.{words}", Category::Integrator.tag());
+    let other = outside.unwrap_or_else(inside);
+    let mut paths = [path.clone(), KeyPath::new(other)].into_iter();
+    paths.find(|path| value_at(plugin, path.as_str()).is_some())
+}
+
+/// The default of a value that a file leaves out, and says in no other way.
 fn unwritten(plugin: &Object, path: &KeyPath, track: &Track) -> Option<Value> {
+    let mut names = plugin.properties.iter().map(|property| &*property.name);
+    if names.any(|name| superseded_by(name).contains(&path.as_str())) {
+        return None;
+    }
     if path.as_str().contains('.') || plugin.children.iter().any(|child| child.name() == Some(path.as_str())) {
         return None;
     }

@@ -54,6 +54,10 @@ pub struct Keys {
     follows: bool,
 }
 
+/// The tracks of the settings that move of the integrator, which is no thing: [`super::IntegratorSettings`] has their values of the moment that is shown.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct IntegratorKeys(pub Keys);
+
 impl Keys {
     /// The tracks of a plugin in the file. None if nothing of it moves.
     pub(super) fn of(object: &Object, index: &Index) -> Option<Self> {
@@ -83,7 +87,8 @@ impl Keys {
         }
     }
 
-    fn is_empty(&self) -> bool {
+    /// Whether nothing moves.
+    pub(super) fn is_empty(&self) -> bool {
         self.tracks.is_empty() && !self.follows
     }
 

@@ -74,8 +74,8 @@ pub use group::Placements;
 pub(crate) use group::{InstanceOf, MemberOf, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
 pub use keep_source::KeepSource;
-pub(crate) use key_edits::{edit_keys, keys_after, place_path};
-pub use keys::{KeyEdit, KeyPath, Keys};
+pub(crate) use key_edits::{edit_keys, integrator_keys_after, keys_after, place_path};
+pub use keys::{IntegratorKeys, KeyEdit, KeyPath, Keys};
 pub(crate) use loading::{ask_for, new_scene};
 pub use material::{
     FirstNested, FirstNestedIn, Material, MaterialUsers, Principled, PrincipledThin, SecondNested, SecondNestedIn,

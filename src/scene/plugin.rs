@@ -70,6 +70,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<FreeView>()
             .init_resource::<AuthoredScene>()
             .init_resource::<IntegratorSettings>()
+            .init_resource::<IntegratorKeys>()
             .init_resource::<LengthUnit>()
             .init_resource::<SamplerSettings>()
             .init_resource::<AccelMethod>();

@@ -17,7 +17,9 @@ use super::read::{read, read_meaning};
 use super::write::entities::Entities;
 use super::write::snapshot::Snapshot;
 use super::write::{Writer, folder, home};
-use super::{AuthoredScene, IntegratorSettings, Keys, ObjectState, ReloadSummary, SceneDescription, spawn};
+use super::{
+    AuthoredScene, IntegratorKeys, IntegratorSettings, Keys, ObjectState, ReloadSummary, SceneDescription, spawn,
+};
 use crate::document::animation::{is_animated, span_of};
 use crate::document::{Child, Document, Object};
 
@@ -32,8 +34,10 @@ pub fn animated_span(world: &mut World) -> Option<(f64, f64)> {
             Child::Object(object) => Some(&**object),
             Child::Reference { .. } => None,
         });
-        let integrator = remains.integrator.as_ref().map(|(_, authored)| &*authored.object);
-        spans.extend(rest.chain(integrator).filter_map(span_of));
+        spans.extend(rest.filter_map(span_of));
+    }
+    if let Some(keys) = world.get_resource::<IntegratorKeys>() {
+        spans.extend(keys.0.tracks().map(|(_, track)| track.span()));
     }
     let both = |(first, last): (f64, f64), (start, end)| (first.min(start), last.max(end));
     spans.into_iter().reduce(both)
@@ -48,9 +52,8 @@ pub fn show_moment(world: &mut World, time: f64) -> bool {
     let mut moving = world.query_filtered::<Entity, With<Keys>>();
     let moving: Vec<Entity> = moving.iter(world).collect();
     let is_integrator_moving = world
-        .get_resource::<AuthoredScene>()
-        .and_then(|scene| scene.integrator.as_ref())
-        .is_some_and(|(_, authored)| is_animated(&authored.object));
+        .get_resource::<IntegratorKeys>()
+        .is_some_and(|keys| !keys.0.is_empty());
     let changes = !moving.is_empty() || is_integrator_moving;
     if changes {
         pose_from(world, &moving, before);

@@ -83,7 +83,7 @@ impl Pairing {
     pub fn rebase_with(self, mut make: impl FnMut() -> Entity) -> Rebase {
         let now = (self.recognised).entities(&self.entities, |known| known.unwrap_or_else(&mut make));
         let mut base = FileBase {
-            integrator: Some(self.written.integrator),
+            integrator: Some((self.written.integrator, self.written.integrator_keys.clone())),
             ..FileBase::default()
         };
         let mut given = Vec::new();

@@ -18,8 +18,8 @@ use super::moment::ShownTime;
 use super::write::entities::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorSettings, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn, Sensor, Shape,
-    ShapeGroup, ToWorld,
+    IntegratorKeys, IntegratorSettings, Keys, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId,
+    SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
 };
 
 /// Spawns the scene in place of the one that is there.
@@ -107,7 +107,7 @@ fn take_over_remains(world: &mut World, scene: &SceneDescription) {
     if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
         world.insert_resource(scene.remains.clone());
     }
-    update_integrator(world, &scene.integrator);
+    update_integrator(world, scene);
 }
 
 /// Updates the entities to the description, without what was edited since it was last read or written.
@@ -123,7 +123,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     let watched = looked_from(world);
     let mut new_base = FileBase {
         scene: scene.clone(),
-        integrator: base.integrator,
+        integrator: base.integrator.clone(),
         ..FileBase::default()
     };
     let mut new_ids = HashMap::new();
@@ -196,7 +196,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         // A user who moves the camera in the file wants to see from there.
         world.insert_resource(FreeView::default());
     }
-    summary.replaced += usize::from(is_integrator_edited_twice(world, &scene.integrator));
+    summary.replaced += usize::from(is_integrator_edited_twice(world, scene));
     take_over_remains(world, scene);
     if base.scene.unit != scene.unit {
         world.insert_resource(scene.unit);
@@ -222,7 +222,7 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
             taken_over(base, known, &theirs, &ours, &mut summary);
         }
     }
-    summary.replaced + usize::from(is_integrator_edited_twice(world, &scene.integrator))
+    summary.replaced + usize::from(is_integrator_edited_twice(world, scene))
 }
 
 /// Renames things of the scene whose ids something new of the file has. Returns the number of the renamed things.
@@ -348,37 +348,41 @@ fn update_cameras(world: &mut World, of_file: &[Entity]) {
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(super) struct StandInSensor;
 
-fn is_integrator_edited_twice(world: &World, theirs: &IntegratorSettings) -> bool {
-    let base = world.get_resource::<FileBase>().and_then(|base| base.integrator);
-    let ours = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
-    let of_file = IntegratorSettings {
-        strategy: theirs.strategy,
-        schlick: theirs.schlick,
-        ..ours
+fn is_integrator_edited_twice(world: &World, scene: &SceneDescription) -> bool {
+    let theirs = (scene.integrator, &scene.integrator_keys);
+    let of_file = |settings: IntegratorSettings| IntegratorSettings {
+        strategy: scene.integrator.strategy,
+        schlick: scene.integrator.schlick,
+        ..settings
     };
-    base.is_some_and(|base| {
-        let before = IntegratorSettings {
-            strategy: theirs.strategy,
-            schlick: theirs.schlick,
-            ..base
-        };
-        before != *theirs && before != of_file && of_file != *theirs
-    })
+    let none = Keys::default();
+    let our_keys = world.get_resource::<IntegratorKeys>().map_or(&none, |keys| &keys.0);
+    let ours = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
+    let ours = (of_file(ours), our_keys);
+    let base = world.get_resource::<FileBase>();
+    base.and_then(|base| base.integrator.as_ref())
+        .is_some_and(|(settings, keys)| {
+            let before = (of_file(*settings), keys);
+            before != theirs && before != ours && ours != theirs
+        })
 }
 
 /// The command line and the panels may have changed the settings, so only what the file changed is taken. Settings that are not in files are kept.
-fn update_integrator(world: &mut World, now: &IntegratorSettings) {
+fn update_integrator(world: &mut World, scene: &SceneDescription) {
+    let now = (scene.integrator, scene.integrator_keys.clone());
     let mut base = world.get_resource_or_init::<FileBase>();
-    if base.integrator.replace(*now) == Some(*now) {
+    let before = base.integrator.replace(now.clone());
+    if before.as_ref() == Some(&now) {
         return;
     }
+    world.insert_resource(IntegratorKeys(now.1));
     let current = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
     let merged = IntegratorSettings {
         strategy: current.strategy,
         schlick: current.schlick,
-        ..*now
+        ..now.0
     };
-    if world.get_resource::<IntegratorSettings>() != Some(&merged) {
+    if current != merged || !world.contains_resource::<IntegratorSettings>() {
         world.insert_resource(merged);
     }
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
-use sunroom::document::animation::key_changes;
 use sunroom::document::revision::{Destination, revise};
 use sunroom::document::{Category, Document, Object, TransformOp, Value, parse_str, to_xml};
 
@@ -155,12 +154,11 @@ fn keys_are_written_and_read_again() {
 }
 
 #[test]
-fn a_change_is_a_key_of_the_moment_that_is_shown() {
+fn a_further_key_is_written_among_the_others() {
     let origin = good(MOVING).at(2.0);
     let revised = |change: &dyn Fn(&mut Object)| {
         let mut now = origin.clone();
         change(Arc::make_mut(&mut now.root));
-        key_changes(Arc::make_mut(&mut now.root), now.time);
         let nowhere = |_: &str, _: &Path| None;
         let destination = Destination {
             path: Path::new("/scene.xml"),
@@ -178,7 +176,14 @@ fn a_change_is_a_key_of_the_moment_that_is_shown() {
             panic!("a shape")
         };
         let sphere = Arc::make_mut(sphere);
-        sphere.properties[1].value = Value::Transform(vec![TransformOp::Translate(Vec3::Y)]);
+        let place = &mut sphere.properties[1];
+        place.value = Value::Transform(vec![TransformOp::Translate(Vec3::Y)]);
+        let track = place
+            .keys
+            .as_ref()
+            .expect("it moves")
+            .with_key(2.0, place.value.clone());
+        place.keys = track.map(Arc::new);
     });
     let again = parse_str(moved.clone(), Path::new("scene.xml"), &[]);
     assert_eq!(again.diagnostics.to_string(), "", "{moved}");

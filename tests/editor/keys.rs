@@ -2,11 +2,14 @@
 
 use bevy::prelude::*;
 use sunroom::app::editor::automation::script::parse::{self, Step};
+use sunroom::app::editor::command::Command;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::requests::Requests;
+use sunroom::app::editor::session::toasts::Toasts;
 use sunroom::document::{self, parse_str};
+use sunroom::layer::{Layer, Layers};
 use sunroom::scene::write::{gather, save, to_document};
 use sunroom::scene::*;
 
@@ -419,6 +422,130 @@ fn a_group_that_has_a_key_takes_its_members_along() {
     assert_eq!(place(&mut world, "group/right"), Vec3::new(4.0, 1.0, 0.0));
     do_all(&mut world, &["time 0"]);
     assert_eq!(place(&mut world, "group/left"), Vec3::ZERO);
+    // So do all other edits of its keys.
+    do_all(&mut world, &["move-key group/ to_world 1 2", "time 1"]);
+    assert_eq!(place(&mut world, "group/right"), Vec3::new(4.0, 1.0, 0.0));
+    do_all(&mut world, &["interpolate group/ to_world step"]);
+    assert_eq!(place(&mut world, "group/right"), 4.0 * Vec3::X);
+    do_all(
+        &mut world,
+        &["undo", "time 0", "select group/", "unkey group/", "time 1"],
+    );
+    for thing in ["group/", "group/left", "group/right"] {
+        let thing = find(&mut world, thing);
+        let keys = world.get::<Keys>(thing).expect("keys");
+        assert!(keys.tracks().all(|(_, track)| track.span() == (2.0, 2.0)));
+    }
+    assert_eq!(place(&mut world, "group/left"), 2.0 * Vec3::Y);
+    do_all(&mut world, &["stand-still group/"]);
+    for thing in ["group/", "group/left", "group/right"] {
+        let thing = find(&mut world, thing);
+        assert!(world.get::<Keys>(thing).is_none());
+    }
+    assert_eq!(place(&mut world, "group/right"), Vec3::new(4.0, 2.0, 0.0));
+}
+
+/// A camera and an integrator with layers around it, whose longest path is keyed.
+const DEEPER: &str = "<scene version='3.0.0'>
+  <integrator type='aov'>
+    <string name='aovs' value='dd:depth'/>
+    <integrator type='path'>
+      <animation name='max_depth'><integer time='0' value='2'/><integer time='4' value='10'/></animation>
+    </integrator>
+  </integrator>
+  <sensor type='perspective' id='eye'><animation name='focal_length'>
+    <string time='0' value='50mm'/><string time='2' value='100mm'/>
+  </animation></sensor>
+</scene>";
+
+#[test]
+fn an_edit_of_a_keyed_setting_of_the_integrator_sets_a_key() {
+    let (_folder, mut world) = opened(DEEPER);
+    let depths = |world: &mut World| {
+        [0.0, 1.0, 2.0, 4.0].map(|time| {
+            show_moment(world, time);
+            world.resource::<IntegratorSettings>().max_depth.expect("bounded")
+        })
+    };
+    let change = |world: &mut World, edit: fn(&mut IntegratorSettings)| {
+        let mut settings = *world.resource::<IntegratorSettings>();
+        edit(&mut settings);
+        world.resource_mut::<Requests>().interaction += 1;
+        apply(world, Command::SetIntegrator(settings)).expect("applied");
+    };
+    assert_eq!(depths(&mut world), [2, 4, 6, 10]);
+    assert_eq!(animated_span(&mut world), Some((0.0, 4.0)));
+    show_moment(&mut world, 2.0);
+    change(&mut world, |settings| settings.max_depth = Some(20));
+    assert_eq!(depths(&mut world), [2, 11, 20, 10]);
+    // Other settings and layers leave the keys alone, also if the integrator around it goes or comes.
+    change(&mut world, |settings| settings.rr_depth = 9);
+    let layers = world.resource::<IntegratorSettings>().layers;
+    change(&mut world, |settings| settings.layers = Layers::default());
+    assert_eq!(depths(&mut world), [2, 11, 20, 10]);
+    do_all(&mut world, &["undo", "undo", "time 1", "undo"]);
+    assert_eq!(depths(&mut world), [2, 4, 6, 10]);
+    do_all(&mut world, &["redo", "redo", "redo"]);
+    assert_eq!(depths(&mut world), [2, 11, 20, 10]);
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    save(&mut world, &path).expect("saved");
+    let document = document::load(&path, &[]).expect("it can be read");
+    let saved = [0.0, 1.0, 2.0, 4.0].map(|time| read::read(&mut document.at(time)).integrator);
+    assert_eq!(saved.map(|it| it.max_depth), [2, 11, 20, 10].map(Some));
+    assert_eq!(saved.map(|it| (it.rr_depth, it.layers)), [(9, Layers::default()); 4]);
+    change(&mut world, |settings| settings.layers = Layers::of(&[Layer::Depth]));
+    assert_eq!(world.resource::<IntegratorSettings>().layers, layers);
+    assert_eq!(depths(&mut world), [2, 11, 20, 10]);
+}
+
+#[test]
+fn keys_of_the_focal_length_become_those_of_the_field_of_view() {
+    let (_folder, mut world) = opened(DEEPER);
+    let eye = find(&mut world, "eye");
+    let views = |world: &mut World| {
+        [0.0, 1.0, 2.0, 3.0].map(|time| {
+            show_moment(world, time);
+            world.get::<Sensor>(eye).expect("a camera").fov
+        })
+    };
+    let [normal, _, far, _] = views(&mut world);
+    assert!(normal > 45.0 && far < 25.0, "{normal} {far}");
+    assert_eq!(views(&mut world), [normal, normal, far, far], "backwards as well");
+    do_all(&mut world, &["time 1", "set eye fov 70"]);
+    let now = views(&mut world);
+    for (found, expected) in now.into_iter().zip([normal, 70.0, far, far]) {
+        assert!((found - expected).abs() < 1e-3, "{now:?}");
+    }
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    save(&mut world, &path).expect("saved");
+    assert_file_shows_the_same(&mut world, &[0.0, 1.0, 2.0, 3.0]);
+    let text = std::fs::read_to_string(&path).expect("a file");
+    assert!(
+        text.contains("name=\"fov\"") && !text.contains("focal_length"),
+        "{text}"
+    );
+}
+
+#[test]
+fn keys_that_something_else_takes_the_place_of_are_told() {
+    let (_folder, mut world) = opened(
+        "<scene version='3.0.0'>
+          <bsdf type='roughconductor' id='steel'>
+            <animation name='alpha_u'><float time='0' value='0.1'/><float time='1' value='0.4'/></animation>
+            <float name='alpha_v' value='0.2'/>
+          </bsdf>
+        </scene>",
+    );
+    do_all(&mut world, &["set steel alpha 0.3"]);
+    let is_told = world
+        .resource::<Toasts>()
+        .texts()
+        .any(|text| text.contains("`alpha_u`"));
+    assert!(is_told);
+    let steel = find(&mut world, "steel");
+    assert!(world.get::<Keys>(steel).is_none());
+    do_all(&mut world, &["undo"]);
+    assert!(world.get::<Keys>(steel).is_some());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
-use crate::scene::{AuthoredScene, IntegratorSettings};
+use crate::scene::{AuthoredScene, IntegratorSettings, Keys};
 
 /// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
@@ -20,6 +20,9 @@ impl<'a> SceneReader<'a> {
         }
         let settings = self.read_integrator_settings(object, 0);
         self.description.integrator = settings;
+        if self.is_animated {
+            self.description.integrator_keys = Keys::of(object, &self.index).unwrap_or_default();
+        }
         let authored = self.authored(object, objects::integrator(&settings));
         remains.integrator = Some((self.order(object), authored));
         true

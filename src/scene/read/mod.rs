@@ -23,6 +23,7 @@ mod textures;
 use std::sync::Arc;
 
 use self::scene_reader::SceneReader;
+pub(super) use self::sensors::millimetres;
 use super::description::{DeclarationPlace, SceneDescription};
 use super::{AuthoredScene, LengthUnit};
 pub use crate::document::paths::settle;

@@ -11,8 +11,9 @@ use crate::scene::encode::poses::as_steps;
 use crate::scene::parameters::HEIGHT;
 
 /// Parameters that mean the same in another way: writing the first removes the others.
-const SUPERSEDES: [(&str, &[&str]); 8] = [
+const SUPERSEDES: [(&str, &[&str]); 9] = [
     ("fov", &["focal_length"]),
+    ("focal_length", &["fov", "fov_axis"]),
     ("alpha", &["alpha_u", "alpha_v"]),
     ("material", &["eta", "k"]),
     ("eta", &["material"]),

@@ -15,8 +15,8 @@ use crate::scene::file_moment::follow_file;
 use crate::scene::moment::shown_time;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, InstanceOf,
-    IntegratorSettings, Keys, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape,
-    ShapeGroup, ToWorld, UsesMaterial,
+    IntegratorKeys, IntegratorSettings, Keys, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested,
+    Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// So many things are copied at once at the end.
@@ -317,6 +317,7 @@ impl Snapshot {
         if let Some(settings) = world.get_resource::<IntegratorSettings>() {
             scene.integrator = *settings;
         }
+        scene.integrator_keys = world.get_resource::<IntegratorKeys>().cloned().unwrap_or_default().0;
         scene.unit = world.get_resource().copied().unwrap_or_default();
         scene.time = shown_time(world);
         if let Some(remains) = world.get_resource::<AuthoredScene>() {

@@ -8,7 +8,7 @@ use smol_str::SmolStr;
 
 use super::defaults::Defaults;
 use super::patch::Draft;
-use crate::document::animation::{is_animated, key_changes};
+use crate::document::animation::is_animated;
 use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
 use crate::scene::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::encode::{lights, objects};
@@ -127,7 +127,10 @@ impl<'s> Writer<'s> {
         }
         for sensor in &scene.sensors {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
-            let draft = self.with_keys(Draft::new(sensor.identity.authored.as_ref(), current), &sensor.identity);
+            let draft = self.with_keys(
+                Draft::new(sensor.identity.authored.as_ref(), current),
+                sensor.identity.keys.as_ref(),
+            );
             parts.push(finish(&sensor.identity, draft));
         }
         for (index, material) in scene.materials.iter().enumerate() {
@@ -223,14 +226,13 @@ impl<'s> Writer<'s> {
     fn integrator(&self) -> Option<(u32, Object)> {
         let settings = &self.scene.integrator;
         let current = objects::integrator(settings);
-        match &self.scene.remains.integrator {
-            Some((order, authored)) => {
-                let mut object = Draft::new(Some(authored), current).object;
-                key_changes(&mut object, self.scene.time);
-                Some((*order, object))
-            }
-            None => (current != objects::integrator(&IntegratorSettings::default())).then_some((0, current)),
-        }
+        let keys = Some(&self.scene.integrator_keys).filter(|keys| !keys.is_empty());
+        let (order, draft) = match &self.scene.remains.integrator {
+            Some((order, authored)) => (*order, Draft::new(Some(authored), current)),
+            None if keys.is_none() && current == objects::integrator(&IntegratorSettings::default()) => return None,
+            None => (0, Draft::new(None, current)),
+        };
+        Some((order, self.with_keys(draft, keys).object))
     }
 
     /// The object to write. Of new things, parameters that equal the default are left out.
@@ -240,11 +242,11 @@ impl<'s> Writer<'s> {
             Some(_) => Draft::new(authored, current),
             None => Draft::new(None, self.defaults.left_out(current)),
         };
-        self.with_keys(draft, identity)
+        self.with_keys(draft, identity.keys.as_ref())
     }
 
-    fn with_keys(&self, mut draft: Draft, identity: &Identity) -> Draft {
-        let keys = identity.keys.as_ref().filter(|_| self.keys);
+    fn with_keys(&self, mut draft: Draft, keys: Option<&Keys>) -> Draft {
+        let keys = keys.filter(|_| self.keys);
         if keys.is_some() || is_animated(&draft.object) {
             Keys::attach(keys, &mut draft.object, self.scene.time);
         }

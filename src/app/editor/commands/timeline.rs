@@ -13,6 +13,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::timeline::TimeStep;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::document::Track;
 use crate::document::animation::MOST_TIME;
 use crate::engine::PackedScene;
 use crate::scene::{
@@ -114,9 +115,7 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
         [] => targets_of_selection(edit, how)?,
         targets => targets.to_vec(),
     };
-    if how == KeyEdit::Set {
-        add_members(edit.world, &mut targets);
-    }
+    add_members(edit.world, &mut targets, how);
     for (thing, path) in targets {
         let path = own_place(edit.world, thing, path);
         match edit_keys(edit.world, thing, &path, how)? {
@@ -127,10 +126,11 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
     Ok(())
 }
 
-/// Adds the places of what moves with the groups whose places are among the targets.
-fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>) {
+/// Adds the places of what moves with the groups whose places are among the targets: where these have keys that the edit is about, or all if it sets keys.
+fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>, how: KeyEdit) {
     let places = targets.iter().filter(|(_, path)| path.is_place());
     let mut known: EntityHashSet = places.map(|(thing, _)| *thing).collect();
+    let time = shown_time(world);
     let frames: Vec<Entity> = known
         .iter()
         .copied()
@@ -138,8 +138,16 @@ fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>) {
         .collect();
     for frame in frames {
         for member in grouping::members(world, frame) {
-            if known.insert(member) {
+            if !known.insert(member) {
+                continue;
+            }
+            if how == KeyEdit::Set {
                 targets.extend(place_path(world, member).map(|path| (member, path)));
+            } else if let Some(keys) = world.get::<Keys>(member) {
+                let tracks = keys
+                    .tracks()
+                    .filter(|(path, track)| path.is_place() && is_about(how, track, time));
+                targets.extend(tracks.map(|(path, _)| (member, path.clone())));
             }
         }
     }
@@ -185,6 +193,15 @@ pub fn add_turntable(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Whether a track has what an edit changes. `time` is shown.
+fn is_about(how: KeyEdit, track: &Track, time: f64) -> bool {
+    match how {
+        KeyEdit::Remove => track.has_key(time),
+        KeyEdit::Move { from, .. } => track.has_key(from),
+        KeyEdit::Set | KeyEdit::RemoveAll | KeyEdit::Interpolate(_) => true,
+    }
+}
+
 fn targets_of_selection(edit: &Edit, how: KeyEdit) -> Result<Vec<(Entity, KeyPath)>, CommandError> {
     let mut targets = Vec::new();
     let time = shown_time(edit.world);
@@ -192,11 +209,7 @@ fn targets_of_selection(edit: &Edit, how: KeyEdit) -> Result<Vec<(Entity, KeyPat
         if how == KeyEdit::Set {
             targets.extend(place_path(edit.world, thing).map(|path| (thing, path)));
         } else if let Some(keys) = edit.world.get::<Keys>(thing) {
-            let tracks = keys.tracks().filter(|(_, track)| match how {
-                KeyEdit::Remove => track.has_key(time),
-                KeyEdit::Move { from, .. } => track.has_key(from),
-                _ => true,
-            });
+            let tracks = keys.tracks().filter(|(_, track)| is_about(how, track, time));
             targets.extend(tracks.map(|(path, _)| (thing, path.clone())));
         }
     }

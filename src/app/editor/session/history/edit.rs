@@ -9,7 +9,8 @@ use super::entry::{Change, Entry, MergeKey, SettingsState, Standpoint, StepKind}
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
-use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, keys_after, pose, shown_time};
+use crate::app::editor::session::toasts::Toasts;
+use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, integrator_keys_after, keys_after, pose, shown_time};
 
 /// An edit under way: remembers what each entity was before it was first touched.
 pub struct Edit<'w> {
@@ -104,22 +105,33 @@ impl<'w> Edit<'w> {
 
     /// Makes keys of values that were changed and have tracks, and gives everything with tracks the values of these: they may have been changed.
     pub(crate) fn follow_keys(&mut self) {
-        let mut moving = Vec::new();
+        if SettingsState::of(self.world).integrator != self.settings.integrator
+            && let Some(keys) = integrator_keys_after(self.world)
+        {
+            self.world.insert_resource(keys);
+        }
+        let (mut moving, mut lost) = (Vec::new(), Vec::new());
         for (entity, before) in &self.before {
             let is_moving = before.keys.is_some() || self.world.get::<Keys>(*entity).is_some();
             if !is_moving || !ObjectState::is_in_scene(self.world, *entity) {
                 continue;
             }
-            match keys_after(self.world, *entity, before).map(Keys::some) {
-                Some(Some(keys)) => {
-                    self.world.entity_mut(*entity).insert(keys);
-                }
-                Some(None) => {
-                    self.world.entity_mut(*entity).remove::<Keys>();
-                }
-                None => {}
+            if let Some(after) = keys_after(self.world, *entity, before) {
+                match after.keys.some() {
+                    Some(keys) => self.world.entity_mut(*entity).insert(keys),
+                    None => self.world.entity_mut(*entity).remove::<Keys>(),
+                };
+                lost.extend(after.lost);
             }
             moving.push(*entity);
+        }
+        lost.dedup();
+        if !lost.is_empty() {
+            let names: Vec<String> = lost.iter().map(|path| format!("`{path}`")).collect();
+            let names = names.join(", ");
+            let message =
+                format!("Something else took the place of {names}, which had keys: they are gone until you undo.");
+            self.world.resource_mut::<Toasts>().warn(message);
         }
         if !moving.is_empty() {
             pose(self.world, &moving);
@@ -132,7 +144,7 @@ impl<'w> Edit<'w> {
             before.write(self.world, *entity);
         }
         let now = SettingsState::of(self.world);
-        self.settings.write(self.world, now);
+        self.settings.write(self.world, &now);
         self.world.insert_resource(self.selection);
     }
 

@@ -7,13 +7,14 @@ use bevy::prelude::*;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::{
-    AccelMethod, ActiveSensor, FreeView, IntegratorSettings, LengthUnit, ObjectChange, SamplerSettings,
+    AccelMethod, ActiveSensor, FreeView, IntegratorKeys, IntegratorSettings, LengthUnit, ObjectChange, SamplerSettings,
 };
 
 /// The settings that a scene has as a whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SettingsState {
     pub integrator: IntegratorSettings,
+    pub integrator_keys: IntegratorKeys,
     pub sampler: SamplerSettings,
     pub accel: AccelMethod,
     pub unit: LengthUnit,
@@ -23,6 +24,7 @@ impl SettingsState {
     pub fn of(world: &World) -> Self {
         Self {
             integrator: world.get_resource().copied().unwrap_or_default(),
+            integrator_keys: world.get_resource().cloned().unwrap_or_default(),
             sampler: world.get_resource().copied().unwrap_or_default(),
             accel: world.get_resource().copied().unwrap_or_default(),
             unit: world.get_resource().copied().unwrap_or_default(),
@@ -30,9 +32,12 @@ impl SettingsState {
     }
 
     /// Writes the components that differ from `from`; what others changed in the meantime stays.
-    pub(super) fn write(self, world: &mut World, from: Self) {
+    pub(super) fn write(&self, world: &mut World, from: &Self) {
         if from.integrator != self.integrator {
             world.insert_resource(self.integrator);
+        }
+        if from.integrator_keys != self.integrator_keys {
+            world.insert_resource(self.integrator_keys.clone());
         }
         if from.sampler != self.sampler {
             world.insert_resource(self.sampler);
@@ -139,7 +144,7 @@ impl Entry {
         }
         let mut is_undone = is_undone.into_iter();
         self.changes.retain(|_| !is_undone.next().unwrap_or(false));
-        self.settings[1] = later.settings[1];
+        self.settings[1].clone_from(&later.settings[1]);
         self.selection[1] = later.selection[1].clone();
         self.count_bytes();
     }

@@ -282,9 +282,9 @@ pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     for change in entry.changes.iter().rev() {
         change.change.write(world, change.entity, Side::Before);
     }
+    entry.settings[0].write(world, &entry.settings[1]);
     show_moment(world, shown);
     separate_ids(world, &entry.changes);
-    entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
     if let Some([before, _]) = &entry.mix {
         world.insert_resource(before.clone());
@@ -307,9 +307,9 @@ pub(crate) fn redo(world: &mut World) -> Result<(), CommandError> {
     for change in &entry.changes {
         change.change.write(world, change.entity, Side::After);
     }
+    entry.settings[1].write(world, &entry.settings[0]);
     show_moment(world, shown);
     separate_ids(world, &entry.changes);
-    entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());
     if let Some([_, after]) = &entry.mix {
         world.insert_resource(after.clone());
