@@ -8,7 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Context, Key};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::automation::script::parse::VERBS;
+use sunroom::app::editor::automation::script::verbs::VERBS;
 use sunroom::app::editor::command::addition::AdditionKind;
 use sunroom::app::editor::command::display::DisplayMode;
 use sunroom::app::editor::command::file_access::Question;

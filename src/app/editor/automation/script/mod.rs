@@ -16,6 +16,7 @@ mod rendering;
 mod set;
 mod texturing;
 mod timeline;
+pub mod verbs;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ use super::error::ScriptError;
 use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
+use super::verbs::VERBS;
 use super::{blocking, keys, layers, placing, rendering, texturing, timeline};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
@@ -56,103 +57,6 @@ pub enum Wait {
     /// The picture has reached one of its own limits.
     Done,
 }
-
-/// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 72] = [
-    ("open", "FILE"),
-    ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
-    ("save-image-to", "FILE"),
-    ("import-file", "FILE"),
-    (
-        "use-file",
-        "FILE [X,Y (0 to 1 from the upper left); else for the selection]",
-    ),
-    ("paste", "XML (to the end of the line)"),
-    ("select", "NAME..."),
-    ("select-also", "NAME..."),
-    ("pick", "X,Y (0 to 1 from the upper left)"),
-    (
-        "add",
-        "KIND [name=NAME] [at=X,Y,Z (where it stands)] [size=S (half its extent)]",
-    ),
-    ("draw", "box|floor|wall FROM TO [name=NAME] [height=H] [thickness=T]"),
-    ("push", "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"),
-    (
-        "cut",
-        "door|window|french-window WALL FROM [sill=H] [width=W] [height=H]",
-    ),
-    ("move", "NAME X,Y,Z (by)"),
-    ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
-    ("scale", "NAME FACTOR (about its origin)"),
-    ("align", "X|Y|Z low|middle|high [active] (what is selected)"),
-    ("distribute", "X|Y|Z gaps|middles (what is selected)"),
-    (
-        "series",
-        "COUNT along X,Y,Z [instances] | COUNT around X|Y|Z DEGREES X,Y,Z (the center) [instances]",
-    ),
-    ("snap", "increments|grid|vertices|edges|faces [always] [align]"),
-    ("set", "NAME PARAMETER VALUE"),
-    (
-        "place-texture",
-        "NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]",
-    ),
-    (
-        "project-texture",
-        "box|face|view|above|sphere|cylinder TILE (its edge) SHAPE...",
-    ),
-    ("material-of", "SHAPE (a new one of its own)"),
-    ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
-    (
-        "wrap",
-        "MATERIAL PLUGIN (twosided, blendbsdf, mask, bumpmap, normalmap)",
-    ),
-    ("unwrap", "MATERIAL [first|second]"),
-    ("assign", "MATERIAL SHAPE..."),
-    ("preset", "GROUP/NAME SHAPE... (of the library)"),
-    ("emit", "SHAPE RADIANCE|none"),
-    ("rename", "NAME NAME"),
-    ("hide-thing", "NAME..."),
-    ("lock", "on|off NAME..."),
-    ("put-before", "NAME OTHER"),
-    ("put-into", "FOLDER|none NAME..."),
-    ("look", "FROM AT (each X,Y,Z)"),
-    ("look-through", "CAMERA"),
-    ("go-to", "STEP (of the history)"),
-    ("samples", "N"),
-    ("show", "MODE"),
-    ("exposure", "STOPS"),
-    ("tone-map", "NAME"),
-    ("white", "KELVIN [TINT]"),
-    ("limit-time", "SECONDS|none"),
-    ("limit-noise", "NOISE|none"),
-    ("adaptive", "on|off"),
-    ("resolution", "view|after-rest|full"),
-    ("enlarge", "smooth|sharp"),
-    ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
-    ("layers", "none | LAYER... (saved with EXR images)"),
-    ("split-strategies", "on|off"),
-    ("show-grid", "on|off"),
-    ("measure-between", "FROM TO (each X,Y,Z)"),
-    ("hide-walls", "on|off"),
-    ("cut-plane", "none | x|y|z|-x|-y|-z AT (leaves out what is beyond)"),
-    ("show-alone", "none | NAME..."),
-    ("keep-lights-apart", "on|off"),
-    ("mix", "none | LIGHT STRENGTH [R,G,B]"),
-    ("denoise", "[on | off] (without a word it switches)"),
-    ("compare", "off | wipe FRACTION | difference | noisy FRACTION"),
-    ("bind", "ACTION KEY|none|usual"),
-    ("tutorial-step", "NUMBER|off (1 to 5)"),
-    ("time", "SECONDS"),
-    ("frame", "NUMBER"),
-    ("timeline", "FPS FIRST LAST (frames)"),
-    ("key", "NAME [PROPERTY, else its place]"),
-    ("unkey", "NAME [PROPERTY, else all that have a key now]"),
-    ("stand-still", "NAME [PROPERTY, else all] (removes all keys)"),
-    ("move-key", "NAME PROPERTY FROM TO (seconds)"),
-    ("interpolate", "NAME PROPERTY linear|ease|step"),
-    ("wait", "SAMPLES|done"),
-    ("screenshot", "FILE"),
-];
 
 /// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it is now.
 pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> {
