@@ -231,6 +231,39 @@ fn a_box_stands_on_the_surface_under_the_pointer() {
 }
 
 #[test]
+fn a_box_that_begins_a_little_above_the_foot_of_a_wall_stands_on_the_floor() {
+    // The front of the box is at z = -0.2; one point of the picture is about two hundredths there.
+    let begin = |height: f32| Vec3::new(-1.0, height, -0.2);
+    for height in [0.12, 0.18] {
+        let mut harness = window(Tool::Draw(BlockKind::Box), true);
+        drag(&mut harness, begin(height), Vec3::new(1.0, 0.0, -2.0));
+        keys(&mut harness, &[Key::Num1, Key::Enter]);
+        let [block] = &built(&harness)[..] else {
+            panic!("{height}: {:?}", harness.state().commands)
+        };
+        let [low, high] = extent(&block.shape().expect("a box"));
+        assert!(low.abs_diff_eq(Vec3::new(-1.0, 0.0, -2.0), 1e-5), "{height}: {low}");
+        assert!(high.abs_diff_eq(Vec3::new(1.0, 1.0, 0.0), 0.21), "{height}: {high}");
+    }
+    // Higher up, and with Control, it begins on the wall.
+    let mut harness = window(Tool::Draw(BlockKind::Box), true);
+    drag(&mut harness, begin(0.9), Vec3::new(1.0, 1.6, -0.2));
+    keys(&mut harness, &[Key::Num1, Key::Enter]);
+    let walls = built(&harness).first().map(|block| block.plane.normal);
+    assert_eq!(walls, Some(Vec3::NEG_Z));
+    let mut harness = window(Tool::Draw(BlockKind::Box), true);
+    harness
+        .input_mut()
+        .events
+        .push(egui::Event::ModifiersChanged(Modifiers::COMMAND));
+    harness.run_steps(1);
+    drag(&mut harness, begin(0.15), Vec3::new(1.0, 1.6, -0.2));
+    keys(&mut harness, &[Key::Num1, Key::Enter]);
+    let walls = built(&harness).first().map(|block| block.plane.normal);
+    assert_eq!(walls, Some(Vec3::NEG_Z));
+}
+
+#[test]
 fn a_wall_is_drawn_by_two_clicks_and_typed_numbers() {
     let mut harness = window(Tool::Draw(BlockKind::Wall), false);
     click(&mut harness, Vec3::new(-2.0, 0.0, 1.0));

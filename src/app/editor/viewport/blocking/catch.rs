@@ -122,14 +122,12 @@ pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, s
     })
 }
 
-/// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side of a slab.
-pub(super) fn base(seen: &SeenSurface, model: &BlockingModel) -> Vec3 {
-    let Some(corners) = model.target(seen.entity).and_then(BlockTarget::corners) else {
-        return seen.position;
-    };
+/// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side of a slab. None for other shapes.
+pub(super) fn base(seen: &SeenSurface, model: &BlockingModel) -> Option<Vec3> {
+    let corners = model.target(seen.entity).and_then(BlockTarget::corners)?;
     let [low, high] = range(corners, model.up);
     let level = if is_slab(high - low, model) { high } else { low };
-    seen.position + model.up * (level - seen.position.dot(model.up))
+    Some(seen.position + model.up * (level - seen.position.dot(model.up)))
 }
 
 impl BlockTarget {

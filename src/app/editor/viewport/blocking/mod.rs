@@ -6,6 +6,7 @@
 mod catch;
 pub mod cut;
 pub mod draw;
+mod floor;
 pub mod hand;
 pub(super) mod marks;
 pub mod push;

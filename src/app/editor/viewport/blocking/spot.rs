@@ -4,6 +4,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::Pos2;
 
 use super::catch::{self, Caught};
+use super::floor;
 use super::hand::{BlockingModel, Hand};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
@@ -26,8 +27,8 @@ const FARTHEST: f32 = 2000.0;
 const LAID: f32 = 0.5;
 
 impl Spot {
-    /// The place under the pointer: the corner or edge that attracts it, else the surface that is seen there, else the ground through the origin. Walls
-    /// and floors lie level at the foot of a wall or beside a box.
+    /// The place under the pointer: the corner or edge that attracts it, else the floor at the foot of a wall, else the surface that is seen there, else the
+    /// ground through the origin. Walls and floors lie level at the foot of a wall or beside a box.
     pub fn under(
         kind: BlockKind,
         hand: &Hand,
@@ -38,13 +39,18 @@ impl Spot {
     ) -> Option<Self> {
         let (up, is_laid) = (model.up, kind != BlockKind::Box);
         let level = Plane::of_normal(up, up);
+        let floor = seen.and_then(|seen| floor::at_foot(seen, hand, screen, model));
         if let Some(caught) = caught {
             let seen = seen.filter(|_| !is_laid && !caught.is_low);
-            let surface = seen.map(|seen| (Plane::of_normal(seen.normal, up), seen.position));
-            let surface = surface.filter(|(plane, place)| is_on(plane, *place, caught.place, model.step));
+            let surface = seen.map(|seen| (seen.position, Plane::of_normal(seen.normal, up)));
+            let surfaces = floor.filter(|_| !is_laid).into_iter().chain(surface);
+            let plane = surfaces
+                .filter(|(place, plane)| is_on(plane, *place, caught.place, model.step))
+                .map(|(_, plane)| plane)
+                .next();
             return Some(Self {
                 place: caught.place + Vec3::ZERO,
-                plane: surface.map_or(level, |(plane, _)| plane),
+                plane: plane.unwrap_or(level),
             });
         }
         let foot = || catch::foot(seen.filter(|_| is_laid)?, screen, model, hand.step);
@@ -55,8 +61,11 @@ impl Spot {
             });
         }
         let (place, plane) = match seen {
-            Some(seen) if is_laid && seen.normal.dot(up).abs() < LAID => (catch::base(seen, model), level),
-            Some(seen) => (seen.position, Plane::of_normal(seen.normal, up)),
+            Some(seen) if is_laid && seen.normal.dot(up).abs() < LAID => {
+                let base = catch::base(seen, model).map(|place| (place, level));
+                base.or(floor).unwrap_or((seen.position, level))
+            }
+            Some(seen) => floor.unwrap_or_else(|| (seen.position, Plane::of_normal(seen.normal, up))),
             None => {
                 let place = on_plane(screen, hand.pointer, Vec3::ZERO, up)?;
                 if screen.depth(place) > FARTHEST * model.step {
