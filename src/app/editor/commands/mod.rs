@@ -283,6 +283,9 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::CutOpen => seeing::cut_open(world)?,
         Command::Isolate(entities) => seeing::isolate(world, entities)?,
         Command::SetTool(tool) => {
+            if tool == Tool::PlaceTexture {
+                texturing::need_textures(world)?;
+            }
             if tool.blocks_out() {
                 view::keep_step(world);
             }

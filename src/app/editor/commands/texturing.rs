@@ -5,8 +5,10 @@ use bevy::prelude::*;
 
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::texture_placing::has_textures;
 use crate::app::editor::session::history::Edit;
-use crate::scene::{Material, UsesMaterial};
+use crate::scene::{Material, Shape, UsesMaterial};
 
 /// Gives all textures of a material, or of a shape's, that have one transform of uv another one. An error if there are none.
 pub fn place(edit: &mut Edit, owner: Entity, before: Affine2, after: Affine2) -> Result<(), CommandError> {
@@ -33,6 +35,17 @@ pub fn place(edit: &mut Edit, owner: Entity, before: Affine2, after: Affine2) ->
     match has_any {
         true => Ok(()),
         false => Err("There is no picture or checkerboard that is placed so.".into()),
+    }
+}
+
+/// An error, with what to do, unless the active thing is a shape with textures that can be placed.
+pub(super) fn need_textures(world: &World) -> Result<(), CommandError> {
+    let active = world.resource::<Selection>().active();
+    let shape = active.filter(|active| world.get::<Shape>(*active).is_some_and(|shape| !shape.is_frame()));
+    let materials = shape.into_iter().flat_map(|shape| material_parts(world, shape));
+    match has_textures(materials.filter_map(|material| world.get::<Material>(material))) {
+        true => Ok(()),
+        false => Err("Select a shape with a picture or a checkerboard in its material: this tool places these.".into()),
     }
 }
 

@@ -85,7 +85,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
         let Some(command) = ACTIONS
             .iter()
             .find(is_meant)
-            .and_then(|action| (action.command)(&context))
+            .and_then(|action| (action.command)(&context).or_else(|| action.refused()))
         else {
             continue;
         };
@@ -115,6 +115,7 @@ mod tests {
     use crate::app::editor::command::key_bindings::NO_BINDINGS;
     use crate::app::editor::command::selection::Selection;
     use crate::app::editor::command::shortcut::Shortcut;
+    use crate::app::editor::command::tool::Tool;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
         KeyboardInput {
@@ -172,6 +173,12 @@ mod tests {
             event(KeyCode::KeyS, s(), ButtonState::Released),
         ];
         assert_eq!(commands(&events, Modifiers::COMMAND), [Command::Save]);
+    }
+
+    #[test]
+    fn a_key_without_its_texture_is_refused_aloud() {
+        let u = event(KeyCode::KeyU, LogicalKey::Character("u".into()), ButtonState::Pressed);
+        assert_eq!(commands(&[u], Modifiers::NONE), [Command::SetTool(Tool::PlaceTexture)]);
     }
 
     #[test]

@@ -92,6 +92,27 @@ fn a_picture_goes_to_whatever_has_one() {
 }
 
 #[test]
+fn the_tool_that_places_textures_says_what_it_needs() {
+    let mut world = bare_world();
+    let tool = Command::SetTool(Tool::PlaceTexture);
+    let said = |world: &mut World| apply(world, tool.clone()).expect_err("there is no texture").to_string();
+    assert!(said(&mut world).contains("a picture or a checkerboard"));
+    let shape = add(&mut world, AdditionKind::Cube);
+    say(&mut world, Command::GiveMaterial { shape });
+    assert!(said(&mut world).contains("a picture or a checkerboard"));
+    assert_eq!(world.resource::<ViewSettings>().tool, Tool::Select);
+    let choose = Command::SetPicture {
+        owner: world.get::<UsesMaterial>(shape).expect("its own").0,
+        parameter: "reflectance",
+        place: SquarePath::WHOLE,
+        path: "/pictures/one.png".into(),
+    };
+    say(&mut world, choose);
+    apply(&mut world, tool.clone()).expect("there is one");
+    assert_eq!(world.resource::<ViewSettings>().tool, Tool::PlaceTexture);
+}
+
+#[test]
 fn a_picture_is_put_upright_onto_what_shows_it_upside_down() {
     for (kind, turned) in [
         (AdditionKind::Rectangle, true),

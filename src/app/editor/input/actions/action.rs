@@ -121,6 +121,11 @@ impl Action {
         }
     }
 
+    /// The command of its key where there is none: it is refused, and says why. None for actions of which that is plain.
+    pub(in crate::app::editor::input) fn refused(&self) -> Option<Command> {
+        (self.name == "place-texture").then_some(Command::SetTool(Tool::PlaceTexture))
+    }
+
     /// Whether it switches something that is on now, or chooses what is chosen already.
     pub fn is_on(&self, context: &ActionContext) -> bool {
         match self.name {
