@@ -11,6 +11,7 @@ mod sampler;
 mod spherical_rectangle;
 mod spherical_rectangle_lanes;
 mod spherical_triangle;
+mod stream;
 pub mod warp;
 
 pub use bilinear::{PiecewiseBilinear2d, SquareSample};
@@ -20,6 +21,7 @@ pub(crate) use sampler::SPREAD_DIMENSIONS;
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::{Rectangle, SphericalRectangle};
 pub(crate) use spherical_triangle::SphericalTriangle;
+pub use stream::RandomStream;
 
 /// The largest `f32` below one; uniform numbers never exceed it.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

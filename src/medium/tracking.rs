@@ -1,0 +1,179 @@
+//! Null-collision tracking through media that vary: collisions are found as if the extinction were that of the majorants, and some of them are
+//! null collisions, at which nothing happens (Woodcock et al. 1965; Kutz et al., Spectral and Decomposition Tracking for Rendering Heterogeneous
+//! Volumes, 2017; PBR 4th ed., sections 11.2.1 and 14.2). Shadow rays multiply the shares of null collisions: ratio tracking (Novák,
+//! Selle and Jarosz 2014).
+
+use super::majorants::MajorantGrid;
+use super::{MediumSource, Travel, Volume, Way, chance};
+use crate::color::Rgb;
+use crate::sampling::RandomStream;
+use glam::Vec3;
+
+/// The share below which a shadow ray may be given up, and the probability that it goes on.
+const FAINT: f32 = 0.1;
+const GOES_ON: f32 = 0.5;
+
+impl MediumSource {
+    /// The extinction coefficient at a point. A grid ends where its box does.
+    #[inline]
+    fn extinction(&self, point: Vec3) -> Rgb {
+        match &self.sigma_t {
+            Volume::Constant(sigma_t) => *sigma_t * self.scale,
+            Volume::Grid(grid) if self.is_within(&self.sigma_t, point) => grid.at(point) * self.scale,
+            Volume::Grid(_) => Rgb::ZERO,
+        }
+    }
+
+    /// The emission at a point that is within the bounds of the medium.
+    #[inline]
+    fn emission(&self, point: Vec3) -> Rgb {
+        match &self.emission {
+            Volume::Constant(emission) => *emission,
+            Volume::Grid(grid) if self.is_within(&self.emission, point) => grid.at(point),
+            Volume::Grid(_) => Rgb::ZERO,
+        }
+    }
+
+    /// Whether the point is within a volume. If only one is a grid, the majorants have seen to that.
+    #[inline]
+    fn is_within(&self, volume: &Volume, point: Vec3) -> bool {
+        match (&self.sigma_t, &self.emission) {
+            (Volume::Grid(_), Volume::Grid(_)) => volume.bounds().is_none_or(|bounds| bounds.contains_point(point)),
+            _ => true,
+        }
+    }
+}
+
+/// A tentative collision.
+struct Collision {
+    t: f32,
+    point: Vec3,
+    majorant: f32,
+    /// The share that is a null collision, for each colour.
+    null: Rgb,
+}
+
+/// Calls `collide` at each tentative collision until that returns something or the way ends. `u` decides where the first one is.
+#[inline(always)]
+fn track<T>(
+    source: &MediumSource,
+    majorants: &MajorantGrid,
+    way: &Way,
+    u: f32,
+    stream: &mut RandomStream,
+    mut collide: impl FnMut(&Collision, &mut RandomStream) -> Option<T>,
+) -> Option<T> {
+    let exponential = |u: f32| -(1.0 - u).ln();
+    let mut t = 0.0;
+    // The optical depth up to the next collision.
+    let mut depth = exponential(u);
+    for segment in majorants.walk(way) {
+        let majorant = segment.majorant;
+        if majorant > 0.0 {
+            while t + depth / majorant < segment.end {
+                t += depth / majorant;
+                depth = exponential(stream.next());
+                let point = way.origin + way.dir * t;
+                let extinction = source.extinction(point).min(Rgb::splat(majorant));
+                let null = (Rgb::splat(majorant) - extinction) / majorant;
+                let collision = Collision {
+                    t,
+                    point,
+                    majorant,
+                    null,
+                };
+                if let Some(result) = collide(&collision, stream) {
+                    return Some(result);
+                }
+            }
+            depth -= majorant * (segment.end - t);
+        }
+        t = segment.end;
+    }
+    None
+}
+
+/// [`super::Medium::travel`].
+pub(super) fn travel(
+    source: &MediumSource,
+    majorants: &MajorantGrid,
+    way: &Way,
+    throughput: &mut Rgb,
+    u: f32,
+    stream: &mut RandomStream,
+) -> Travel {
+    let mut passed = 1.0;
+    let mut emitted = Rgb::ZERO;
+    let shines = source.emission != Volume::ZERO;
+    let scatters = source.scatters();
+    let scattered_at = track(source, majorants, way, u, stream, |collision, stream| {
+        let Collision {
+            t,
+            point,
+            majorant,
+            null,
+        } = *collision;
+        if shines {
+            emitted += *throughput * source.emission(point) / majorant;
+        }
+        if !scatters {
+            *throughput *= null;
+            // What is left goes to the end without further ado.
+            return (*throughput == Rgb::ZERO).then_some(None);
+        }
+        let is_null = chance(*throughput, null);
+        if stream.next() < is_null {
+            *throughput *= null / is_null;
+            passed *= is_null;
+            return None;
+        }
+        let albedo = source.albedo.at(point).clamp(Rgb::ZERO, Rgb::ONE);
+        *throughput *= albedo * (Rgb::ONE - null) / (1.0 - is_null);
+        Some(Some(t))
+    });
+    Travel {
+        scattered_at: scattered_at.flatten(),
+        passed,
+        emitted,
+    }
+}
+
+/// [`super::Medium::transmit`].
+pub(super) fn transmit(
+    source: &MediumSource,
+    majorants: &MajorantGrid,
+    way: &Way,
+    carried: &mut Rgb,
+    stream: &mut RandomStream,
+) -> (Rgb, f32) {
+    let (mut share, mut passed) = (Rgb::ONE, 1.0);
+    let scatters = source.scatters();
+    // What roulette has given to rays that have gone on. The weights of multiple importance sampling do not see it.
+    let mut raised = 1.0;
+    let u = stream.next();
+    let given_up = track(source, majorants, way, u, stream, |collision, stream| {
+        if scatters {
+            passed *= chance(*carried, collision.null);
+        }
+        *carried *= collision.null;
+        share *= collision.null;
+        let largest = share.max_element() * raised;
+        if *carried == Rgb::ZERO || largest == 0.0 {
+            return Some(());
+        }
+        if largest < FAINT {
+            if stream.next() >= GOES_ON {
+                return Some(());
+            }
+            raised /= GOES_ON;
+        }
+        None
+    });
+    match given_up {
+        Some(()) => {
+            *carried = Rgb::ZERO;
+            (Rgb::ZERO, 0.0)
+        }
+        None => (share * raised, passed),
+    }
+}
