@@ -45,6 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let geometry = Arc::new(Tlas::build(shapes.into_iter().flatten().collect(), SplitMethod::Sah));
     let textures = Arc::default();
     let scene = RenderScene {
+        media: Arc::default(),
         lights: Arc::new(LightTable::build(&[sky.into()], &geometry, &textures)),
         surfaces: Arc::new(SurfaceTable { first_slot, slots }),
         materials: Arc::new(MaterialTable::new(materials)?),
@@ -59,11 +60,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera: Camera::new(pose, 40.0, width as f32 / height as f32, 1e-2, 1e4, None),
         width,
         height,
+        medium: None,
         filter: PixelFilter::Box,
         integrator: Integrator::Path(PathSettings {
             max_depth: 8,
             rr_depth: 5,
             hide_emitters: false,
+            media: false,
             strategy: Strategy::Mis,
         }),
         shown: Shown::Radiance,

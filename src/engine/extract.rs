@@ -113,6 +113,7 @@ impl Default for Extracted {
         let geometry = Tlas::build(Vec::new(), SplitMethod::default());
         Self {
             scene: RenderScene {
+                media: Arc::default(),
                 lights: Arc::new(LightTable::build(&[], &geometry, &Arc::default())),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(SurfaceTable::default()),

@@ -3,10 +3,9 @@
 //! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs them or not, so that
 //! what one bounce does changes no number of another. A draw is one number or a pair, see [`crate::sampling::Sampler`].
 //!
-//! Shadow rays and surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by
-//! [`BounceDraw::Lobe`], at a depth of its own. Media will need two more names here, at the end of [`BounceDraw`]: the distance to the next
-//! event and the direction of the phase function. Every name that is added changes the numbers of all later bounces, and so the noise of
-//! every picture.
+//! Surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by [`BounceDraw::Lobe`], at a depth of its
+//! own. Every name that is added to [`BounceDraw`] changes the numbers of all later bounces, and so the noise of every picture. The draws of
+//! media therefore have dimensions behind those of the longest path.
 
 use crate::math::Word;
 use crate::sampling::SPREAD_DIMENSIONS;
@@ -47,10 +46,41 @@ impl BounceDraw {
     }
 }
 
+/// The draws of a path in media. A scattering in a medium takes its direction and its light from [`BounceDraw`], as one at a surface does.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum MediumDraw {
+    /// How far the ray goes that leads to the vertex of this depth; a pair, and a stream.
+    Distance,
+    /// The transmittance of the shadow ray from the vertex of this depth; a stream.
+    Shadow,
+    /// The choice of a lamp near which the ray that leads to the vertex of this depth is rather scattered.
+    Lamp,
+    /// The place on it; a pair.
+    LampPoint,
+}
+
+/// Above the dimensions of all bounces of the longest path.
+const MEDIUM_DIMENSIONS: u32 = 1 << 20;
+
+impl MediumDraw {
+    /// The dimension of the draw for the vertex number `depth` of the path, counted from 1.
+    #[inline(always)]
+    pub fn at(self, depth: u32) -> u32 {
+        MEDIUM_DIMENSIONS + 4 * depth + self as u32
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::lanes::WordLanes;
+    use crate::render::view::LONGEST_PATH;
+
+    #[test]
+    fn media_have_dimensions_of_their_own() {
+        assert!(BounceDraw::Roulette.at(LONGEST_PATH) < MediumDraw::Distance.at(1));
+        assert!(MediumDraw::LampPoint.at(1) < MediumDraw::Distance.at(2));
+    }
 
     #[test]
     fn no_two_draws_share_a_dimension() {

@@ -16,6 +16,7 @@ pub mod layered_image;
 pub mod layers;
 pub mod light_layers;
 mod mean_error;
+mod medium_path;
 mod mis;
 pub mod motion;
 pub mod noise;

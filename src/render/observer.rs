@@ -8,13 +8,16 @@ use crate::color::Rgb;
 use crate::light::{LightId, LightSample};
 use crate::material::{Lobe, MaterialId};
 use crate::math::Ray;
+use crate::medium::MediumId;
 
 /// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter met there, a light sampled from there, and the bounce to the next;
 /// emitters at infinity after the last; then how it ended.
 pub trait PathObserver {
-    /// A ray of the path has met a surface, the next vertex, at `hit`.
+    /// A ray of the path has met a surface at `hit`, the next vertex unless a medium scatters the path before.
     fn met(&mut self, _ray: &Ray, _hit: &Hit) {}
-    /// A ray of the path has met a surface.
+    /// A medium has added this light to the path's radiance along its last ray.
+    fn emitted(&mut self, _contribution: Rgb) {}
+    /// The path has come to its next vertex.
     fn vertex(&mut self, _vertex: &PathVertex) {}
     /// The path has met an emitter at its last vertex or at infinity.
     fn emitter_met(&mut self, _met: &MetEmitter) {}
@@ -33,6 +36,10 @@ impl PathObserver for () {}
 impl<O: PathObserver> PathObserver for Option<O> {
     fn met(&mut self, ray: &Ray, hit: &Hit) {
         self.iter_mut().for_each(|observer| observer.met(ray, hit));
+    }
+
+    fn emitted(&mut self, contribution: Rgb) {
+        self.iter_mut().for_each(|observer| observer.emitted(contribution));
     }
 
     fn vertex(&mut self, vertex: &PathVertex) {
@@ -56,19 +63,32 @@ impl<O: PathObserver> PathObserver for Option<O> {
     }
 }
 
-/// A vertex of the path, at which light is scattered. A place in a medium will be a variant of its own.
+/// A vertex of the path, at which light is scattered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathVertex {
     /// A place on a surface.
     Surface(SurfaceVertex),
+    /// A place in a medium.
+    Medium(MediumVertex),
 }
 
 impl PathVertex {
     /// The position in world space.
     pub fn position(&self) -> Vec3 {
-        let Self::Surface(surface) = self;
-        surface.position
+        match self {
+            Self::Surface(surface) => surface.position,
+            Self::Medium(place) => place.position,
+        }
     }
+}
+
+/// A place in a medium that has scattered the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MediumVertex {
+    /// The place in world space.
+    pub position: Vec3,
+    /// The medium.
+    pub medium: MediumId,
 }
 
 /// A surface that the path has come to, world space.

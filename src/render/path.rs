@@ -7,31 +7,33 @@ use glam::{Vec2, Vec3};
 
 pub use super::path_state::PathSample;
 
-use super::dimensions::BounceDraw;
+use super::dimensions::{BounceDraw, MediumDraw};
 use super::observer::{Bounce, PathEnd, PathObserver, PathVertex, SampledLight, SurfaceVertex};
 use super::path_state::{Arrival, PathState};
 use super::roulette;
 use super::scene::{RenderScene, SurfaceSlot};
-use super::transmittance::transmittance;
+use super::transmittance::{EmptySpace, Media, ShadowRay, transmittance};
 use super::view::{LONGEST_PATH, PathSettings};
 use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
 use crate::material::{Lobe, ScatterSample, Scattering};
 use crate::math::{Ray, offset_origin};
+use crate::medium::MediumId;
 use crate::sampling::Sampler;
 use crate::shading::TransportMode;
 
-/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is called with its events and cannot change it; with
-/// `()` there is no observer.
+/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin, which is in `medium`. `observer` is called with its events and cannot
+/// change it; with `()` there is no observer.
 pub fn trace_path(
     scene: &RenderScene,
     settings: &PathSettings,
     ray: Ray,
     sampler: Sampler,
+    medium: Option<MediumId>,
     observer: &mut impl PathObserver,
 ) -> PathSample {
-    let mut path = PathState::new(ray, sampler);
+    let mut path = PathState::new(ray, sampler, medium.filter(|_| settings.media));
     loop {
         path.rays += 1;
         let hit = scene.geometry.intersect(&path.ray);
@@ -51,6 +53,46 @@ struct Vertex<'a> {
     is_smooth: bool,
     /// The place from which lights are sampled.
     reference: LightReference,
+}
+
+/// The start of a path's way to a light.
+pub(super) struct Departure {
+    pub origin: Vec3,
+    /// The medium there.
+    pub medium: Option<MediumId>,
+}
+
+/// What a path does at a vertex as far as sampled lights have to know.
+pub(super) trait Scatterer {
+    /// The place from which lights are sampled.
+    fn reference(&self) -> &LightReference;
+
+    /// The part of light from `wi` that is scattered along the path, times the cosine at surfaces; and the density per solid angle with which the
+    /// path would have gone to `wi`.
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32);
+
+    /// The start of the way to `wi` for a path in `medium`.
+    fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure;
+}
+
+impl Scatterer for Vertex<'_> {
+    #[inline(always)]
+    fn reference(&self) -> &LightReference {
+        &self.reference
+    }
+
+    #[inline(always)]
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        self.scattering.eval_and_pdf(wi)
+    }
+
+    #[inline(always)]
+    fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure {
+        Departure {
+            origin: leave(self.point, wi),
+            medium: self.slot.media.entered(medium, wi, self.point.geometric_normal),
+        }
+    }
 }
 
 impl PathState {
@@ -114,6 +156,11 @@ impl PathState {
         hit: Option<Hit>,
         observer: &mut impl PathObserver,
     ) -> ControlFlow<PathEnd> {
+        if let Some(medium) = self.medium
+            && self.travel(scene, settings, medium, hit.as_ref(), observer)?
+        {
+            return Continue(());
+        }
         let Some(hit) = hit else {
             self.escape(scene, settings, observer);
             return Break(PathEnd::Escaped);
@@ -132,21 +179,28 @@ impl PathState {
                 normal: scattering.one_sided_normal(),
             },
         };
-        if settings.is_last(self.depth) {
+        let is_last = settings.is_last(self.segments());
+        // The end of the path may still be behind surfaces that do not count.
+        if is_last && !(settings.media && scattering.transmittance() != Rgb::ZERO) {
             self.take_features(&vertex, true);
             return Break(PathEnd::DepthLimit);
         }
         let u_lobe = self.sampler.at_1d(BounceDraw::Lobe.at(self.depth));
         let u_direction = self.sampler.at_2d(BounceDraw::Direction.at(self.depth));
         let sample = scattering.sample(u_lobe, u_direction);
-        if !sample.is_some_and(|sample| sample.lobe == Lobe::Null) {
-            self.take_features(&vertex, false);
+        let passes = sample.is_some_and(|sample| sample.lobe == Lobe::Null);
+        if !passes {
+            self.take_features(&vertex, is_last);
         }
-        if vertex.is_smooth {
+        if is_last && !passes {
+            return Break(PathEnd::DepthLimit);
+        }
+        if vertex.is_smooth && !is_last {
             self.sample_light(scene, settings, &vertex, observer);
         }
-        let sample = self.bounce(&vertex, sample)?;
-        let survival = self.play_roulette(settings, sample.lobe)?;
+        let sample = self.bounce(settings, &vertex, sample)?;
+        let is_scattered = sample.lobe == Lobe::Smooth;
+        let survival = self.play_roulette(settings, is_scattered, roulette::survival)?;
         observer.bounced(&Bounce {
             wi: sample.wi,
             lobe: sample.lobe,
@@ -155,6 +209,12 @@ impl PathState {
             throughput: self.throughput,
         });
         Continue(())
+    }
+
+    /// The segments of the path that count, up to its last vertex.
+    #[inline(always)]
+    pub(super) fn segments(&self) -> u32 {
+        self.depth - self.uncounted
     }
 
     /// Leaves the scene.
@@ -258,58 +318,82 @@ impl PathState {
 
     /// Samples a light from the vertex and adds the light that is scattered along the path (next event estimation).
     #[inline(always)]
-    fn sample_light(
+    pub(super) fn sample_light(
         &mut self,
         scene: &RenderScene,
         settings: &PathSettings,
-        vertex: &Vertex,
+        vertex: &impl Scatterer,
         observer: &mut impl PathObserver,
     ) {
         let u_choice = self.sampler.at_1d(BounceDraw::LightChoice.at(self.depth));
         let u_point = self.sampler.at_2d(BounceDraw::LightPoint.at(self.depth));
-        let Some((id, light)) = scene.lights.sample(&vertex.reference, u_choice, u_point) else {
+        let Some((id, light)) = scene.lights.sample(vertex.reference(), u_choice, u_point) else {
             return;
         };
         let strategy = settings.strategy;
         if !light.is_delta && !strategy.samples_lights() {
             return;
         }
-        let (value, bsdf_pdf) = vertex.scattering.eval_and_pdf(light.wi);
+        let (value, mut bsdf_pdf) = vertex.eval_and_pdf(light.wi);
+        let carried = self.throughput * value;
+        let mut arriving = None;
+        if carried * light.radiance != Rgb::ZERO {
+            let departure = vertex.leave(light.wi, self.medium);
+            let (share, passed) = self.trace_shadow_ray(scene, settings, departure, carried, &light);
+            arriving = Some(share);
+            bsdf_pdf *= passed;
+        }
         let weight = strategy.light_weight(light.is_delta, light.pdf, bsdf_pdf);
-        let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
-        let mut sampled = SampledLight {
+        let reflected = carried * light.radiance * (weight / light.pdf);
+        let sampled = SampledLight {
             light: id,
             sample: light,
             bsdf_pdf,
             weight,
-            arriving: None,
-            contribution: Rgb::ZERO,
+            arriving,
+            contribution: reflected * arriving.unwrap_or(Rgb::ZERO),
         };
-        if reflected != Rgb::ZERO {
-            let arriving = self.trace_shadow_ray(scene, settings, vertex.point, &light);
-            sampled.arriving = Some(arriving);
-            sampled.contribution = reflected * arriving;
-            self.radiance += sampled.contribution;
-        }
+        self.radiance += sampled.contribution;
         observer.light_sampled(&sampled);
     }
 
-    /// The share of a light's radiance that arrives at the path's vertex.
+    /// The share of a light's radiance that arrives at the path's vertex, and the probability with which media would have let the path come to the light,
+    /// whose throughput in that direction is `carried`.
     fn trace_shadow_ray(
         &mut self,
         scene: &RenderScene,
         settings: &PathSettings,
-        point: &SurfacePoint,
+        departure: Departure,
+        carried: Rgb,
         light: &LightSample,
-    ) -> Rgb {
-        let crossings = settings.crossings(self.depth);
-        let origin = leave(point, light.wi);
-        transmittance(scene, origin, light.wi, light.target, crossings, &mut self.rays)
+    ) -> (Rgb, f32) {
+        let shadow = ShadowRay {
+            origin: departure.origin,
+            wi: light.wi,
+            target: light.target,
+            crossings: settings.crossings(self.depth),
+        };
+        if !settings.media {
+            return (transmittance(scene, &shadow, &mut EmptySpace, &mut self.rays), 1.0);
+        }
+        let mut media = Media {
+            medium: departure.medium,
+            carried,
+            passed: 1.0,
+            stream: self.sampler.stream(MediumDraw::Shadow.at(self.depth)),
+        };
+        let arriving = transmittance(scene, &shadow, &mut media, &mut self.rays);
+        (arriving, media.passed)
     }
 
     /// Turns the path to where the surface has sent it on.
     #[inline(always)]
-    fn bounce(&mut self, vertex: &Vertex, sample: Option<ScatterSample>) -> ControlFlow<PathEnd, ScatterSample> {
+    fn bounce(
+        &mut self,
+        settings: &PathSettings,
+        vertex: &Vertex,
+        sample: Option<ScatterSample>,
+    ) -> ControlFlow<PathEnd, ScatterSample> {
         let Some(sample) = sample else {
             return Break(PathEnd::Absorbed);
         };
@@ -319,6 +403,11 @@ impl PathState {
             return Break(PathEnd::Absorbed);
         }
         self.is_straight &= sample.lobe == Lobe::Null;
+        if settings.media {
+            self.uncounted += u32::from(sample.lobe == Lobe::Null);
+            let normal = vertex.point.geometric_normal;
+            self.medium = vertex.slot.media.entered(self.medium, sample.wi, normal);
+        }
         // Shadow rays pass through null lobes as well, so the weights stay those of the vertex before.
         if sample.lobe != Lobe::Null {
             self.arrival = Arrival {
@@ -331,13 +420,18 @@ impl PathState {
         Continue(sample)
     }
 
-    /// Ends the path at random, or returns the probability with which it has gone on.
+    /// Ends the path at random, or returns the probability with which it has gone on. `is_scattered`: see [`roulette::is_played`].
     #[inline(always)]
-    fn play_roulette(&mut self, settings: &PathSettings, lobe: Lobe) -> ControlFlow<PathEnd, f32> {
-        if !roulette::is_played::<f32>(settings, self.depth, lobe == Lobe::Smooth) {
+    pub(super) fn play_roulette(
+        &mut self,
+        settings: &PathSettings,
+        is_scattered: bool,
+        survival: impl FnOnce(f32, f32) -> f32,
+    ) -> ControlFlow<PathEnd, f32> {
+        if !roulette::is_played::<f32>(settings, self.segments(), is_scattered) {
             return Continue(1.0);
         }
-        let survival = roulette::survival(self.throughput.max_element(), self.eta_squared);
+        let survival = survival(self.throughput.max_element(), self.eta_squared);
         if self.sampler.at_1d(BounceDraw::Roulette.at(self.depth)) >= survival {
             return Break(PathEnd::Roulette);
         }

@@ -7,6 +7,7 @@ use crate::color::Rgb;
 use crate::light::LightReference;
 use crate::math::lanes::LANES;
 use crate::math::{PerLane, Ray, per_lane};
+use crate::medium::MediumId;
 use crate::sampling::Sampler;
 
 /// The result of one camera ray.
@@ -37,8 +38,12 @@ per_lane! {
         /// The radiance that the path has found so far.
         pub radiance: Rgb,
         pub arrival: Arrival,
-        /// Surfaces met so far, without the hidden emitters that the camera ray has passed.
+        /// Vertices so far: surfaces met and places of scattering in media, without the hidden emitters that the camera ray has passed.
         pub depth: u32,
+        /// Those of them that count for no segment of the path.
+        pub uncounted: u32,
+        /// The medium that the ray goes through.
+        pub medium: Option<MediumId>,
         /// Whether all surfaces met so far have let the camera ray pass straight on.
         pub is_straight: bool,
         /// Rays traced, shadow rays included.
@@ -106,9 +111,29 @@ impl Arrival {
     };
 }
 
+/// Lanes trace no paths through media, so that it is stored like a record.
+impl PerLane for Option<MediumId> {
+    type Lanes = [Option<MediumId>; LANES];
+
+    #[inline(always)]
+    fn splat(self) -> Self::Lanes {
+        [self; LANES]
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self {
+        lanes[lane]
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize) {
+        lanes[lane] = self;
+    }
+}
+
 impl PathState {
-    /// A path that begins with the camera ray `ray`.
-    pub fn new(ray: Ray, sampler: Sampler) -> Self {
+    /// A path that begins with the camera ray `ray`, in `medium`.
+    pub fn new(ray: Ray, sampler: Sampler, medium: Option<MediumId>) -> Self {
         Self {
             ray,
             throughput: Rgb::ONE,
@@ -116,6 +141,8 @@ impl PathState {
             radiance: Rgb::ZERO,
             arrival: Arrival::UNSAMPLED,
             depth: 0,
+            uncounted: 0,
+            medium,
             is_straight: true,
             rays: 0,
             sampler,

@@ -7,6 +7,9 @@ use crate::math::Real;
 /// The highest probability that a path continues, so that bright enclosures end too.
 const HIGHEST_SURVIVAL: f32 = 0.95;
 
+/// The same in media: milk scatters light some hundred times before it lets it out, and weights that grow all the time would be noise.
+const HIGHEST_SURVIVAL_IN_MEDIA: f32 = 0.999;
+
 /// The number of further vertices that roulette waits where surfaces leave no choice of direction. Light that has passed through glass is strong
 /// and rare, and roulette was played for it where it was last scattered.
 const SPECULAR_GRACE: u32 = 16;
@@ -23,6 +26,12 @@ pub(super) fn is_played<R: Real>(settings: &PathSettings, depth: R::Word, is_sca
 #[inline(always)]
 pub(super) fn survival<R: Real>(brightest: R, eta_squared: R) -> R {
     (brightest * eta_squared).min(R::splat(HIGHEST_SURVIVAL))
+}
+
+/// [`survival`] of a path that was scattered in a medium.
+#[inline(always)]
+pub(super) fn survival_in_media(brightest: f32, eta_squared: f32) -> f32 {
+    (brightest * eta_squared).min(HIGHEST_SURVIVAL_IN_MEDIA)
 }
 
 /// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`. Radiance is less by this
@@ -46,6 +55,7 @@ mod tests {
                 rr_depth,
                 hide_emitters: false,
                 strategy: Strategy::Mis,
+                media: false,
             };
             for depth in 1..40u32 {
                 for is_scattered in [false, true] {

@@ -8,11 +8,11 @@ use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
 use crate::math::Ray;
-use crate::medium::MediumInterface;
+use crate::medium::{MediumInterface, MediumTable};
 use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
-/// The data that light transport needs of a scene. A clone copies five pointers.
+/// The data that light transport needs of a scene. A clone copies six pointers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
     /// The hierarchy over all shapes.
@@ -25,6 +25,8 @@ pub struct RenderScene {
     pub textures: Arc<TextureTable>,
     /// The lights that [`SurfaceSlot::light`] refers to, with the tree that chooses among all of them.
     pub lights: Arc<LightTable>,
+    /// The participating media that [`SurfaceSlot::media`] refers to.
+    pub media: Arc<MediumTable>,
 }
 
 /// The material and the light of a piece of surface, and the media on its sides.

@@ -203,7 +203,7 @@ pub fn render_blocks(
         invalid: 0,
     };
     let mut layers = PixelLayers::new(scene, view, pixels);
-    let tracer = Tracer::of(view);
+    let tracer = Tracer::of(scene, view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
         Tracer::OneByOne => 1,
@@ -273,7 +273,7 @@ pub fn render_preview(
             index: 0,
         })
     });
-    let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
+    let mut traced = Tracer::of(scene, view).trace(scene, view, jobs.clone(), cancel)?;
     for job in jobs {
         layers.begin_pixel();
         let (sample, _) = traced.next(job);
@@ -292,16 +292,17 @@ pub fn render_preview(
 
 /// The way to trace the samples of a tile, chosen once for all of them.
 enum Tracer {
-    /// Lanes side by side, if all paths have the same settings.
+    /// Lanes side by side, if all paths have the same settings and no medium is in their way.
     Lanes(PathSettings),
     /// One path at a time, where paths differ or are none.
     OneByOne,
 }
 
 impl Tracer {
-    fn of(view: &View) -> Self {
+    fn of(scene: &RenderScene, view: &View) -> Self {
+        let has_media = !scene.media.is_empty();
         match (view.shown, view.integrator) {
-            (Shown::Radiance, Integrator::Path(settings)) => Self::Lanes(settings),
+            (Shown::Radiance, Integrator::Path(settings)) if !(settings.media && has_media) => Self::Lanes(settings),
             _ => Self::OneByOne,
         }
     }
@@ -375,7 +376,7 @@ pub(super) fn render_sample(
     let camera = view.camera_sample(pixel, index);
     let ray = view.sight.narrow(&scene.geometry, camera.ray);
     let sample = match view.path_settings(pixel) {
-        Some(settings) => trace_path(scene, &settings, ray, camera.sampler, observer),
+        Some(settings) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
         None if view.shown != Shown::BvhSteps => headlight::sample(scene, &ray, view.shown == Shown::Clay),
         None => {
             let mut stats = TraversalStats::default();

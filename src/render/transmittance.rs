@@ -6,10 +6,24 @@ use super::scene::RenderScene;
 use crate::color::Rgb;
 use crate::light::Target;
 use crate::math::{Ray, offset_origin};
+use crate::medium::{MediumId, Way};
+use crate::sampling::RandomStream;
 use crate::shading::TransportMode;
 
-/// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces
-/// that let it pass. Counts the rays it traces into `rays`.
+/// A way from a vertex of a path to a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShadowRay {
+    /// The start, off the surface if the vertex is on one.
+    pub origin: Vec3,
+    /// Unit vector to the light.
+    pub wi: Vec3,
+    pub target: Target,
+    /// The most surfaces that may let it pass.
+    pub crossings: u32,
+}
+
+/// The share of a light's radiance that arrives at the start of `shadow`. Counts the rays it traces into `rays`. What is in between lets pass what `through`
+/// says.
 ///
 /// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
 /// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
@@ -17,13 +31,12 @@ use crate::shading::TransportMode;
 /// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
 pub(super) fn transmittance(
     scene: &RenderScene,
-    origin: Vec3,
-    wi: Vec3,
-    target: Target,
-    crossings: u32,
+    shadow: &ShadowRay,
+    through: &mut impl Between,
     rays: &mut u32,
 ) -> Rgb {
-    let mut shadow = match target {
+    let ShadowRay { origin, wi, target, .. } = *shadow;
+    let mut ray = match target {
         Target::Point(target) => Ray::segment(origin, target),
         Target::Infinity => Ray::new(origin, wi),
     };
@@ -31,32 +44,37 @@ pub(super) fn transmittance(
     for crossed in 0.. {
         *rays += 1;
         if !scene.materials.has_null_lobe() {
-            if scene.geometry.occluded(&shadow) {
+            if scene.geometry.occluded(&ray) {
                 return Rgb::ZERO;
             }
-            break;
+            return arriving * through.medium(scene, &ray, ray.t_max);
         }
-        let Some(hit) = scene.geometry.intersect(&shadow) else {
-            break;
+        let Some(hit) = scene.geometry.intersect(&ray) else {
+            return arriving * through.medium(scene, &ray, ray.t_max);
         };
-        if crossed >= crossings {
+        if crossed >= shadow.crossings {
             return Rgb::ZERO;
         }
         let slot = scene.slot(&hit);
-        let point = scene.surface(&shadow, &hit, &slot);
+        let point = scene.surface(&ray, &hit, &slot);
         // What passes straight through is not refracted, so that any mode will do.
         let scattering = scene.scattering(slot.material, &hit, &point, -wi, TransportMode::Radiance);
-        arriving *= scattering.transmittance();
+        let passing = scattering.transmittance();
+        if passing == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        arriving *= through.medium(scene, &ray, hit.t) * passing;
         if arriving == Rgb::ZERO {
-            break;
+            return Rgb::ZERO;
         }
         let normal = point.geometric_normal;
-        let beyond = offset_origin(point.position, point.error, normal, shadow.dir);
-        shadow = match target {
+        through.surface(passing, |before| slot.media.entered(before, wi, normal));
+        let beyond = offset_origin(point.position, point.error, normal, ray.dir);
+        ray = match target {
             Target::Infinity => Ray::new(beyond, wi),
             Target::Point(target) => {
                 let rest = Ray::segment(beyond, target);
-                if rest.dir.dot(normal) * shadow.dir.dot(normal) <= 0.0 {
+                if rest.dir.dot(normal) * ray.dir.dot(normal) <= 0.0 {
                     break;
                 }
                 rest
@@ -64,4 +82,65 @@ pub(super) fn transmittance(
         };
     }
     arriving
+}
+
+/// What is between the surfaces that a shadow ray passes.
+pub(super) trait Between {
+    /// The share of light that passes along `ray` up to `t`.
+    fn medium(&mut self, scene: &RenderScene, ray: &Ray, t: f32) -> Rgb;
+
+    /// The ray passes a surface that lets this share through. `entered` gives the medium behind it from that before.
+    fn surface(&mut self, passing: Rgb, entered: impl FnOnce(Option<MediumId>) -> Option<MediumId>);
+}
+
+/// Nothing.
+pub(super) struct EmptySpace;
+
+impl Between for EmptySpace {
+    #[inline(always)]
+    fn medium(&mut self, _: &RenderScene, _: &Ray, _: f32) -> Rgb {
+        Rgb::ONE
+    }
+
+    #[inline(always)]
+    fn surface(&mut self, _: Rgb, _: impl FnOnce(Option<MediumId>) -> Option<MediumId>) {}
+}
+
+/// Participating media.
+pub(super) struct Media {
+    /// The medium at the present place.
+    pub medium: Option<MediumId>,
+    /// The throughput that a path would have there, up to a factor.
+    pub carried: Rgb,
+    /// The probability that the path would have come there in the same manner.
+    pub passed: f32,
+    pub stream: RandomStream,
+}
+
+impl Between for Media {
+    fn medium(&mut self, scene: &RenderScene, ray: &Ray, t: f32) -> Rgb {
+        let Some(medium) = self.medium else {
+            return Rgb::ONE;
+        };
+        if self.carried == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        let length = ray.dir.length();
+        let way = Way {
+            origin: ray.origin,
+            dir: ray.dir / length,
+            length: t * length,
+        };
+        let (passing, passed) = scene
+            .media
+            .get(medium)
+            .transmit(&way, &mut self.carried, &mut self.stream);
+        self.passed *= passed;
+        passing
+    }
+
+    fn surface(&mut self, passing: Rgb, entered: impl FnOnce(Option<MediumId>) -> Option<MediumId>) {
+        self.carried *= passing;
+        self.medium = entered(self.medium);
+    }
 }

@@ -10,6 +10,7 @@ use super::light_layers::LightGroups;
 use super::motion::FrameBefore;
 use super::sight::Sight;
 use crate::math::Ray;
+use crate::medium::MediumId;
 use crate::sampling::{Sampler, SequenceKind};
 
 /// Everything that a picture depends on besides the scene.
@@ -21,6 +22,8 @@ pub struct View {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+    /// The medium that the camera is in; None in empty space.
+    pub medium: Option<MediumId>,
     /// The reconstruction filter around the centre of each pixel.
     pub filter: PixelFilter,
     /// The method by which light is found.
@@ -83,6 +86,8 @@ pub struct PathSettings {
     pub hide_emitters: bool,
     /// The strategy for direct light at each vertex.
     pub strategy: Strategy,
+    /// Whether participating media are there. Surfaces that let light pass straight then count for no segment of the path, as in Mitsuba's `volpath`.
+    pub media: bool,
 }
 
 impl PathSettings {
@@ -98,10 +103,13 @@ impl PathSettings {
         depth >= self.longest_path()
     }
 
-    /// The most surfaces that a shadow ray may pass that leaves the surface number `depth` of a path, which is not the last one.
+    /// The most surfaces that a shadow ray may pass that leaves the vertex number `depth` of a path, which is not the last one.
     #[inline(always)]
     pub(super) fn crossings(&self, depth: u32) -> u32 {
-        self.longest_path() - depth - 1
+        match self.media {
+            true => LONGEST_PATH,
+            false => self.longest_path() - depth - 1,
+        }
     }
 }
 

@@ -55,6 +55,7 @@ mod light_transport;
 mod lights;
 mod many_lights;
 mod materials;
+mod media;
 mod meshes;
 mod motion;
 mod projected_light;

@@ -253,6 +253,7 @@ fn roulette_waits_where_surfaces_leave_no_choice() {
         scene.add(Primitive::Sphere, around, bsdf, None).flip_normals = true;
         let mut look = look(Strategy::Mis);
         look.integrator = Integrator::Path(PathSettings {
+            media: false,
             max_depth: u32::MAX,
             rr_depth: 2,
             hide_emitters: false,

@@ -249,6 +249,7 @@ fn settings(max_depth: u32, rr_depth: u32, hide_emitters: bool, strategy: Strate
         rr_depth,
         hide_emitters,
         strategy,
+        media: false,
     }
 }
 
@@ -278,7 +279,7 @@ fn compare(what: &str, scene: &RenderScene, view: &View) {
             let mut depth = 0.0;
             for index in 0..SAMPLES {
                 let begin = view.camera_sample(place, index);
-                let sample = trace_path(scene, &settings, begin.ray, begin.sampler, &mut ());
+                let sample = trace_path(scene, &settings, begin.ray, begin.sampler, None, &mut ());
                 expected_rays += u64::from(sample.rays);
                 sums[0] += sample.radiance * begin.weight;
                 sums[1] += sample.albedo;

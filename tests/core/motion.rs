@@ -160,6 +160,7 @@ fn placed_groups_move_with_their_placements_and_their_members() {
             ..(*own.surfaces).clone()
         };
         RenderScene {
+            media: Arc::default(),
             geometry: Arc::new(geometry),
             surfaces: Arc::new(surfaces),
             ..own

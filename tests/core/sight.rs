@@ -138,7 +138,7 @@ fn lanes_see_what_single_paths_see() {
             for (place, pixel) in pixels.enumerate() {
                 let start = look.camera_sample(pixel, 0);
                 let ray = look.sight.narrow(&scene.geometry, start.ray);
-                let expected = trace_path(&scene, &settings, ray, start.sampler, &mut ());
+                let expected = trace_path(&scene, &settings, ray, start.sampler, None, &mut ());
                 let found = (
                     found.pixels[place].depth,
                     found.first_hits[place].map(|hit| hit.instance),

@@ -62,6 +62,7 @@ fn packed(has_box: bool) -> PackedScene {
     let instances = if has_box { vec![instance] } else { Vec::new() };
     PackedScene {
         scene: Some(RenderScene {
+            media: Arc::default(),
             geometry: Arc::new(Tlas::build(instances, SplitMethod::Sah)),
             surfaces: Arc::default(),
             materials: Arc::default(),

@@ -46,6 +46,7 @@ fn packed() -> PackedScene {
     let instances = poses.map(|pose| Instance::new(Primitive::Rectangle, pose).expect("a good pose"));
     PackedScene {
         scene: Some(RenderScene {
+            media: Arc::default(),
             geometry: Arc::new(Tlas::build(instances.into(), SplitMethod::Sah)),
             surfaces: Arc::default(),
             materials: Arc::default(),

@@ -10,6 +10,7 @@ use sunroom::color::{Rgb, luminance};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::light::{LightId, LightReference, LightSource, LightTable, WeightedSource};
 use sunroom::material::{Material, MaterialId, MaterialTable};
+use sunroom::medium::{MediumInterface, MediumSource, MediumTable};
 use sunroom::render::camera::Camera;
 use sunroom::render::film::Film;
 use sunroom::render::filter::PixelFilter;
@@ -29,6 +30,7 @@ pub struct SceneBuilder {
     slots: Vec<SurfaceSlot>,
     lights: Vec<WeightedSource>,
     textures: TextureTable,
+    media: Vec<MediumSource>,
     /// The tables that models of the materials have ids of.
     pub tables: ShadingTables,
 }
@@ -37,6 +39,14 @@ impl SceneBuilder {
     pub fn with_textures(textures: TextureTable) -> Self {
         Self {
             textures,
+            ..Self::default()
+        }
+    }
+
+    /// A scene with these participating media, whose ids are their places in the list.
+    pub fn with_media(media: Vec<MediumSource>) -> Self {
+        Self {
+            media,
             ..Self::default()
         }
     }
@@ -90,6 +100,12 @@ impl SceneBuilder {
         self.instances.last_mut().expect("just pushed")
     }
 
+    /// Says what is on the sides of the shape that was added last.
+    pub fn between(&mut self, media: MediumInterface) -> &mut Self {
+        self.slots.last_mut().expect("a shape").media = media;
+        self
+    }
+
     pub fn light(&mut self, source: LightSource) -> &mut Self {
         self.lights.push(source.into());
         self
@@ -100,6 +116,7 @@ impl SceneBuilder {
         let textures = Arc::new(self.textures);
         let materials = MaterialTable::with_tables(self.materials, self.tables);
         RenderScene {
+            media: Arc::new(MediumTable::new(self.media)),
             lights: Arc::new(LightTable::build(&self.lights, &geometry, &textures)),
             surfaces: Arc::new(SurfaceTable {
                 first_slot: (0..self.slots.len() as u32).collect(),
@@ -164,11 +181,13 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
         camera,
         width: size,
         height: size,
+        medium: None,
         filter: PixelFilter::Box,
         integrator: Integrator::Path(PathSettings {
             max_depth,
             rr_depth: 5,
             hide_emitters: false,
+            media: false,
             strategy,
         }),
         shown: Shown::Radiance,

@@ -80,6 +80,7 @@ pub(in crate::engine) fn pack_view(
         max_depth: integrator.max_depth.unwrap_or(u32::MAX),
         rr_depth: integrator.rr_depth,
         hide_emitters: integrator.hide_emitters,
+        media: false,
         strategy: match integrator.strategy {
             scene::Strategy::Bsdf => Strategy::Bsdf,
             scene::Strategy::Light => Strategy::Light,
@@ -90,6 +91,7 @@ pub(in crate::engine) fn pack_view(
         camera: camera.cropped(crop_min, crop_min + crop_size),
         width: traced.x,
         height: traced.y,
+        medium: None,
         filter: pixel_filter(film.filter, check),
         integrator: Integrator::Path(path_settings),
         shown: match control.view_mode {

@@ -45,6 +45,7 @@ impl<'a> PathBatch<'a> {
         let nowhere = PathState::new(
             Ray::new(Vec3::ZERO, Vec3::Z),
             Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
+            None,
         );
         Self {
             active: 0,
@@ -62,7 +63,7 @@ impl<'a> PathBatch<'a> {
         let count = jobs.len().min(LANES);
         let mut camera = CameraRays::new(context.view, &jobs[..count]);
         (context.view.sight).narrow_lanes(&context.scene.geometry, &mut camera.rays, (1 << count) - 1);
-        let first = PathState::new(camera.rays.get(0), Sampler::gather_lane(&camera.samplers, 0));
+        let first = PathState::new(camera.rays.get(0), Sampler::gather_lane(&camera.samplers, 0), None);
         self.paths = PathLanes {
             ray: camera.rays,
             sampler: camera.samplers,

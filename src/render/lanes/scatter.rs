@@ -9,7 +9,7 @@ use crate::light::lanes::ReferenceLanes;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
 use crate::render::dimensions::BounceDraw;
 use crate::render::roulette;
-use crate::render::transmittance::transmittance;
+use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
 use crate::render::view::PathSettings;
 use crate::shading::TransportMode;
 use crate::shading::lanes::BsdfSampleLanes;
@@ -160,10 +160,14 @@ impl PathBatch<'_> {
         light: LightLanes,
     ) -> Vec3Lanes {
         for lane in each_lane(asked) {
-            let crossings = context.settings.crossings(self.paths.depth.as_array()[lane]);
-            let (origin, wi) = (origin.get(lane), light.wi.get(lane));
+            let shadow = ShadowRay {
+                origin: origin.get(lane),
+                wi: light.wi.get(lane),
+                target: light.target(lane),
+                crossings: context.settings.crossings(self.paths.depth.as_array()[lane]),
+            };
             let rays = &mut self.paths.rays.as_mut_array()[lane];
-            let arriving = transmittance(context.scene, origin, wi, light.target(lane), crossings, rays);
+            let arriving = transmittance(context.scene, &shadow, &mut EmptySpace, rays);
             reflected.set(lane, reflected.get(lane) * arriving);
         }
         reflected

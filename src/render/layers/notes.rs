@@ -103,6 +103,10 @@ impl PathObserver for NoteTaker<'_> {
         }
     }
 
+    fn emitted(&mut self, contribution: Rgb) {
+        self.sample.light[self.sample.scatterings.min(2) as usize] += contribution;
+    }
+
     fn emitter_met(&mut self, met: &MetEmitter) {
         self.add(met.light, met.contribution, self.sample.scatterings);
     }

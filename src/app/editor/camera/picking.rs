@@ -276,6 +276,7 @@ pub(crate) mod tests {
     pub fn scene_of(shapes: impl Iterator<Item = (Primitive, Affine3A)>) -> RenderScene {
         let instances = shapes.filter_map(|(primitive, pose)| Instance::new(primitive, pose));
         RenderScene {
+            media: Arc::default(),
             geometry: Arc::new(Tlas::build(instances.collect(), SplitMethod::Sah)),
             surfaces: Arc::default(),
             materials: Arc::default(),

@@ -156,6 +156,7 @@ impl MaterialBall {
         let textures = Arc::new(textures);
         Some(Self {
             scene: RenderScene {
+                media: Arc::default(),
                 lights: Arc::new(LightTable::build(&lights, &geometry, &textures)),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(surfaces),
@@ -205,11 +206,13 @@ pub fn view(edge: u32) -> View {
         camera: Camera::new(Affine3A::from_mat3_translation(axes, eye), 21.0, 1.0, 0.1, 100.0, None),
         width: edge,
         height: edge,
+        medium: None,
         filter: PixelFilter::Box,
         integrator: Integrator::Path(PathSettings {
             max_depth: 12,
             rr_depth: 5,
             hide_emitters: false,
+            media: false,
             strategy: Strategy::Mis,
         }),
         shown: Shown::Radiance,

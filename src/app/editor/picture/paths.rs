@@ -83,9 +83,11 @@ pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<Pac
         names: path
             .vertices
             .iter()
-            .map(|vertex| {
-                let PathVertex::Surface(surface) = vertex.place;
-                names.of(packed.entity_of_instance.get(surface.instance as usize).copied())
+            .map(|vertex| match vertex.place {
+                PathVertex::Surface(surface) => {
+                    names.of(packed.entity_of_instance.get(surface.instance as usize).copied())
+                }
+                PathVertex::Medium(_) => ("a medium".to_owned(), String::new()),
             })
             .collect(),
         path,
@@ -101,5 +103,6 @@ fn is_same(one: &RenderScene, other: &RenderScene) -> bool {
         && Arc::ptr_eq(&one.surfaces, &other.surfaces)
         && Arc::ptr_eq(&one.materials, &other.materials)
         && Arc::ptr_eq(&one.textures, &other.textures)
+        && Arc::ptr_eq(&one.media, &other.media)
         && Arc::ptr_eq(&one.lights, &other.lights)
 }

@@ -240,6 +240,7 @@ fn clay(meshes: Vec<Placed>, bounds: &Aabb) -> Option<ColorImage> {
     });
     let textures = Arc::default();
     let scene = RenderScene {
+        media: Arc::default(),
         lights: Arc::new(LightTable::build(&[], &geometry, &textures)),
         geometry: Arc::new(geometry),
         surfaces: Arc::new(surfaces),

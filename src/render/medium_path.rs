@@ -1,0 +1,169 @@
+//! The steps of [`super::path`] in participating media: how far a ray goes, and scattering on the way (PBR 4th ed., section 14.2.3).
+//!
+//! Multiple importance sampling compares whole ways to a light: the density of an arrival is that of the direction times the probability of
+//! passing all media up to there ([`crate::medium::Travel::passed`]). In dense fog a phase function seldom finds a lamp, and then its weight is small.
+
+use std::ops::ControlFlow::{self, Break, Continue};
+
+use glam::Vec3;
+
+use super::dimensions::{BounceDraw, MediumDraw};
+use super::observer::{Bounce, MediumVertex, PathEnd, PathObserver, PathVertex};
+use super::path::{Departure, Scatterer};
+use super::path_state::{Arrival, PathState};
+use super::roulette;
+use super::scene::RenderScene;
+use super::view::PathSettings;
+use crate::accel::Hit;
+use crate::color::Rgb;
+use crate::light::{LightReference, Target};
+use crate::material::Lobe;
+use crate::math::Ray;
+use crate::medium::{Medium, MediumId, Way};
+
+/// A place in a medium where a path is scattered.
+struct Vertex<'a> {
+    medium: &'a Medium,
+    /// The direction in which the path has come.
+    dir: Vec3,
+    reference: LightReference,
+}
+
+impl Scatterer for Vertex<'_> {
+    fn reference(&self) -> &LightReference {
+        &self.reference
+    }
+
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        let pdf = self.medium.phase().pdf(self.reference.position, self.dir, wi);
+        (Rgb::splat(pdf), pdf)
+    }
+
+    fn leave(&self, _: Vec3, medium: Option<MediumId>) -> Departure {
+        Departure {
+            origin: self.reference.position,
+            medium,
+        }
+    }
+}
+
+impl PathState {
+    /// Takes the path through its medium up to `hit`, the end of its ray, or to the place where it is scattered before. True if it was scattered and has
+    /// its next ray.
+    #[inline(never)]
+    pub(super) fn travel(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        id: MediumId,
+        hit: Option<&Hit>,
+        observer: &mut impl PathObserver,
+    ) -> ControlFlow<PathEnd, bool> {
+        let medium = scene.media.get(id);
+        // Emitters that the camera does not see have moved the origin of its ray.
+        let passed = if self.depth == 0 { self.record.passed } else { 0.0 };
+        let way = Way {
+            origin: self.ray.origin - self.ray.dir * passed,
+            dir: self.ray.dir,
+            length: hit.map_or(f32::INFINITY, |hit| passed + hit.t),
+        };
+        let draw = MediumDraw::Distance.at(self.depth + 1);
+        let (u, mut stream) = (self.sampler.at_2d(draw), self.sampler.stream(draw));
+        let lamp = self.lamp_near(scene, settings, medium, &way);
+        let travel = medium.travel(&way, lamp, &mut self.throughput, u, &mut stream);
+        if travel.emitted != Rgb::ZERO && settings.max_depth > 0 {
+            self.radiance += travel.emitted;
+            observer.emitted(travel.emitted);
+        }
+        self.arrival.pdf *= travel.passed;
+        let Some(distance) = travel.scattered_at else {
+            return match self.throughput == Rgb::ZERO {
+                true => Break(PathEnd::Absorbed),
+                false => Continue(false),
+            };
+        };
+        if let Some(hit) = hit {
+            if self.depth == 0 {
+                self.record.meet(hit);
+            }
+            observer.met(&self.ray, hit);
+        }
+        let vertex = Vertex {
+            medium,
+            dir: self.ray.dir,
+            reference: LightReference {
+                position: way.origin + way.dir * distance,
+                normal: None,
+            },
+        };
+        observer.vertex(&PathVertex::Medium(MediumVertex {
+            position: vertex.reference.position,
+            medium: id,
+        }));
+        self.scatter_in_medium(scene, settings, &vertex, observer)?;
+        Continue(true)
+    }
+
+    /// A place on a light that is likely to matter along the way. Whether it does, the medium decides.
+    fn lamp_near(&self, scene: &RenderScene, settings: &PathSettings, medium: &Medium, way: &Way) -> Option<Vec3> {
+        // What is scattered at the last vertex is lost.
+        if settings.is_last(self.segments() + 1) || !settings.strategy.samples_lights() {
+            return None;
+        }
+        let reference = LightReference {
+            position: way.origin + way.dir * medium.midway(way.length)?,
+            normal: None,
+        };
+        let u_choice = self.sampler.at_1d(MediumDraw::Lamp.at(self.depth + 1));
+        let u_point = self.sampler.at_2d(MediumDraw::LampPoint.at(self.depth + 1));
+        match scene.lights.sample(&reference, u_choice, u_point)?.1.target {
+            Target::Point(lamp) => Some(lamp),
+            Target::Infinity => None,
+        }
+    }
+
+    /// Scatters the path at a place in its medium.
+    fn scatter_in_medium(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        vertex: &Vertex,
+        observer: &mut impl PathObserver,
+    ) -> ControlFlow<PathEnd> {
+        self.depth += 1;
+        if self.throughput == Rgb::ZERO {
+            return Break(PathEnd::Absorbed);
+        }
+        if self.record.wants_features(true, false, true) {
+            // The throughput has the albedo of the medium in it. There is no normal.
+            self.record.take_features(self.throughput, Rgb::ONE, Vec3::ZERO, false);
+        }
+        if settings.is_last(self.segments()) {
+            return Break(PathEnd::DepthLimit);
+        }
+        self.sample_light(scene, settings, vertex, observer);
+        let u_choice = self.sampler.at_1d(BounceDraw::Lobe.at(self.depth));
+        let u_direction = self.sampler.at_2d(BounceDraw::Direction.at(self.depth));
+        let position = vertex.reference.position;
+        let (wi, pdf) = vertex
+            .medium
+            .phase()
+            .sample(position, vertex.dir, u_choice, u_direction);
+        self.is_straight = false;
+        self.arrival = Arrival {
+            is_sampled: true,
+            pdf,
+            from: vertex.reference,
+        };
+        self.ray = Ray::new(position, wi);
+        let survival = self.play_roulette(settings, true, roulette::survival_in_media)?;
+        observer.bounced(&Bounce {
+            wi,
+            lobe: Lobe::Smooth,
+            pdf,
+            survival,
+            throughput: self.throughput,
+        });
+        Continue(())
+    }
+}
