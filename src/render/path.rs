@@ -376,12 +376,8 @@ impl PathState {
         if !settings.media {
             return (transmittance(scene, &shadow, &mut EmptySpace, &mut self.rays), 1.0);
         }
-        let mut media = Media {
-            medium: departure.medium,
-            carried,
-            passed: 1.0,
-            stream: self.sampler.stream(MediumDraw::Shadow.at(self.depth)),
-        };
+        let stream = self.sampler.stream(MediumDraw::Shadow.at(self.depth));
+        let mut media = Media::new(departure.medium, carried, stream);
         let arriving = transmittance(scene, &shadow, &mut media, &mut self.rays);
         (arriving, media.passed)
     }

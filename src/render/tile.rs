@@ -203,7 +203,7 @@ pub fn render_blocks(
         invalid: 0,
     };
     let mut layers = PixelLayers::new(scene, view, pixels);
-    let tracer = Tracer::of(scene, view);
+    let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
         Tracer::OneByOne => 1,
@@ -273,7 +273,7 @@ pub fn render_preview(
             index: 0,
         })
     });
-    let mut traced = Tracer::of(scene, view).trace(scene, view, jobs.clone(), cancel)?;
+    let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
     for job in jobs {
         layers.begin_pixel();
         let (sample, _) = traced.next(job);
@@ -292,17 +292,16 @@ pub fn render_preview(
 
 /// The way to trace the samples of a tile, chosen once for all of them.
 enum Tracer {
-    /// Lanes side by side, if all paths have the same settings and no medium is in their way.
+    /// Lanes side by side, if all paths have the same settings.
     Lanes(PathSettings),
     /// One path at a time, where paths differ or are none.
     OneByOne,
 }
 
 impl Tracer {
-    fn of(scene: &RenderScene, view: &View) -> Self {
-        let has_media = !scene.media.is_empty();
+    fn of(view: &View) -> Self {
         match (view.shown, view.integrator) {
-            (Shown::Radiance, Integrator::Path(settings)) if !(settings.media && has_media) => Self::Lanes(settings),
+            (Shown::Radiance, Integrator::Path(settings)) => Self::Lanes(settings),
             _ => Self::OneByOne,
         }
     }

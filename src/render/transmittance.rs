@@ -109,12 +109,24 @@ impl Between for EmptySpace {
 /// Participating media.
 pub(super) struct Media {
     /// The medium at the present place.
-    pub medium: Option<MediumId>,
+    medium: Option<MediumId>,
     /// The throughput that a path would have there, up to a factor.
-    pub carried: Rgb,
+    carried: Rgb,
     /// The probability that the path would have come there in the same manner.
     pub passed: f32,
-    pub stream: RandomStream,
+    stream: RandomStream,
+}
+
+impl Media {
+    /// The start of a way in `medium`, with this throughput.
+    pub fn new(medium: Option<MediumId>, carried: Rgb, stream: RandomStream) -> Self {
+        Self {
+            medium,
+            carried,
+            passed: 1.0,
+            stream,
+        }
+    }
 }
 
 impl Between for Media {

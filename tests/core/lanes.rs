@@ -8,6 +8,7 @@ use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::light::LightSource;
 use sunroom::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
+use sunroom::medium::{MediumId, MediumInterface, MediumSource, Phase, Volume};
 use sunroom::render::camera::{Camera, ThinLens};
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::path::trace_path;
@@ -279,7 +280,7 @@ fn compare(what: &str, scene: &RenderScene, view: &View) {
             let mut depth = 0.0;
             for index in 0..SAMPLES {
                 let begin = view.camera_sample(place, index);
-                let sample = trace_path(scene, &settings, begin.ray, begin.sampler, None, &mut ());
+                let sample = trace_path(scene, &settings, begin.ray, begin.sampler, view.medium, &mut ());
                 expected_rays += u64::from(sample.rays);
                 sums[0] += sample.radiance * begin.weight;
                 sums[1] += sample.albedo;
@@ -328,6 +329,72 @@ fn pictures_are_those_of_paths_one_by_one() {
         for (max_depth, hide_emitters) in [(2, true), (8, true), (1, false), (0, false)] {
             let short = settings(max_depth, 5, hide_emitters, Strategy::Mis);
             compare(what, scene, &look(short, SequenceKind::Sobol));
+        }
+    }
+}
+
+/// A ball of fog, a glass of milk and a wall of their own, in thin haze or in empty space.
+fn with_media(haze: bool) -> RenderScene {
+    let fog = |sigma_t: [f32; 3], albedo: f32, g: f32| MediumSource {
+        sigma_t: Volume::Constant(Vec3::from(sigma_t)),
+        scale: 1.0,
+        albedo: Volume::Constant(Vec3::splat(albedo)),
+        emission: Volume::ZERO,
+        phase: Phase::HenyeyGreenstein { g },
+    };
+    let mut scene = SceneBuilder::with_media(vec![
+        fog([0.05, 0.1, 0.15], 0.9, 0.3),
+        fog([1.0, 2.0, 3.0], 0.8, 0.6),
+        fog([0.3, 0.1, 0.2], 0.0, 0.0),
+    ]);
+    let exterior = haze.then_some(MediumId(0));
+    let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    scene.add(
+        Primitive::Rectangle,
+        placed(Vec3::NEG_Y, down, 3.0),
+        diffuse([0.5, 0.6, 0.7]),
+        None,
+    );
+    let glass = Bsdf::Dielectric(Dielectric {
+        eta: 1.5,
+        model: DielectricModel::Exact,
+        specular_reflectance: Vec3::ONE,
+        specular_transmittance: Vec3::ONE,
+    });
+    for (x, material, medium) in [(-0.8, Material::Null, 1), (0.8, glass.into(), 2)] {
+        let place = placed(Vec3::new(x, -0.3, 0.0), Quat::IDENTITY, 0.7);
+        scene.add(Primitive::Sphere, place, material, None);
+        scene.between(MediumInterface {
+            interior: Some(MediumId(medium)),
+            exterior,
+        });
+    }
+    let up = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    let lamp = placed(Vec3::new(0.0, 2.0, 0.5), up, 0.5);
+    scene.add(
+        Primitive::Rectangle,
+        lamp,
+        diffuse([0.2; 3]),
+        Some(Vec3::new(9.0, 8.0, 7.0)),
+    );
+    scene.light(LightSource::Constant {
+        radiance: Vec3::new(0.1, 0.2, 0.3),
+    });
+    scene.build()
+}
+
+#[test]
+fn pictures_with_media_are_those_of_paths_one_by_one() {
+    for haze in [false, true] {
+        let scene = with_media(haze);
+        for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
+            for max_depth in [1, 2, 3, u32::MAX] {
+                let mut settings = settings(max_depth, 5, false, strategy);
+                settings.media = true;
+                let mut view = look(settings, SequenceKind::Sobol);
+                view.medium = haze.then_some(MediumId(0));
+                compare(&format!("haze {haze}, {strategy:?}, {max_depth}"), &scene, &view);
+            }
         }
     }
 }

@@ -63,7 +63,11 @@ impl<'a> PathBatch<'a> {
         let count = jobs.len().min(LANES);
         let mut camera = CameraRays::new(context.view, &jobs[..count]);
         (context.view.sight).narrow_lanes(&context.scene.geometry, &mut camera.rays, (1 << count) - 1);
-        let first = PathState::new(camera.rays.get(0), Sampler::gather_lane(&camera.samplers, 0), None);
+        let first = PathState::new(
+            camera.rays.get(0),
+            Sampler::gather_lane(&camera.samplers, 0),
+            context.medium(),
+        );
         self.paths = PathLanes {
             ray: camera.rays,
             sampler: camera.samplers,
@@ -154,7 +158,8 @@ impl<'a> PathBatch<'a> {
             if context.settings.hide_emitters {
                 self.pass_hidden_emitters(lane, context);
             }
-            if self.hits[lane].is_none() {
+            // What goes through a medium is perhaps scattered on its way.
+            if self.hits[lane].is_none() && self.paths.medium[lane].is_none() {
                 self.escape(lane, context, samples);
             }
         }
@@ -185,8 +190,9 @@ impl<'a> PathBatch<'a> {
         }
         self.vertices.clear();
         for lane in each_lane(self.active) {
-            if let Some(hit) = self.hits[lane] {
-                self.arrive(lane, hit, context, samples);
+            match self.hits[lane] {
+                Some(hit) => self.arrive(lane, hit, context, samples),
+                None => self.advance_alone(lane, None, context, samples),
             }
         }
         self.traced = 0;
@@ -198,6 +204,10 @@ impl<'a> PathBatch<'a> {
     /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by itself.
     fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
+        if self.paths.medium[lane].is_some() || slot.media.is_transition() && context.settings.media {
+            self.advance_alone(lane, Some(hit), context, samples);
+            return;
+        }
         let ray = self.paths.ray.get(lane);
         match self.vertices.set_plain(lane, context.scene, &ray, &hit, &slot) {
             Some(met) => self.look(lane, &hit, &slot, &met, context, samples),
@@ -218,11 +228,17 @@ impl<'a> PathBatch<'a> {
         let ray = self.paths.ray.get(lane);
         if let Some(met) = self.vertices.set_other(lane, context.scene, &ray, &hit, slot) {
             self.look(lane, &hit, slot, &met, context, samples);
-            return;
+        } else {
+            self.advance_alone(lane, Some(hit), context, samples);
         }
+    }
+
+    /// The path of a lane takes its step by itself.
+    #[inline(never)]
+    fn advance_alone(&mut self, lane: usize, hit: Option<Hit>, context: &Context<'a>, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
         let mut observer = samples.observer(self.outputs[lane].job);
-        if path.advance(context.scene, context.settings, Some(hit), &mut observer) {
+        if path.advance(context.scene, context.settings, hit, &mut observer) {
             path.scatter_lane(&mut self.paths, lane);
         } else {
             self.finish(lane, path.sample(), samples);
@@ -242,7 +258,7 @@ impl<'a> PathBatch<'a> {
     ) {
         let (scene, settings) = (context.scene, context.settings);
         let depth = self.paths.depth.as_array()[lane];
-        let is_last = settings.is_last(depth + 1);
+        let is_last = settings.is_last(depth + 1 - self.paths.uncounted.as_array()[lane]);
         let mut observer = samples.observer(self.outputs[lane].job);
         observer.met(&self.paths.ray.get(lane), hit);
         if let Some(light) = slot.light {

@@ -6,6 +6,7 @@ use crate::accel::{Hit, RayLanes, Tlas};
 use crate::light::LightId;
 use crate::light::lanes::SoleLight;
 use crate::math::lanes::LANES;
+use crate::medium::MediumId;
 use crate::render::layers::{LayerNotes, NoteTaker};
 use crate::render::path::PathSample;
 use crate::render::scene::RenderScene;
@@ -56,6 +57,11 @@ pub(super) enum Coherence {
 }
 
 impl Context<'_> {
+    /// The medium that paths begin in.
+    pub fn medium(&self) -> Option<MediumId> {
+        self.view.medium.filter(|_| self.settings.media)
+    }
+
     /// Whether lights are sampled at all. Some lights that are not sole can be found only by sampling, whatever the strategy.
     pub fn samples_lights(&self) -> bool {
         self.settings.strategy.samples_lights() || self.sole_light.is_none()

@@ -5,12 +5,15 @@ use super::context::{Coherence, Context, Samples};
 use super::light_samples::LightLanes;
 use super::vertices::Vertices;
 use crate::accel::RayLanes;
+use crate::color::Rgb;
 use crate::light::lanes::ReferenceLanes;
+use crate::math::PerLane;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
-use crate::render::dimensions::BounceDraw;
+use crate::render::dimensions::{BounceDraw, MediumDraw};
 use crate::render::roulette;
-use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
-use crate::render::view::PathSettings;
+use crate::render::transmittance::{EmptySpace, Media, ShadowRay, transmittance};
+use crate::render::view::{PathSettings, Strategy};
+use crate::sampling::Sampler;
 use crate::shading::TransportMode;
 use crate::shading::lanes::BsdfSampleLanes;
 
@@ -67,6 +70,30 @@ impl Surfaces {
     }
 }
 
+/// Light that was looked for from the vertices.
+#[derive(Clone, Copy)]
+struct SoughtLight {
+    /// The lanes where it would be scattered along the path, a bit per lane.
+    lanes: u32,
+    light: LightLanes,
+    /// The densities with which the paths would have gone there.
+    bsdf_pdf: Lanes,
+    /// The throughput that they would have.
+    carried: Vec3Lanes,
+    /// What is scattered along the paths, unless something is in between.
+    reflected: Vec3Lanes,
+}
+
+impl SoughtLight {
+    /// The light of a lane that is scattered along the path, where media let the path come to it with the probability `passed`.
+    fn reflected(&self, lane: usize, strategy: Strategy, passed: f32) -> Rgb {
+        let [pdf, bsdf_pdf] = [self.light.pdf, self.bsdf_pdf].map(|pdf| pdf.as_array()[lane]);
+        let is_delta = self.light.is_delta >> lane & 1 == 1;
+        let weight = strategy.light_weight(is_delta, pdf, bsdf_pdf * passed);
+        self.carried.get(lane) * self.light.radiance.get(lane) * (weight / pdf)
+    }
+}
+
 impl PathBatch<'_> {
     /// Steps from the vertices to the next rays.
     pub(super) fn scatter(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
@@ -103,31 +130,35 @@ impl PathBatch<'_> {
         }
         let strategy = context.settings.strategy;
         let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, bsdf_pdf);
-        let reflected = self.paths.throughput * value * light.radiance * (weight / light.pdf);
+        let carried = self.paths.throughput * value;
+        let reflected = carried * light.radiance * (weight / light.pdf);
         let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
-        self.trace_shadow_rays(
-            surfaces,
-            coherence,
-            context,
+        let sought = SoughtLight {
+            lanes: counts.to_bitmask(),
             light,
+            bsdf_pdf,
+            carried,
             reflected,
-            counts.to_bitmask(),
-            samples,
-        );
+        };
+        self.trace_shadow_rays(surfaces, coherence, context, &sought, samples);
     }
 
-    /// Adds what arrives of the `reflected` light of the lanes `asked`.
+    /// Adds what arrives of the light that was sought.
     #[inline(always)]
     fn trace_shadow_rays(
         &mut self,
         surfaces: &Surfaces,
         coherence: Coherence,
         context: &Context,
-        light: LightLanes,
-        reflected: Vec3Lanes,
-        asked: u32,
+        sought: &SoughtLight,
         samples: &mut Samples,
     ) {
+        let SoughtLight {
+            lanes: asked,
+            light,
+            reflected,
+            ..
+        } = *sought;
         let origin = surfaces.leave(light.wi);
         let is_infinite = lanes_of(light.infinite);
         let shadows = RayLanes {
@@ -142,7 +173,7 @@ impl PathBatch<'_> {
         self.note_light(lit, &light.light, reflected, samples);
         if context.scene.materials.has_null_lobe() {
             self.paths.rays += ones_in(lit);
-            let through = self.transmitted(context, occluded, [origin, reflected], light);
+            let through = self.transmitted(context, occluded, origin, sought);
             self.paths.radiance += through.only(lanes_of(occluded));
             self.note_light(occluded, &light.light, through, samples);
         } else {
@@ -150,15 +181,13 @@ impl PathBatch<'_> {
         }
     }
 
-    /// The part of the `reflected` light of the lanes `asked` that arrives at their `origin` through surfaces that let it pass.
+    /// The part of the light of the lanes `asked` that arrives at their `origin`, which is in empty space, through surfaces that let it pass and
+    /// through media.
     #[inline(never)]
-    fn transmitted(
-        &mut self,
-        context: &Context,
-        asked: u32,
-        [origin, mut reflected]: [Vec3Lanes; 2],
-        light: LightLanes,
-    ) -> Vec3Lanes {
+    fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: &SoughtLight) -> Vec3Lanes {
+        let SoughtLight {
+            light, mut reflected, ..
+        } = *sought;
         for lane in each_lane(asked) {
             let shadow = ShadowRay {
                 origin: origin.get(lane),
@@ -167,8 +196,16 @@ impl PathBatch<'_> {
                 crossings: context.settings.crossings(self.paths.depth.as_array()[lane]),
             };
             let rays = &mut self.paths.rays.as_mut_array()[lane];
-            let arriving = transmittance(context.scene, &shadow, &mut EmptySpace, rays);
-            reflected.set(lane, reflected.get(lane) * arriving);
+            let part = if context.settings.media {
+                let draw = MediumDraw::Shadow.at(self.paths.depth.as_array()[lane]);
+                let sampler = Sampler::gather_lane(&self.paths.sampler, lane);
+                let mut media = Media::new(None, sought.carried.get(lane), sampler.stream(draw));
+                let arriving = transmittance(context.scene, &shadow, &mut media, rays);
+                sought.reflected(lane, context.settings.strategy, media.passed) * arriving
+            } else {
+                reflected.get(lane) * transmittance(context.scene, &shadow, &mut EmptySpace, rays)
+            };
+            reflected.set(lane, part);
         }
         reflected
     }
@@ -222,7 +259,7 @@ impl PathBatch<'_> {
     #[inline(always)]
     fn play_roulette(&mut self, surfaces: &Surfaces, settings: &PathSettings, is_scattered: Lanes) -> Lanes {
         let path = &mut self.paths;
-        let plays = surfaces.here & roulette::is_played::<Lanes>(settings, path.depth, is_scattered);
+        let plays = surfaces.here & roulette::is_played::<Lanes>(settings, path.depth - path.uncounted, is_scattered);
         if !plays.any() {
             return surfaces.here;
         }
