@@ -130,11 +130,12 @@ fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
         }
         Answer::Taken { name, key, others } => {
             let others: Vec<String> = others.iter().map(|other| format!("\u{201c}{other}\u{201d}")).collect();
-            ui.horizontal(|ui| {
-                ui.colored_label(
-                    warning,
-                    format!("{} is the key of {}.", key.text(), others.join(" and ")),
-                );
+            let wanted = bindables().find(|own| own.name == name).map_or(name, |own| own.label);
+            // Long names take a second line, and the buttons stay in sight.
+            ui.horizontal_wrapped(|ui| {
+                let others = others.join(" and ");
+                let text = format!("\u{201c}{wanted}\u{201d}: {} is the key of {others}.", key.text());
+                ui.colored_label(warning, text);
                 if ui
                     .add(look::primary(ui, "Swap"))
                     .on_hover_text("The other one gets the key that this one had")

@@ -72,9 +72,9 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     if fields::checkbox(ui, "Adaptive", &mut adaptive) {
         commands.push(Command::SetAdaptive(adaptive));
     }
-    if let Some(noise) = model.noise {
-        fields::note(ui, "Noise now", percent(noise));
-    }
+    // The row is always there, so that those below stay where they are.
+    let noise = model.noise.map_or_else(|| "not known yet".to_owned(), percent);
+    fields::note(ui, "Noise now", noise);
 }
 
 /// The rows for which pixels of the film are traced, and how a picture of few pixels is shown.

@@ -383,6 +383,11 @@ fn paint_over(
         if let Some(hint) = hint {
             corner.y = hint.bottom() + 4.0;
         }
+        // A low, wide picture begins beside the tools.
+        let tools = toolbar::column_place(panel);
+        if Rect::from_min_size(corner, egui::vec2(1.0, 20.0)).intersects(tools) {
+            corner.x = tools.right() + 8.0;
+        }
         corner.y = tag(&painter, corner, Align2::LEFT_TOP, &notes.join("   ")).bottom() + 4.0;
     }
     if model.keys.overlay.shown && model.picture.is_some() {

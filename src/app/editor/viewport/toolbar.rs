@@ -107,12 +107,17 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
     )),
 ];
 
-/// Shows the tools that build and place, as a column at the left of the picture.
-pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, commands: &mut Vec<Command>) {
+/// The place of the tools at the left of the picture's panel.
+pub(super) fn column_place(panel: Rect) -> Rect {
     const SIZE: egui::Vec2 = egui::vec2(32.0, 257.0);
     // What the picture shows has its caption above it.
     let top = (panel.center().y - 0.5 * SIZE.y).max(panel.top() + 80.0);
-    let place = Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE);
+    Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE)
+}
+
+/// Shows the tools that build and place, as a column at the left of the picture.
+pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, commands: &mut Vec<Command>) {
+    let place = column_place(panel);
     let layout = Layout::top_down(Align::Center);
     let mut column = ui.new_child(UiBuilder::new().id_salt("tool column").max_rect(place).layout(layout));
     column.set_clip_rect(panel);
