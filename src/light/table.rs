@@ -155,6 +155,11 @@ impl LightTable {
         self.places.len()
     }
 
+    /// Whether there are lights that are somewhere, not at infinity.
+    pub(crate) fn has_finite(&self) -> bool {
+        !self.finite.is_empty()
+    }
+
     /// Whether the scene is without lights.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()

@@ -10,6 +10,7 @@
 
 mod equiangular;
 mod grid;
+pub(crate) mod lanes;
 mod majorants;
 mod phase;
 mod tabulated_phase;
@@ -159,6 +160,16 @@ impl Medium {
     /// The phase function.
     pub fn phase(&self) -> &Phase {
         &self.source.phase
+    }
+
+    /// The mean cosine of the phase function, if that is isotropic or of Henyey and Greenstein and there are formulas for distances. Such media go in lanes.
+    #[inline(always)]
+    pub(crate) fn plain_phase(&self) -> Option<f32> {
+        match (&self.majorants, &self.source.phase) {
+            (None, Phase::Isotropic) => Some(0.0),
+            (None, Phase::HenyeyGreenstein { g }) => Some(*g),
+            _ => None,
+        }
     }
 
     /// The part of the extinction at a point of world space that is scattering, in [0, 1].

@@ -59,7 +59,7 @@ impl Phase {
     /// A direction with the density of [`Self::pdf`], and that density.
     pub fn sample(&self, at: Vec3, dir: Vec3, u_choice: f32, u: Vec2) -> (Vec3, f32) {
         let cosine = match self {
-            Self::Isotropic => 1.0 - 2.0 * u.x,
+            Self::Isotropic => 2.0 * u.x - 1.0,
             Self::HenyeyGreenstein { g } => sample_henyey_greenstein(*g, u.x),
             Self::Rayleigh => sample_rayleigh(u.x),
             Self::Tabulated(table) => table.sample(u.x),
@@ -88,7 +88,7 @@ impl BlendedPhase {
 }
 
 /// Below this a mean cosine counts as zero, where the sampling formula divides by it.
-const NEARLY_ISOTROPIC: f32 = 1e-3;
+pub(super) const NEARLY_ISOTROPIC: f32 = 1e-3;
 
 fn henyey_greenstein(g: f32, cosine: f32) -> f32 {
     let squared = 1.0 + g * g - 2.0 * g * cosine;

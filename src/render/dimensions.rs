@@ -65,8 +65,8 @@ const MEDIUM_DIMENSIONS: u32 = 1 << 20;
 impl MediumDraw {
     /// The dimension of the draw for the vertex number `depth` of the path, counted from 1.
     #[inline(always)]
-    pub fn at(self, depth: u32) -> u32 {
-        MEDIUM_DIMENSIONS + 4 * depth + self as u32
+    pub fn at<W: Word>(self, depth: W) -> W {
+        W::splat(MEDIUM_DIMENSIONS + self as u32) + depth * W::splat(4)
     }
 }
 
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn media_have_dimensions_of_their_own() {
-        assert!(BounceDraw::Roulette.at(LONGEST_PATH) < MediumDraw::Distance.at(1));
-        assert!(MediumDraw::LampPoint.at(1) < MediumDraw::Distance.at(2));
+        assert!(BounceDraw::Roulette.at(LONGEST_PATH) < MediumDraw::Distance.at(1u32));
+        assert!(MediumDraw::LampPoint.at(1u32) < MediumDraw::Distance.at(2));
     }
 
     #[test]

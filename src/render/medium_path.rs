@@ -19,7 +19,8 @@ use crate::color::Rgb;
 use crate::light::{LightReference, Target};
 use crate::material::Lobe;
 use crate::math::Ray;
-use crate::medium::{Medium, MediumId, Way};
+use crate::medium::{Medium, MediumId, Travel, Way};
+use crate::sampling::Sampler;
 
 /// A place in a medium where a path is scattered.
 struct Vertex<'a> {
@@ -47,6 +48,50 @@ impl Scatterer for Vertex<'_> {
     }
 }
 
+/// A way of a path through a medium, from its vertex number `depth` on.
+pub(super) struct Leg {
+    pub way: Way,
+    pub depth: u32,
+    /// The segments of the path that count, up to that vertex.
+    pub segments: u32,
+    pub sampler: Sampler,
+}
+
+impl Leg {
+    /// Goes along the way as [`Medium::travel`] does.
+    #[inline]
+    pub fn travel(
+        &self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        medium: &Medium,
+        throughput: &mut Rgb,
+    ) -> Travel {
+        let draw = MediumDraw::Distance.at(self.depth + 1);
+        let (u, mut stream) = (self.sampler.at_2d(draw), self.sampler.stream(draw));
+        let lamp = self.lamp_near(scene, settings, medium);
+        medium.travel(&self.way, lamp, throughput, u, &mut stream)
+    }
+
+    /// A place on a light that is likely to matter along the way. Whether it does, the medium decides.
+    fn lamp_near(&self, scene: &RenderScene, settings: &PathSettings, medium: &Medium) -> Option<Vec3> {
+        // What is scattered at the last vertex is lost.
+        if settings.is_last(self.segments + 1) || !settings.strategy.samples_lights() || !scene.lights.has_finite() {
+            return None;
+        }
+        let reference = LightReference {
+            position: self.way.origin + self.way.dir * medium.midway(self.way.length)?,
+            normal: None,
+        };
+        let u_choice = self.sampler.at_1d(MediumDraw::Lamp.at(self.depth + 1));
+        let u_point = self.sampler.at_2d(MediumDraw::LampPoint.at(self.depth + 1));
+        match scene.lights.sample(&reference, u_choice, u_point)?.1.target {
+            Target::Point(lamp) => Some(lamp),
+            Target::Infinity => None,
+        }
+    }
+}
+
 impl PathState {
     /// Takes the path through its medium up to `hit`, the end of its ray, or to the place where it is scattered before. True if it was scattered and has
     /// its next ray.
@@ -67,10 +112,13 @@ impl PathState {
             dir: self.ray.dir,
             length: hit.map_or(f32::INFINITY, |hit| passed + hit.t),
         };
-        let draw = MediumDraw::Distance.at(self.depth + 1);
-        let (u, mut stream) = (self.sampler.at_2d(draw), self.sampler.stream(draw));
-        let lamp = self.lamp_near(scene, settings, medium, &way);
-        let travel = medium.travel(&way, lamp, &mut self.throughput, u, &mut stream);
+        let leg = Leg {
+            way,
+            depth: self.depth,
+            segments: self.segments(),
+            sampler: self.sampler,
+        };
+        let travel = leg.travel(scene, settings, medium, &mut self.throughput);
         if travel.emitted != Rgb::ZERO && settings.max_depth > 0 {
             self.radiance += travel.emitted;
             observer.emitted(travel.emitted);
@@ -102,24 +150,6 @@ impl PathState {
         }));
         self.scatter_in_medium(scene, settings, &vertex, observer)?;
         Continue(true)
-    }
-
-    /// A place on a light that is likely to matter along the way. Whether it does, the medium decides.
-    fn lamp_near(&self, scene: &RenderScene, settings: &PathSettings, medium: &Medium, way: &Way) -> Option<Vec3> {
-        // What is scattered at the last vertex is lost.
-        if settings.is_last(self.segments() + 1) || !settings.strategy.samples_lights() {
-            return None;
-        }
-        let reference = LightReference {
-            position: way.origin + way.dir * medium.midway(way.length)?,
-            normal: None,
-        };
-        let u_choice = self.sampler.at_1d(MediumDraw::Lamp.at(self.depth + 1));
-        let u_point = self.sampler.at_2d(MediumDraw::LampPoint.at(self.depth + 1));
-        match scene.lights.sample(&reference, u_choice, u_point)?.1.target {
-            Target::Point(lamp) => Some(lamp),
-            Target::Infinity => None,
-        }
     }
 
     /// Scatters the path at a place in its medium.

@@ -139,13 +139,21 @@ impl PathState {
         hit: Option<Hit>,
         observer: &mut impl PathObserver,
     ) -> bool {
-        match self.next_ray(scene, settings, hit, observer) {
-            Continue(()) => true,
-            Break(end) => {
-                observer.ended(end);
-                false
-            }
-        }
+        let end = self.next_ray(scene, settings, hit, observer);
+        goes_on(end, observer)
+    }
+
+    /// Takes the path, which has come to `hit` already, on to its next ray. False if it ends.
+    #[inline(always)]
+    pub fn advance_from(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: Hit,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        let end = self.next_ray_from(scene, settings, hit, observer);
+        goes_on(end, observer)
     }
 
     #[inline(always)]
@@ -165,6 +173,17 @@ impl PathState {
             self.escape(scene, settings, observer);
             return Break(PathEnd::Escaped);
         };
+        self.next_ray_from(scene, settings, hit, observer)
+    }
+
+    #[inline(always)]
+    fn next_ray_from(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: Hit,
+        observer: &mut impl PathObserver,
+    ) -> ControlFlow<PathEnd> {
         let slot = scene.slot(&hit);
         let point = scene.surface(&self.ray, &hit, &slot);
         self.arrive(scene, settings, &hit, &slot, &point, observer);
@@ -434,6 +453,14 @@ impl PathState {
         self.throughput /= survival;
         Continue(survival)
     }
+}
+
+/// Whether a path goes on; if not, the observer is told.
+fn goes_on(end: ControlFlow<PathEnd>, observer: &mut impl PathObserver) -> bool {
+    if let Break(end) = end {
+        observer.ended(end);
+    }
+    end.is_continue()
 }
 
 /// The origin of a ray that leaves a surface in direction `dir`.

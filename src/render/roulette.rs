@@ -30,8 +30,8 @@ pub(super) fn survival<R: Real>(brightest: R, eta_squared: R) -> R {
 
 /// [`survival`] of a path that was scattered in a medium.
 #[inline(always)]
-pub(super) fn survival_in_media(brightest: f32, eta_squared: f32) -> f32 {
-    (brightest * eta_squared).min(HIGHEST_SURVIVAL_IN_MEDIA)
+pub(super) fn survival_in_media<R: Real>(brightest: R, eta_squared: R) -> R {
+    (brightest * eta_squared).min(R::splat(HIGHEST_SURVIVAL_IN_MEDIA))
 }
 
 /// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`. Radiance is less by this

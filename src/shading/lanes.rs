@@ -275,7 +275,7 @@ impl Default for BsdfLanes {
 impl BsdfSampleLanes {
     /// The sample of `other` where `condition` holds.
     #[inline(always)]
-    fn choose(&mut self, condition: Lanes, other: Self) {
+    pub(crate) fn choose(&mut self, condition: Lanes, other: Self) {
         self.wi = Vec3Lanes::select(condition, other.wi, self.wi);
         self.weight = Vec3Lanes::select(condition, other.weight, self.weight);
         self.pdf = condition.select(other.pdf, self.pdf);

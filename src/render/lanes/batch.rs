@@ -22,26 +22,28 @@ pub(super) struct PathBatch<'a> {
     pub active: u32,
     /// The paths; their rays are endless except for those from the camera.
     pub(super) paths: PathLanes,
-    outputs: [Output; LANES],
+    pub(super) outputs: [Output; LANES],
     /// The hits of the rays, in the lanes of `traced`.
     hits: [Option<Hit>; LANES],
     traced: u32,
+    /// Whether there are media at all.
+    pub(super) has_media: bool,
     /// The current vertices of the paths, while they take a step.
     pub(super) vertices: Vertices<'a>,
 }
 
 /// The destination of a path's sample.
 #[derive(Clone, Copy, Debug)]
-struct Output {
+pub(super) struct Output {
     /// Index of the job.
-    job: usize,
+    pub job: usize,
     /// The weight as [`crate::render::view::CameraSample::weight`].
     weight: f32,
 }
 
 impl<'a> PathBatch<'a> {
     /// A batch without paths.
-    pub fn new(view: &View) -> Self {
+    pub fn new(view: &View, has_media: bool) -> Self {
         let nowhere = PathState::new(
             Ray::new(Vec3::ZERO, Vec3::Z),
             Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
@@ -53,6 +55,7 @@ impl<'a> PathBatch<'a> {
             outputs: [Output { job: 0, weight: 0.0 }; LANES],
             hits: [None; LANES],
             traced: 0,
+            has_media,
             vertices: Vertices::new(),
         }
     }
@@ -93,6 +96,7 @@ impl<'a> PathBatch<'a> {
             outputs,
             hits,
             traced,
+            has_media: _,
             vertices: _,
         } = self;
         PathState::move_lane(paths, lane, &other.paths, theirs);
@@ -159,7 +163,7 @@ impl<'a> PathBatch<'a> {
                 self.pass_hidden_emitters(lane, context);
             }
             // What goes through a medium is perhaps scattered on its way.
-            if self.hits[lane].is_none() && self.paths.medium[lane].is_none() {
+            if self.hits[lane].is_none() && self.medium(lane).is_none() {
                 self.escape(lane, context, samples);
             }
         }
@@ -175,7 +179,7 @@ impl<'a> PathBatch<'a> {
     }
 
     /// The path of a lane leaves the scene.
-    fn escape(&mut self, lane: usize, context: &Context, samples: &mut Samples) {
+    pub(super) fn escape(&mut self, lane: usize, context: &Context, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
         let mut observer = samples.observer(self.outputs[lane].job);
         path.escape(context.scene, context.settings, &mut observer);
@@ -190,9 +194,11 @@ impl<'a> PathBatch<'a> {
         }
         self.vertices.clear();
         for lane in each_lane(self.active) {
-            match self.hits[lane] {
-                Some(hit) => self.arrive(lane, hit, context, samples),
-                None => self.advance_alone(lane, None, context, samples),
+            let hit = self.hits[lane];
+            match (self.medium(lane), hit) {
+                (Some(medium), _) => self.travel(lane, medium, hit, context, samples),
+                (None, Some(hit)) => self.arrive(lane, hit, context, samples),
+                (None, None) => debug_assert!(false, "a path that has left the scene has ended"),
             }
         }
         self.traced = 0;
@@ -202,10 +208,11 @@ impl<'a> PathBatch<'a> {
     }
 
     /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by itself.
-    fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
+    #[inline(always)]
+    pub(super) fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
-        if self.paths.medium[lane].is_some() || slot.media.is_transition() && context.settings.media {
-            self.advance_alone(lane, Some(hit), context, samples);
+        if self.has_media && slot.media.is_transition() {
+            self.arrive_alone(lane, hit, context, samples);
             return;
         }
         let ray = self.paths.ray.get(lane);
@@ -229,16 +236,36 @@ impl<'a> PathBatch<'a> {
         if let Some(met) = self.vertices.set_other(lane, context.scene, &ray, &hit, slot) {
             self.look(lane, &hit, slot, &met, context, samples);
         } else {
-            self.advance_alone(lane, Some(hit), context, samples);
+            self.arrive_alone(lane, hit, context, samples);
         }
     }
 
-    /// The path of a lane takes its step by itself.
+    /// The path of a lane takes its step from the surface at `hit` by itself.
     #[inline(never)]
-    fn advance_alone(&mut self, lane: usize, hit: Option<Hit>, context: &Context<'a>, samples: &mut Samples) {
+    fn arrive_alone(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
         let mut observer = samples.observer(self.outputs[lane].job);
-        if path.advance(context.scene, context.settings, hit, &mut observer) {
+        let goes_on = path.advance_from(context.scene, context.settings, hit, &mut observer);
+        self.set_or_finish(lane, path, goes_on, samples);
+    }
+
+    /// The path of a lane takes its step by itself, through a medium first.
+    #[inline(never)]
+    pub(super) fn advance_alone(
+        &mut self,
+        lane: usize,
+        hit: Option<Hit>,
+        context: &Context<'a>,
+        samples: &mut Samples,
+    ) {
+        let mut path = PathState::gather_lane(&self.paths, lane);
+        let mut observer = samples.observer(self.outputs[lane].job);
+        let goes_on = path.advance(context.scene, context.settings, hit, &mut observer);
+        self.set_or_finish(lane, path, goes_on, samples);
+    }
+
+    fn set_or_finish(&mut self, lane: usize, path: PathState, goes_on: bool, samples: &mut Samples) {
+        if goes_on {
             path.scatter_lane(&mut self.paths, lane);
         } else {
             self.finish(lane, path.sample(), samples);

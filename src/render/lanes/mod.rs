@@ -3,7 +3,8 @@
 //!
 //! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in
 //! lanes; any other model is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are
-//! mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. A path that has ended gives its
+//! mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. Places of scattering in media are vertices
+//! like those on surfaces. A path that has ended gives its
 //! lane to the next one. The numbers are those of one path at a time, but for rounding.
 //!
 //! [`PathState::advance`]: super::path_state::PathState::advance
@@ -12,6 +13,7 @@ mod batch;
 mod camera_rays;
 mod context;
 mod light_samples;
+mod media;
 mod scatter;
 mod vertices;
 
@@ -43,7 +45,8 @@ pub(super) fn trace<'v>(
         sole_light: scene.lights.sole(),
     };
     let mut samples = Samples::new(view, jobs.len());
-    let mut paths = Paths::new(view, jobs);
+    let has_media = settings.media && !scene.media.is_empty();
+    let mut paths = Paths::new(view, jobs, has_media);
     loop {
         if cancel.load(Ordering::Relaxed) {
             return None;
@@ -71,12 +74,12 @@ struct Paths<'a> {
 }
 
 impl<'a> Paths<'a> {
-    fn new(view: &View, jobs: &'a [Job]) -> Self {
+    fn new(view: &View, jobs: &'a [Job], has_media: bool) -> Self {
         Self {
             jobs,
             begun: 0,
-            first: PathBatch::new(view),
-            later: PathBatch::new(view),
+            first: PathBatch::new(view, has_media),
+            later: PathBatch::new(view, has_media),
         }
     }
 

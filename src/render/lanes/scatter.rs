@@ -11,10 +11,9 @@ use crate::math::PerLane;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
 use crate::render::dimensions::{BounceDraw, MediumDraw};
 use crate::render::roulette;
-use crate::render::transmittance::{EmptySpace, Media, ShadowRay, transmittance};
+use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, transmittance};
 use crate::render::view::{PathSettings, Strategy};
 use crate::sampling::Sampler;
-use crate::shading::TransportMode;
 use crate::shading::lanes::BsdfSampleLanes;
 
 /// The surfaces at the vertices, and the directions they are seen from.
@@ -70,7 +69,7 @@ impl Surfaces {
     }
 }
 
-/// Light that was looked for from the vertices.
+/// Light that was looked for from the vertices. It is passed by value, so that it stays in registers.
 #[derive(Clone, Copy)]
 struct SoughtLight {
     /// The lanes where it would be scattered along the path, a bit per lane.
@@ -123,7 +122,7 @@ impl PathBatch<'_> {
             &self.paths.sampler,
             self.paths.depth,
         );
-        let (mut value, mut bsdf_pdf) = self.vertices.bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
+        let (mut value, mut bsdf_pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(light.wi));
         if surfaces.other & smooth != 0 {
             let asked = surfaces.other & smooth & light.is_valid.to_bitmask();
             (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
@@ -140,7 +139,7 @@ impl PathBatch<'_> {
             carried,
             reflected,
         };
-        self.trace_shadow_rays(surfaces, coherence, context, &sought, samples);
+        self.trace_shadow_rays(surfaces, coherence, context, sought, samples);
     }
 
     /// Adds what arrives of the light that was sought.
@@ -150,7 +149,7 @@ impl PathBatch<'_> {
         surfaces: &Surfaces,
         coherence: Coherence,
         context: &Context,
-        sought: &SoughtLight,
+        sought: SoughtLight,
         samples: &mut Samples,
     ) {
         let SoughtLight {
@@ -158,7 +157,7 @@ impl PathBatch<'_> {
             light,
             reflected,
             ..
-        } = *sought;
+        } = sought;
         let origin = surfaces.leave(light.wi);
         let is_infinite = lanes_of(light.infinite);
         let shadows = RayLanes {
@@ -169,8 +168,12 @@ impl PathBatch<'_> {
         };
         let occluded = coherence.occluded(&context.scene.geometry, &shadows, asked);
         let lit = asked & !occluded;
-        self.paths.radiance += reflected.only(lanes_of(lit));
-        self.note_light(lit, &light.light, reflected, samples);
+        let seen = match self.in_media() & lit {
+            0 => reflected,
+            dimmed => self.dimmed(context, dimmed, shadows.clone(), sought),
+        };
+        self.paths.radiance += seen.only(lanes_of(lit));
+        self.note_light(lit, &light.light, seen, samples);
         if context.scene.materials.has_null_lobe() {
             self.paths.rays += ones_in(lit);
             let through = self.transmitted(context, occluded, origin, sought);
@@ -181,13 +184,33 @@ impl PathBatch<'_> {
         }
     }
 
-    /// The part of the light of the lanes `asked` that arrives at their `origin`, which is in empty space, through surfaces that let it pass and
-    /// through media.
+    /// The light that was sought, less what media absorb of that of the lanes `asked`, whose `shadows` meet nothing.
     #[inline(never)]
-    fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: &SoughtLight) -> Vec3Lanes {
+    fn dimmed(&self, context: &Context, asked: u32, shadows: RayLanes, sought: SoughtLight) -> Vec3Lanes {
+        let mut reflected = sought.reflected;
+        for lane in each_lane(asked) {
+            let ray = shadows.get(lane);
+            let mut media = self.media_of_shadow(lane, &sought);
+            let arriving = media.medium(context.scene, &ray, ray.t_max);
+            let of_path = sought.reflected(lane, context.settings.strategy, media.passed);
+            reflected.set(lane, of_path * arriving);
+        }
+        reflected
+    }
+
+    /// The media along the shadow ray of a lane.
+    fn media_of_shadow(&self, lane: usize, sought: &SoughtLight) -> Media {
+        let draw = MediumDraw::Shadow.at(self.paths.depth.as_array()[lane]);
+        let sampler = Sampler::gather_lane(&self.paths.sampler, lane);
+        Media::new(self.paths.medium[lane], sought.carried.get(lane), sampler.stream(draw))
+    }
+
+    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that let it pass and through media.
+    #[inline(never)]
+    fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight {
             light, mut reflected, ..
-        } = *sought;
+        } = sought;
         for lane in each_lane(asked) {
             let shadow = ShadowRay {
                 origin: origin.get(lane),
@@ -195,14 +218,13 @@ impl PathBatch<'_> {
                 target: light.target(lane),
                 crossings: context.settings.crossings(self.paths.depth.as_array()[lane]),
             };
-            let rays = &mut self.paths.rays.as_mut_array()[lane];
             let part = if context.settings.media {
-                let draw = MediumDraw::Shadow.at(self.paths.depth.as_array()[lane]);
-                let sampler = Sampler::gather_lane(&self.paths.sampler, lane);
-                let mut media = Media::new(None, sought.carried.get(lane), sampler.stream(draw));
+                let mut media = self.media_of_shadow(lane, &sought);
+                let rays = &mut self.paths.rays.as_mut_array()[lane];
                 let arriving = transmittance(context.scene, &shadow, &mut media, rays);
                 sought.reflected(lane, context.settings.strategy, media.passed) * arriving
             } else {
+                let rays = &mut self.paths.rays.as_mut_array()[lane];
                 reflected.get(lane) * transmittance(context.scene, &shadow, &mut EmptySpace, rays)
             };
             reflected.set(lane, part);
@@ -220,7 +242,7 @@ impl PathBatch<'_> {
             _ => sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth)),
         };
         let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
-        let local = bsdf.sample(surfaces.wo, u_lobe, u_direction, TransportMode::Radiance);
+        let local = self.vertices.sample(surfaces.wo, u_lobe, u_direction);
         let sample = BsdfSampleLanes {
             wi: surfaces.frame.to_world(local.wi),
             ..local
@@ -263,7 +285,11 @@ impl PathBatch<'_> {
         if !plays.any() {
             return surfaces.here;
         }
-        let survival = roulette::survival(path.throughput.max_element(), path.eta_squared);
+        let mut survival = roulette::survival(path.throughput.max_element(), path.eta_squared);
+        if self.vertices.phase.lanes != 0 {
+            let in_media = roulette::survival_in_media(path.throughput.max_element(), path.eta_squared);
+            survival = lanes_of(self.vertices.phase.lanes).select(in_media, survival);
+        }
         let u = path.sampler.at_1d(BounceDraw::Roulette.at(path.depth));
         path.throughput = Vec3Lanes::select(plays, path.throughput / survival, path.throughput);
         u.simd_lt(survival) | !plays

@@ -7,6 +7,7 @@ use crate::color::Rgb;
 use crate::material::{Lobe, Single};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::medium::lanes::PhaseLanes;
 use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
@@ -24,6 +25,8 @@ pub(super) struct Vertices<'a> {
     pub side: Lanes,
     /// The commonest models.
     pub bsdf: BsdfLanes,
+    /// The lanes that are in a medium and not on a surface. Their shading normal is the direction in which the path has come.
+    pub phase: PhaseLanes,
     /// The lanes of others.
     pub other: u32,
     singles: [Option<Single<'a>>; LANES],
@@ -52,6 +55,7 @@ impl<'a> Vertices<'a> {
             shading_normal: Vec3Lanes::ZERO,
             side: Lanes::ONE,
             bsdf: BsdfLanes::new(),
+            phase: PhaseLanes::NONE,
             other: 0,
             singles: [const { None }; LANES],
             other_smooth: 0,
@@ -62,17 +66,76 @@ impl<'a> Vertices<'a> {
     pub fn clear(&mut self) {
         self.lanes = 0;
         self.bsdf.clear();
+        self.phase.lanes = 0;
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
     }
 
     /// The lanes with [`crate::material::Scattering::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
-        self.bsdf.smooth() | self.other_smooth
+        self.bsdf.smooth() | self.phase.lanes | self.other_smooth
     }
 
     /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
     pub fn halved(&self) -> u32 {
-        self.lanes & !(self.bsdf.transmitting() | self.other & !self.other_halved)
+        self.lanes & !(self.bsdf.transmitting() | self.phase.lanes | self.other & !self.other_halved)
+    }
+
+    /// The values and densities of the commonest models and of phase functions, in the frames of the vertices.
+    #[inline(always)]
+    pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
+        let (value, pdf) = self.bsdf.eval_and_pdf(wo, wi);
+        match self.phase.lanes {
+            0 => (value, pdf),
+            _ => self.with_densities(value, pdf, wi.z),
+        }
+    }
+
+    /// Replaces the values and densities of the lanes in media.
+    #[inline(never)]
+    fn with_densities(&self, value: Vec3Lanes, pdf: Lanes, cosine: Lanes) -> (Vec3Lanes, Lanes) {
+        let here = lanes_of(self.phase.lanes);
+        let density = self.phase.pdf(cosine);
+        (
+            Vec3Lanes::select(here, Vec3Lanes::of(density, density, density), value),
+            here.select(density, pdf),
+        )
+    }
+
+    /// Directions by the commonest models and by phase functions, in the frames of the vertices.
+    #[inline(always)]
+    pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+        let sample = self.bsdf.sample(wo, u_lobe, u, TransportMode::Radiance);
+        match self.phase.lanes {
+            0 => sample,
+            _ => self.with_phases(sample, u),
+        }
+    }
+
+    /// Replaces the samples of the lanes in media.
+    #[inline(never)]
+    fn with_phases(&self, mut sample: BsdfSampleLanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+        let (wi, pdf) = self.phase.sample(u);
+        let of_phase = BsdfSampleLanes {
+            wi,
+            weight: Vec3Lanes::splat(Vec3::ONE),
+            pdf,
+            eta: Lanes::ONE,
+            returned: lanes_of(self.phase.lanes),
+        };
+        sample.choose(lanes_of(self.phase.lanes), of_phase);
+        sample
+    }
+
+    /// Sets a place in a medium in `lane`, to which the path has come in direction `dir`. `g` is the mean cosine of the phase function.
+    #[inline(always)]
+    pub fn set_medium(&mut self, lane: usize, position: Vec3, dir: Vec3, g: f32) {
+        self.lanes |= 1 << lane;
+        self.phase.set(lane, g);
+        self.position.set(lane, position);
+        self.error.as_mut_array()[lane] = 0.0;
+        self.geometric_normal.set(lane, dir);
+        self.shading_normal.set(lane, dir);
+        self.side.as_mut_array()[lane] = 1.0;
     }
 
     /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. It is a function of its
