@@ -18,7 +18,8 @@ pub enum Walls {
     /// They are seen.
     #[default]
     Shown,
-    /// They are not seen, since the user looks along an axis, and until they look through a camera.
+    /// They are not seen, since the user looks along an axis, and until they look through a camera: one that turns away from the axis still looks into the
+    /// room.
     HiddenForAxis,
     /// They are not seen.
     Hidden,
@@ -45,10 +46,10 @@ impl Seeing {
         Self { walls, ..self }
     }
 
-    /// The text about it over the picture.
-    pub fn notes(&self) -> impl Iterator<Item = &'static str> {
-        let walls = (self.walls != Walls::Shown).then_some("Walls hidden");
-        walls.into_iter().chain(self.cut.map(|_| "Cut open"))
+    /// The texts about it over the picture, each with the name of the action that ends it.
+    pub fn notes(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let walls = (self.walls != Walls::Shown).then_some(("Walls hidden", "see-into-rooms"));
+        walls.into_iter().chain(self.cut.map(|_| ("Cut open", "cut-open")))
     }
 }
 

@@ -113,9 +113,11 @@ mod tests {
     use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
     use crate::app::editor::command::gizmo_settings::GizmoSettings;
     use crate::app::editor::command::key_bindings::NO_BINDINGS;
+    use crate::app::editor::command::seeing::{CutOpen, Seeing, Walls};
     use crate::app::editor::command::selection::Selection;
     use crate::app::editor::command::shortcut::Shortcut;
     use crate::app::editor::command::tool::Tool;
+    use crate::app::editor::input::actions::find;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
         KeyboardInput {
@@ -128,16 +130,15 @@ mod tests {
         }
     }
 
-    fn commands(events: &[KeyboardInput], modifiers: Modifiers) -> Vec<Command> {
-        let presses = presses(events.iter(), modifiers);
-        let context = ActionContext {
+    fn context(selection: &Selection) -> ActionContext<'_> {
+        ActionContext {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             paused: false,
             denoising: false,
             panels_shown: true,
             gizmo: GizmoSettings::default(),
-            selection: &Selection::default(),
+            selection,
             tool: Default::default(),
             bound: &NO_BINDINGS,
             safe_frame: false,
@@ -149,8 +150,38 @@ mod tests {
             timeline_shown: false,
             playing: false,
             flying: false,
+        }
+    }
+
+    fn commands(events: &[KeyboardInput], modifiers: Modifiers) -> Vec<Command> {
+        let presses = presses(events.iter(), modifiers);
+        shortcuts(&presses, &context(&Selection::default()))
+    }
+
+    #[test]
+    fn notes_over_the_picture_name_the_actions_that_end_them() {
+        let seeing = Seeing {
+            walls: Walls::HiddenForAxis,
+            cut: Some(CutOpen {
+                axis: 1,
+                at: 2.0,
+                above: true,
+            }),
+            wireframe: false,
         };
-        shortcuts(&presses, &context)
+        let selection = Selection::default();
+        let context = ActionContext {
+            seeing,
+            ..context(&selection)
+        };
+        assert_eq!(seeing.notes().count(), 2);
+        for (text, name) in seeing.notes() {
+            let action = find(name).expect(text);
+            let Some(Command::SetSeeing(after)) = (action.command)(&context) else {
+                panic!("{text}");
+            };
+            assert!(!after.notes().any(|(left, _)| left == text), "{text}");
+        }
     }
 
     #[test]

@@ -39,7 +39,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::input::actions::ActionContext;
+use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::keys;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::outline::Level;
@@ -368,10 +368,10 @@ fn paint_over(
     if model.keys.paused {
         notes.push("Paused".to_owned());
     }
-    notes.extend(model.keys.seeing.notes().map(str::to_owned));
-    if model.keys.isolated {
-        notes.push("Shown alone".to_owned());
-    }
+    // The view may have come to it by itself, or long ago: the key tells how it ends.
+    let isolated = model.keys.isolated.then_some(("Shown alone", "isolate"));
+    let left_out = model.keys.seeing.notes().chain(isolated);
+    notes.extend(left_out.map(|(text, action)| actions::hint(text, action, model.keys.bound)));
     if let [total, drawn] = model.wireframe.triangles
         && drawn < total
     {
