@@ -96,6 +96,79 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
     }
 }
 
+/// A glTF file that shines, with a camera, and its mesh in another file.
+fn gltf(shop: &Workshop) {
+    let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"parts/triangle.bin","byteLength":36}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "materials":[{"emissiveFactor":[1,0.5,0.25]}],"cameras":[{"type":"perspective","perspective":{"yfov":0.8,"znear":0.1}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+        "nodes":[{"mesh":0},{"camera":0,"translation":[0,0,4]}],"scenes":[{"nodes":[0,1]}],"scene":0}"#;
+    shop.write("models/lamp.gltf", text);
+    let corners: [f32; 9] = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|number| number.to_le_bytes()).collect();
+    shop.write("models/parts/triangle.bin", bytes);
+}
+
+#[cfg(unix)]
+#[test]
+fn gltf_scenes_need_no_parts_of_this_machine() {
+    let shop = Workshop::new();
+    gltf(&shop);
+    let options = ["--size", "32x32", "--spp", "8"];
+    let on = |machine: &str, mut command: Command| {
+        command
+            .current_dir(shop.folder())
+            .env("XDG_CACHE_HOME", shop.path(machine))
+            .env("SUNROOM", env!("CARGO_BIN_EXE_sunroom"));
+        succeeds(&command.output().expect("it starts"));
+    };
+    let call = |arguments: &[&str]| {
+        let mut command = sunroom();
+        command.args(arguments);
+        command
+    };
+    let script = |name: &str, argument: &str| {
+        let mut command = Command::new(shop.path("job").join(name));
+        command.arg(argument);
+        command
+    };
+    let submit = [
+        "submit",
+        "models/lamp.gltf",
+        "--to",
+        "slurm",
+        "-o",
+        "job",
+        "--shares",
+        "2",
+    ];
+    on(
+        "here",
+        call(&[&submit[..], &["--spp", "8", "--", "--size", "32x32"]].concat()),
+    );
+    on(
+        "here",
+        call(&[&["render", "models/lamp.gltf", "-o", "whole.exr"][..], &options].concat()),
+    );
+    assert!(shop.path("here/sunroom/gltf").exists());
+    std::fs::remove_dir_all(shop.path("here")).expect("removed");
+    std::fs::remove_dir_all(shop.path("models")).expect("removed");
+    on("elsewhere", script("task", "0"));
+    on("elsewhere", script("task", "1"));
+    on("elsewhere", script("merge", "0"));
+    let read = |name: &str| {
+        let bytes = std::fs::read(shop.path(name)).expect("a picture");
+        decode_exr(&bytes).expect("an EXR file").layer("").expect("a picture")
+    };
+    let (merged, whole) = (read("job/pictures/lamp.exr"), read("whole.exr"));
+    assert!(
+        whole.pixels.iter().any(|pixel| *pixel != whole.pixels[0]),
+        "the lamp is seen"
+    );
+    assert!(merged == whole);
+}
+
 /// Runs a job of two frames by a program of the system, if that is installed, and looks whether the pictures are there.
 #[cfg(unix)]
 #[track_caller]

@@ -17,6 +17,7 @@ use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
 use sunroom::engine::{Limits, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
+use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::{ActiveSensor, Film, OpenScene, SceneStatus, Trust};
 
@@ -188,7 +189,9 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
     }
     loaded?;
     let document = load_document(&path, &args.scene.defines.defines, Trust::Everything.access(&path))?;
-    if let Some(name) = absolute_name(&document) {
+    // The document of a glTF file names its parts in the user's cache. Every machine makes these for itself.
+    let is_own_part = |file: &Path| document.imported && is_part(file);
+    if let Some(name) = absolute_name(&document, &is_own_part) {
         let message = format!(
             "{}: `{name}` is an absolute name; the files of a job need names relative to the scene",
             path.display()
@@ -198,7 +201,8 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
     let sensor = app.world().resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| app.world().get::<Film>(sensor));
     let spp = args.spp.or(film.map(|film| film.sample_count)).unwrap_or(1);
-    let files: Vec<PathBuf> = recorded_reads().iter().map(|file| settle(file)).collect();
+    let read = recorded_reads().into_iter().map(|file| settle(&file));
+    let files: Vec<PathBuf> = read.filter(|file| !is_own_part(file)).collect();
     let assets = std::env::var_os("SUNROOM_ASSETS").unwrap_or_default();
     let assets = std::env::split_paths(&assets).filter(|folder| !folder.as_os_str().is_empty());
     let assets: Vec<PathBuf> = assets.map(|folder| settle(&folder)).collect();
@@ -206,14 +210,15 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
     Ok(Some(Job { members, scene, spp }))
 }
 
-/// A name of a file in the document that is absolute, if there is one.
-fn absolute_name(document: &Document) -> Option<String> {
+/// A name of a file in the document that is absolute and not excepted, if there is one.
+fn absolute_name(document: &Document, is_excepted: &dyn Fn(&Path) -> bool) -> Option<String> {
     let mut waiting = vec![&*document.root];
     while let Some(object) = waiting.pop() {
         let names = object.properties.iter().filter(|property| property.name == "filename");
         for property in names {
             if let Value::String(name) = &property.value
                 && Path::new(name.as_str()).is_absolute()
+                && !is_excepted(Path::new(name.as_str()))
             {
                 return Some(name.to_string());
             }
