@@ -11,8 +11,8 @@ use crate::document::paths::file_name;
 use crate::engine::PackedScene;
 use crate::files;
 use crate::render::part::{FileDigest, Origin};
-use crate::scene::IntegratorSettings;
 use crate::scene::assets::parts_cache::is_cached_part;
+use crate::scene::{IntegratorSettings, SceneWatch};
 
 /// Digests of the files that were read so far: each file is hashed once, however many frames are rendered. None stands for a file whose content follows
 /// from that of others.
@@ -23,25 +23,44 @@ struct Digests(BTreeMap<PathBuf, Option<FileDigest>>);
 /// Parts of glTF files in the user's cache are left out: they follow from the glTF files, and lie elsewhere on another machine.
 /// `others` are further settings by name. An error names a file that cannot be read any more.
 pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
-    let folder = scene.canonicalize().unwrap_or_else(|_| scene.to_owned());
-    let folder = folder.parent().unwrap_or(Path::new(""));
+    let folder = folder_of(scene);
     let mut known = world.get_resource_or_init::<Digests>();
     for path in files::recorded_reads() {
-        let Entry::Vacant(place) = known.0.entry(path) else {
-            continue;
-        };
-        let path = place.key();
-        let full = path.canonicalize().unwrap_or_else(|_| path.clone());
-        let found = match is_cached_part(&full) {
-            true => None,
-            false => Some(FileDigest {
-                path: file_name(&full, folder),
-                digest: digest(&full).map_err(|error| format!("{}: {error}", path.display()))?,
-            }),
-        };
-        place.insert(found);
+        if let Entry::Vacant(place) = known.0.entry(path) {
+            let digest = digest_within(&folder, place.key())?;
+            place.insert(digest);
+        }
     }
-    let mut digests: Vec<FileDigest> = known.0.values().flatten().cloned().collect();
+    let digests = known.0.values().flatten().cloned().collect();
+    Ok(assemble(world, digests, others))
+}
+
+/// The same for a scene that is open in a window: the files are those of it that are there, as they are now.
+pub fn origin_of_open(world: &World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
+    let folder = folder_of(scene);
+    let files = world.resource::<SceneWatch>().files().filter(|file| file.is_file());
+    let digests: Result<Vec<_>, String> = files.map(|file| digest_within(&folder, file)).collect();
+    Ok(assemble(world, digests?.into_iter().flatten().collect(), others))
+}
+
+fn folder_of(scene: &Path) -> PathBuf {
+    let scene = scene.canonicalize().unwrap_or_else(|_| scene.to_owned());
+    scene.parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+/// The digest of a file by its name from a folder on; None for a file that follows from others.
+fn digest_within(folder: &Path, path: &Path) -> Result<Option<FileDigest>, String> {
+    let full = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if is_cached_part(&full) {
+        return Ok(None);
+    }
+    Ok(Some(FileDigest {
+        path: file_name(&full, folder),
+        digest: digest(&full).map_err(|error| format!("{}: {error}", path.display()))?,
+    }))
+}
+
+fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, String)>) -> Origin {
     digests.sort_by(|a, b| a.path.cmp(&b.path));
     digests.dedup();
     let mut settings = Vec::new();
@@ -67,11 +86,11 @@ pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) ->
         add("the grouping of lights", short(format!("{:?}", view.light_groups)));
     }
     settings.extend(others.into_iter().map(|(name, value)| (name, short(value))));
-    Ok(Origin {
+    Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         files: digests,
         settings,
-    })
+    }
 }
 
 /// A digest of the content of a file.

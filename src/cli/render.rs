@@ -215,8 +215,8 @@ fn picture(
         let options = file_options(world, args);
         match share.as_ref().filter(|share| share.is_part) {
             Some(share) => {
-                let part = share.cut(picture.clone());
-                outputs::write_each(places, |path| share.write(world, path, &part, &options))
+                let part = share.piece.cut(picture.clone());
+                outputs::write_each(places, |path| share.piece.write(world, path, &part, &options))
             }
             None => outputs::write_each(places, |path| outputs::write_picture(path, picture, &options)),
         }

@@ -6,15 +6,11 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 use clap::Args;
+use sunroom::app::checkpoint::Piece;
 use sunroom::app::origin::origin;
-use sunroom::engine::{
-    OpenShutter, PackedScene, PictureNames, RenderControl, RenderFilm, job_state, reserve_film, resume,
-};
-use sunroom::layer::Layer;
+use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
 use sunroom::render::film::Film;
-use sunroom::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
-use sunroom::render::layered_image::{Attribute, LayeredImage};
-use sunroom::render::part::{About, Crop, Origin, PartFile, PartHeader, write_part};
+use sunroom::render::part::{Crop, PartFile};
 use sunroom::render::passes::{chunk_of, is_cut};
 use sunroom::scene::{ActiveSensor, Film as SensorFilm};
 
@@ -60,10 +56,7 @@ pub type Settings = Vec<(String, String)>;
 
 /// The share of the picture that is rendered, which is all of it for an ordinary picture.
 pub struct Share {
-    origin: Origin,
-    size: [u32; 2],
-    crop: Crop,
-    samples: [u32; 2],
+    pub piece: Piece,
     /// Whether the outputs are parts.
     pub is_part: bool,
 }
@@ -146,10 +139,12 @@ pub fn begin(
             .to_string(),
     ));
     let share = Share {
-        origin: origin(world, scene, settings)?,
-        size,
-        crop,
-        samples: [range.start, range.end],
+        piece: Piece {
+            origin: origin(world, scene, settings)?,
+            size,
+            crop,
+            samples: [range.start, range.end],
+        },
         is_part: shares.is_given(),
     };
     let mut control = world.resource_mut::<RenderControl>();
@@ -180,8 +175,7 @@ impl Share {
     fn take_up(&self, world: &mut World, path: &Path, force: bool) -> Result<(), Failure> {
         let name = path.display();
         let file = PartFile::open(path).map_err(|error| format!("{name}: {error}"))?;
-        let header = file.header();
-        let differences = self.origin.differences(&header.origin);
+        let differences = self.piece.origin.differences(&file.header().origin);
         if !differences.is_empty() {
             let text = differences.join("; ");
             if !force {
@@ -193,119 +187,8 @@ impl Share {
                 "warning: {name} is a checkpoint of another picture: {text}"
             ));
         }
-        let view = world.resource::<PackedScene>().view.as_ref();
-        let Some(kept) = view.map(|view| view.film_layers()) else {
-            return Ok(());
-        };
-        if [header.width, header.height] != self.size || header.film_layers() != kept {
-            return Err(format!("{name} has another size or other layers, and cannot be resumed").into());
-        }
-        if header.crop != self.crop || header.samples[0] != self.samples[0] {
-            let Crop { x, y, width, height } = header.crop;
-            let [start, end] = header.samples;
-            return Err(format!("{name} is of --samples {start}..{end} --crop {x},{y},{width},{height}").into());
-        }
-        reserve_film(world)?;
-        let mut film = Film::with_layers(self.size[0], self.size[1], kept);
-        if self.samples[0] > 0 {
-            film.keep_chunks();
-        }
-        let job = file.read_into(&mut film).map_err(|error| format!("{name}: {error}"))?;
-        resume(world, film, job);
-        Ok(())
-    }
-
-    /// Whether every pixel of the share has exactly its samples.
-    fn is_finished(&self, film: &Film) -> bool {
-        let samples = self.samples[1] - self.samples[0];
-        self.counts(film).all(|count| count == samples)
-    }
-
-    /// Whether every pixel of the share has a sample.
-    pub fn is_whole(&self, film: &Film) -> bool {
-        self.counts(film).all(|count| count > 0)
-    }
-
-    /// The number of samples of each of its pixels.
-    fn counts<'a>(&self, film: &'a Film) -> impl Iterator<Item = u32> + use<'a> {
-        let Crop { x, y, width, height } = self.crop;
-        let [all_columns, all_rows] = [film.width(), film.height()];
-        // Nothing is rendered yet where the film has no size.
-        let (columns, rows) = (x..(x + width).min(all_columns), y..(y + height).min(all_rows));
-        rows.flat_map(move |y| columns.clone().map(move |x| film.samples(x, y)))
-    }
-
-    /// The part of the picture that is rendered.
-    pub fn cut(&self, picture: LayeredImage) -> LayeredImage {
-        let Crop { x, y, width, height } = self.crop;
-        match self.crop == Crop::whole(self.size[0], self.size[1]) {
-            true => picture,
-            false => picture.cropped(x, y, width, height),
-        }
-    }
-
-    /// Writes the picture to a file of a part.
-    pub fn write(
-        &self,
-        world: &World,
-        path: &Path,
-        picture: &LayeredImage,
-        options: &FileOptions,
-    ) -> Result<(), ImageIoError> {
-        let content = encode_layered(picture, FileFormat::Exr, options)?;
-        self.write_state(world, path, &content, picture)
-    }
-
-    /// Writes a checkpoint. `described`: a picture with the attributes that the finished one will have.
-    pub fn write_checkpoint(&self, world: &World, path: &Path, described: &LayeredImage) -> Result<(), ImageIoError> {
-        let film = &world.resource::<RenderFilm>().film;
-        let mut picture = LayeredImage::from(&ImageRgb {
-            width: film.width(),
-            height: film.height(),
-            pixels: film.radiance(),
-        });
-        picture.attributes.clone_from(&described.attributes);
-        let options = FileOptions {
-            exr_compression: ExrCompression::None,
-            ..FileOptions::default()
-        };
-        let content = encode_layered(&self.cut(picture), FileFormat::Exr, &options)?;
-        self.write_state(world, path, &content, described)
-    }
-
-    fn write_state(
-        &self,
-        world: &World,
-        path: &Path,
-        content: &[u8],
-        described: &LayeredImage,
-    ) -> Result<(), ImageIoError> {
-        let film = &world.resource::<RenderFilm>().film;
-        let tiles: Vec<_> = self.crop.tiles(self.size[0], self.size[1]).collect();
-        let begun: Vec<_> = tiles
-            .into_iter()
-            .filter(|tile| film.samples(tile.x, tile.y) > 0)
-            .collect();
-        let header = PartHeader {
-            origin: self.origin.clone(),
-            width: self.size[0],
-            height: self.size[1],
-            crop: self.crop,
-            samples: self.samples,
-            is_finished: self.is_finished(film),
-            layers: film
-                .layers()
-                .layers
-                .iter()
-                .map(|layer| Layer::name(layer).to_owned())
-                .collect(),
-            about: about(world, described),
-        };
-        let job = job_state(world).unwrap_or_default();
-        write_part(path, content, &header, film, &begun, &job).map_err(|source| ImageIoError::Write {
-            path: path.to_owned(),
-            source,
-        })
+        let taken = self.piece.take_up(world, &file);
+        taken.map_err(|error| format!("{name}: {error}").into())
     }
 }
 
@@ -313,44 +196,12 @@ impl Share {
 pub fn pixel_counts(share: Option<&Share>, film: &Film) -> [usize; 2] {
     match share {
         Some(share) => [
-            share.counts(film).count(),
-            share.counts(film).filter(|&count| count == 0).count(),
+            share.piece.counts(film).count(),
+            share.piece.counts(film).filter(|&count| count == 0).count(),
         ],
         None => [
             film.width() as usize * film.height() as usize,
             film.pixels_without_samples(),
-        ],
-    }
-}
-
-/// What is needed to write the picture later.
-fn about(world: &World, described: &LayeredImage) -> About {
-    let names = PictureNames::of(world);
-    let text = |(name, attribute): &(String, Attribute)| match attribute {
-        // Manifests of cryptomattes list what is in these pixels; the finished picture has others.
-        Attribute::Text(value) if !name.starts_with("cryptomatte/") => Some((name.clone(), value.clone())),
-        _ => None,
-    };
-    let view = world.resource::<PackedScene>().view.as_ref();
-    let sensor = world.resource::<ActiveSensor>().0;
-    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
-    let storage = film.map(|film| film.storage).unwrap_or_default();
-    About {
-        texts: described.attributes.iter().filter_map(text).collect(),
-        seed: view.map_or(0, |view| view.seed),
-        objects: names.objects,
-        materials: names.materials,
-        light_groups: names.light_groups,
-        camera_axes: view.map_or([0; 9], |view| view.camera.axes().map(f32::to_bits)),
-        matrices: view.map_or([[0; 16]; 2], |view| {
-            let camera = &view.camera;
-            let matrices = [camera.right_up_forward_from_world(), camera.film_from_world()];
-            matrices.map(|matrix| matrix.to_cols_array().map(f32::to_bits))
-        }),
-        storage: [
-            storage.pixels.map(|format| format.name().to_owned()),
-            storage.components.map(|format| format.name().to_owned()),
-            storage.compression.map(|compression| compression.name().to_owned()),
         ],
     }
 }

@@ -102,7 +102,7 @@ impl Watch<'_> {
         }
         let mut described = LayeredImage::new(film.width(), film.height());
         (self.describe)(&mut described, world);
-        let result = share.write_checkpoint(world, path, &described);
+        let result = share.piece.write_checkpoint(world, path, &described);
         self.last.checkpoint = Instant::now();
         match result {
             Ok(()) => {
@@ -126,7 +126,7 @@ impl Watch<'_> {
         let film = &world.resource::<RenderFilm>().film;
         self.last.picture = Instant::now();
         let is_whole = match self.share {
-            Some(share) => share.is_whole(film),
+            Some(share) => share.piece.is_whole(film),
             None => film.width() > 0 && film.pixels_without_samples() == 0,
         };
         if !is_whole {

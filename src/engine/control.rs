@@ -44,6 +44,9 @@ pub struct RenderControl {
     pub view_size: Option<UVec2>,
     /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it when the scene or the view has changed otherwise.
     pub full_until_change: bool,
+    /// The exact size of the picture in pixels, whatever the film and `view_size` say: that of a picture that is gone on with. The engine resets it
+    /// when the scene or the view has changed otherwise.
+    pub size_until_change: Option<UVec2>,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
     /// What camera rays pass through; by default nothing.
@@ -77,6 +80,7 @@ impl Default for RenderControl {
             film_size_override: None,
             view_size: None,
             full_until_change: false,
+            size_until_change: None,
             view_mode: ViewMode::Path,
             sight: SightControl::default(),
             strategy_split: false,

@@ -96,8 +96,9 @@ pub(super) fn dispatch_job(
             new = new.into_share(first);
         }
         new.failure = reserved.err().map(|shortage| shortage.to_string());
-        if let Some((saved, state)) = demand.resumed.0.take()
-            && let Err(error) = new.resume(&state, saved, film.bypass_change_detection())
+        if let Some(saved) = demand.resumed.0.take()
+            && saved.is_of(&demand.extracted.scene, demand.extracted.view.as_ref())
+            && let Err(error) = new.resume(&saved.job, saved.film, film.bypass_change_detection())
         {
             new.failure = Some(error.to_string());
         }

@@ -238,13 +238,10 @@ pub(super) fn extract_scene(
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
     extracted.update_layers(keeps_groups);
     extracted.update_sight(&control.sight);
-    let same_scene = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
-        && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
-        && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
-        && Arc::ptr_eq(&old.textures, &extracted.scene.textures)
-        && Arc::ptr_eq(&old.lights, &extracted.scene.lights);
-    if control.full_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
-        control.full_until_change = false;
+    let same_scene = old.is_same(&extracted.scene);
+    let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
+    if has_size_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
+        (control.full_until_change, control.size_until_change) = (false, None);
         extracted.update_view(&authored, &control);
         extracted.update_layers(keeps_groups);
         extracted.update_sight(&control.sight);

@@ -110,6 +110,8 @@ pub(super) struct Job {
     /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
     beginning: Beginning,
+    /// Whether it goes on with an older picture, of which only previews around the region are missing.
+    is_resumed: bool,
     /// The number of tiles whose preview has not been collected.
     preview_left: usize,
     run: Option<Run>,
@@ -154,6 +156,7 @@ impl Job {
             cuts: BTreeSet::new(),
             stops: BTreeSet::new(),
             early: BTreeMap::new(),
+            is_resumed: false,
             preview_left: order.len(),
             beginning,
             tiles: order.into(),
@@ -187,11 +190,7 @@ impl Job {
     }
 
     fn is_of_scene(&self, scene: &RenderScene) -> bool {
-        Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
-            && Arc::ptr_eq(&self.scene.surfaces, &scene.surfaces)
-            && Arc::ptr_eq(&self.scene.materials, &scene.materials)
-            && Arc::ptr_eq(&self.scene.textures, &scene.textures)
-            && Arc::ptr_eq(&self.scene.lights, &scene.lights)
+        self.scene.is_same(scene)
     }
 
     /// Whether it makes the same picture with another number of pixels.
@@ -291,7 +290,11 @@ impl Job {
             _ => self.previews(),
         };
         self.preview_left = previews.len();
-        let queue = self.next_queue(stop, asked, &previews, step);
+        // Samples go on as they would have without an interruption, not with the previews.
+        let queue = match self.is_resumed && !previews.is_empty() {
+            true => WorkQueue::new(&[], 0, &previews, step),
+            false => self.next_queue(stop, asked, &previews, step),
+        };
         self.running_since = Some(Instant::now());
         let work = backend.work(
             self.scene.clone(),
@@ -354,7 +357,7 @@ impl Job {
             .active
             .iter()
             .copied()
-            .filter(|_| self.beginning != Beginning::Whole);
+            .filter(|_| self.beginning != Beginning::Whole && !self.is_resumed);
         inside
             .chain((0..self.tiles.len()).filter(|&index| !is_active[index]))
             .collect()

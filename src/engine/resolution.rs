@@ -37,6 +37,9 @@ pub fn full_size(film: &Film, control: &RenderControl) -> UVec2 {
 
 /// The pixels that are traced now.
 pub(super) fn traced(film: &Film, control: &RenderControl) -> UVec2 {
+    if let Some(size) = control.size_until_change {
+        return scaled(possible(size), control.motion_scale);
+    }
     let whole = possible(asked(film, control));
     let room = control.view_size.filter(|_| !control.full_until_change);
     let size = room.map_or(whole, |room| fit(whole, room).min(whole));
@@ -123,6 +126,14 @@ mod tests {
                 control.full_until_change = true;
             }),
             (whole, whole)
+        );
+        assert_eq!(
+            traced(|control| {
+                control.size_until_change = Some(UVec2::new(50, 40));
+                control.view_size = Some(UVec2::new(20, 20));
+                control.resolution_scale = 0.5;
+            }),
+            (UVec2::new(50, 40), UVec2::new(1920, 1080))
         );
         assert_eq!(
             traced(|control| {

@@ -7,10 +7,27 @@ use super::film::RenderFilm;
 use super::packed_scene::PackedScene;
 use super::renderer::Renderer;
 use crate::render::film::Film;
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
 
 /// The picture that the next job goes on with; None if it begins anew.
 #[derive(Resource, Default)]
-pub(super) struct Resumed(pub Option<(Film, Vec<u8>)>);
+pub(super) struct Resumed(pub Option<Saved>);
+
+/// The samples of a picture, and what they were made of.
+pub(super) struct Saved {
+    pub film: Film,
+    pub job: Vec<u8>,
+    scene: Option<RenderScene>,
+    view: Option<View>,
+}
+
+impl Saved {
+    /// Whether it is a picture of this scene and view.
+    pub fn is_of(&self, scene: &RenderScene, view: Option<&View>) -> bool {
+        self.view.as_ref() == view && self.scene.as_ref().is_some_and(|own| own.is_same(scene))
+    }
+}
 
 /// The state of the present job as bytes, for [`resume`]; None if there is no job.
 pub fn job_state(world: &World) -> Option<Vec<u8>> {
@@ -28,8 +45,10 @@ pub fn reserve_film(world: &mut World) -> Result<(), String> {
     reserved.map_err(|shortage| shortage.to_string())
 }
 
-/// Has the next picture go on with a film and the state of its job. Scene and view have to be those of that time. A state that is damaged makes rendering
-/// fail.
+/// Has the next picture go on with a film and the state of its job. The scene and the view that are packed have to be those of that time; if they change
+/// before the picture begins, it begins anew. A state that is damaged makes rendering fail.
 pub fn resume(world: &mut World, film: Film, job: Vec<u8>) {
-    world.insert_resource(Resumed(Some((film, job))));
+    let PackedScene { scene, view, .. } = world.resource::<PackedScene>();
+    let (scene, view) = (scene.clone(), view.clone());
+    world.insert_resource(Resumed(Some(Saved { film, job, scene, view })));
 }

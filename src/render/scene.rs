@@ -61,6 +61,16 @@ pub struct SurfaceTable {
 }
 
 impl RenderScene {
+    /// Whether it consists of the very tables of the other one.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.geometry, &other.geometry)
+            && Arc::ptr_eq(&self.surfaces, &other.surfaces)
+            && Arc::ptr_eq(&self.materials, &other.materials)
+            && Arc::ptr_eq(&self.textures, &other.textures)
+            && Arc::ptr_eq(&self.lights, &other.lights)
+            && Arc::ptr_eq(&self.media, &other.media)
+    }
+
     /// The point for texture lookups at `hit`, of which `point` is the surface.
     pub(crate) fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
         TexturePoint {

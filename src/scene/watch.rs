@@ -56,6 +56,11 @@ impl SceneWatch {
         self.waiting.is_empty() && self.on_their_way.is_empty()
     }
 
+    /// The files that the open scene consists of, and places where it looks for files in vain.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.reloads.keys().map(PathBuf::as_path)
+    }
+
     fn start(&mut self) {
         if self.watcher.is_some() || self.error.is_some() {
             return;

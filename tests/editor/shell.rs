@@ -12,6 +12,7 @@ use sunroom::app::editor::automation::script::verbs::VERBS;
 use sunroom::app::editor::command::addition::AdditionKind;
 use sunroom::app::editor::command::display::DisplayMode;
 use sunroom::app::editor::command::file_access::Question;
+use sunroom::app::editor::command::kept_picture::KeptPicture;
 use sunroom::app::editor::command::panel::Panel;
 use sunroom::app::editor::command::preferences::{Preferences, ThemeChoice};
 use sunroom::app::editor::command::recovery_offer::Offer;
@@ -28,6 +29,7 @@ use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::save_question::SaveQuestion;
 use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
 use sunroom::app::editor::window::palette::Palette;
+use sunroom::app::editor::window::picture_question::PictureQuestion;
 use sunroom::app::editor::window::shortcuts::shortcuts;
 use sunroom::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
 use sunroom::app::editor::window::{full_film, recovery_question, save_question, toasts, trust_question};
@@ -404,6 +406,39 @@ fn the_full_film_of_an_image_can_be_given_up() {
     );
     click(&mut harness, "Cancel");
     assert_eq!(harness.state().commands, [Command::StopFull]);
+}
+
+#[test]
+fn an_unfinished_picture_is_asked_about() {
+    let close = |is_worth_it: bool| {
+        let said = vec![Command::Undo, Command::Quit];
+        show((PictureQuestion::default(), said, is_worth_it), |egui, shown| {
+            let (question, said, is_worth_it) = &mut shown.it;
+            let mut commands = std::mem::take(said);
+            question.hold(&mut commands, *is_worth_it);
+            question.show(egui, 3723.0, &mut commands);
+            shown.commands.append(&mut commands);
+        })
+    };
+    assert_eq!(close(false).state().commands, [Command::Undo, Command::Quit]);
+    let keep = Command::KeptPicture(KeptPicture::KeepAndQuit);
+    for (answer, expected) in [
+        ("Keep", Some(keep.clone())),
+        ("Don't keep", Some(Command::Quit)),
+        ("Cancel", None),
+    ] {
+        let mut harness = close(true);
+        assert_eq!(harness.state().commands, [Command::Undo]);
+        assert!(harness.state().it.0.is_asking());
+        assert!(harness.query_by_label_contains("1:02:03").is_some());
+        click(&mut harness, answer);
+        let said: Vec<Command> = std::iter::once(Command::Undo).chain(expected).collect();
+        assert_eq!(harness.state().commands, said, "{answer}");
+        assert!(!harness.state().it.0.is_asking(), "{answer}");
+    }
+    let mut harness = close(true);
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().commands, [Command::Undo, keep]);
 }
 
 /// `docs/scripts.md` has the tables of the program.

@@ -113,6 +113,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(trust)
             .insert_resource(session::recovery::Recovery::new(folder.as_deref()))
             .insert_resource(views_file)
+            .insert_resource(session::kept_picture::KeptPictures::new(options.is_attended()))
             .insert_resource(commands::flight::Flights::new(
                 options.is_attended() || options.monkey.is_some(),
             ))
@@ -227,6 +228,7 @@ impl Plugin for EditorPlugin {
                         commands::saving::go_on.run_if(resource_exists::<commands::saving::SaveUnderWay>),
                         commands::timeline::play_on,
                         commands::apply_commands,
+                        commands::kept_picture::follow,
                         commands::flight::fly_on,
                         commands::full_film::follow_awaited_image,
                         picture::resolution::follow_place,

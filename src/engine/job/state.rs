@@ -52,7 +52,7 @@ impl Job {
             false => None,
         };
         self.adaptation.read(&mut from)?;
-        self.preview_left = 0;
+        self.is_resumed = true;
         film.begin_with(self.begun, &self.light_groups, self.is_coarse, saved);
         film.samples = self.least_samples();
         for (index, &tile) in self.tiles.iter().enumerate().filter(|(index, _)| self.done[*index] > 0) {

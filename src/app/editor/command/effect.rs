@@ -2,6 +2,7 @@
 
 use super::Command;
 use super::blocking::Reshaping;
+use super::kept_picture::KeptPicture;
 use super::shell::ShellCommand;
 use crate::scene::KeyEdit;
 
@@ -96,6 +97,7 @@ impl Command {
             | Self::Undo
             | Self::Redo
             | Self::GoTo(_)
+            | Self::KeptPicture(KeptPicture::Continue)
             | Self::Restart => Effect::View,
             Self::NewScene
             | Self::OpenScene(_)
@@ -105,6 +107,7 @@ impl Command {
             | Self::SaveScene(_)
             | Self::SaveChanged(..)
             | Self::SaveImage(_)
+            | Self::KeptPicture(_)
             | Self::ShowDialog(_)
             | Self::Quit
             | Self::Select(..)
@@ -158,7 +161,13 @@ impl Command {
 
     /// Whether the command is about single pixels of the picture.
     pub(crate) fn keeps_picture(&self) -> bool {
-        matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
+        matches!(
+            self,
+            Self::SaveImage(_)
+                | Self::TakeSnapshot
+                | Self::Measure
+                | Self::KeptPicture(KeptPicture::Keep | KeptPicture::KeepAndQuit)
+        )
     }
 
     /// Whether edits that no file has are lost with the command.

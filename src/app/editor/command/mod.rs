@@ -17,6 +17,7 @@ pub mod file_dialog;
 pub mod gizmo_settings;
 pub mod grid_settings;
 pub mod inspected_paths;
+pub mod kept_picture;
 pub mod key_bindings;
 mod label;
 mod lenient;
@@ -66,6 +67,7 @@ pub use file_dialog::FileDialogKind;
 use gizmo_settings::GizmoSettings;
 use grid_settings::GridSettings;
 use inspected_paths::InspectedPaths;
+use kept_picture::KeptPicture;
 use light_mix::LightMix;
 use material_tree::MaterialTree;
 use presets::Preset;
@@ -97,6 +99,8 @@ pub enum Command {
     SaveChanged(PathBuf, OnChange),
     /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
+    /// Keeps the picture beside the scene, to render it later, or goes on with one that was kept.
+    KeptPicture(KeptPicture),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
     /// Puts a file into the scene: where it was dropped, or onto the selection.

@@ -24,7 +24,9 @@ pub fn set_resolution(world: &mut World, resolution: Resolution) {
     world.resource_mut::<ViewSettings>().resolution = resolution;
     // The demand of an image that is waited for stays as it is, because it notices changes of the scene.
     if resolution != Resolution::Full || !world.contains_resource::<AwaitedImage>() {
-        control(world, |control| control.full_until_change = false);
+        control(world, |control| {
+            (control.full_until_change, control.size_until_change) = (false, None)
+        });
     }
 }
 
@@ -92,7 +94,9 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         control(world, |control| control.exact_samples = Some(samples));
         world.insert_resource(image);
     }
-    control(world, |control| control.full_until_change = true);
+    control(world, |control| {
+        (control.full_until_change, control.size_until_change) = (true, None)
+    });
     Ok(())
 }
 

@@ -17,6 +17,7 @@ pub(crate) mod fitting;
 pub(crate) mod flight;
 pub(crate) mod full_film;
 mod grouping;
+pub(crate) mod kept_picture;
 mod materials;
 mod mixing;
 mod pictures;
@@ -189,6 +190,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
         Command::SaveImage(path) => full_film::save_image(world, path)?,
+        Command::KeptPicture(command) => kept_picture::apply(world, command)?,
         Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),
         Command::Quit => {
             world.write_message(AppExit::Success);
@@ -276,7 +278,9 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SetResolution(resolution) => full_film::set_resolution(world, resolution),
         Command::SetEnlarging(enlarging) => world.resource_mut::<ViewSettings>().enlarging = enlarging,
         Command::RenderFull(request) => full_film::render(world, request)?,
-        Command::StopFull => control(world, |control| control.full_until_change = false),
+        Command::StopFull => control(world, |control| {
+            (control.full_until_change, control.size_until_change) = (false, None);
+        }),
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
         Command::SetSeeing(seen) => seeing::set(world, seen),

@@ -250,6 +250,10 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
         entry(ui, name, context, commands);
     }
     ui.separator();
+    for name in ["keep-picture", "continue-picture", "discard-picture"] {
+        entry(ui, name, context, commands);
+    }
+    ui.separator();
     entry(ui, "quit", context, commands);
 }
 

@@ -94,7 +94,7 @@ pub fn follow_place(
         control.view_size = view_size;
     }
     let rests = status.samples > 0 && !control.paused && status.last_restart.elapsed() >= REST;
-    let is_wanted = settings.resolution == Resolution::AfterRest && !is_large;
+    let is_wanted = settings.resolution == Resolution::AfterRest && !is_large && control.size_until_change.is_none();
     if is_wanted && rests && place.is_settled() && !control.full_until_change && status.size != status.full_size {
         control.full_until_change = true;
     }

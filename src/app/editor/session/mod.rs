@@ -3,6 +3,7 @@
 
 pub mod full_film_question;
 pub mod history;
+pub mod kept_picture;
 pub mod layout;
 pub mod options;
 pub mod panel_sizes;

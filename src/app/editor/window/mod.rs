@@ -9,6 +9,7 @@ pub(crate) mod file_dialog;
 pub mod full_film;
 pub(crate) mod late_quit;
 pub mod palette;
+pub mod picture_question;
 pub(crate) mod preview;
 pub mod recovery_question;
 pub mod save_question;

@@ -9,6 +9,7 @@ use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::late_quit::LateQuit;
+use super::picture_question::PictureQuestion;
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
@@ -28,6 +29,7 @@ use crate::app::editor::picture::awaited_image::EndedImage;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::resolution::PicturePlace;
+use crate::app::editor::session::kept_picture::KeptPictures;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::recovery::Recovery;
@@ -82,6 +84,8 @@ pub struct Shell<'w, 's> {
     mouse: Res<'w, AccumulatedMouseMotion>,
     unsaved_question: Local<'s, UnsavedQuestion>,
     late_quit: Local<'s, LateQuit>,
+    picture_question: Local<'s, PictureQuestion>,
+    kept_pictures: Res<'w, KeptPictures>,
     ended_image: Option<Res<'w, EndedImage>>,
 }
 
@@ -128,7 +132,8 @@ pub fn show_window(
         && requests.sheet.is_none()
         && shell.recovery.offer.is_none()
         && shell.trusted.question.is_none()
-        && !shell.unsaved_question.is_asking();
+        && !shell.unsaved_question.is_asking()
+        && !shell.picture_question.is_asking();
     let action_context = ActionContext {
         display: settings.display,
         overlay: settings.overlay,
@@ -288,6 +293,9 @@ pub fn show_window(
         // How to save them is no question any more.
         requests.save_question = None;
     }
+    shell.picture_question.hold(commands, shell.kept_pictures.is_offered);
+    let seconds = model.status.status.seconds;
+    shell.picture_question.show(&context, seconds, commands);
     let hidden = match requests.sheet {
         // The answer may solve the errors.
         _ if shell.trusted.question.is_some() => Some(Tone::Error),

@@ -31,6 +31,7 @@ use crate::app::editor::commands;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::resolution::PicturePlace;
+use crate::app::editor::session::kept_picture::{KeptPictures, Returning};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::window::preview::Previews;
 use crate::app::terminal;
@@ -120,7 +121,11 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
     if script.opens && scene.state == SceneState::Failed {
         return Err(ScriptError::Scene);
     }
-    if world.contains_resource::<AwaitedImage>() || !world.resource::<PicturePlace>().is_settled() {
+    if let Some(reason) = &world.resource::<KeptPictures>().failure {
+        return Err(reason.clone().into());
+    }
+    let is_awaited = world.contains_resource::<AwaitedImage>() || world.contains_resource::<Returning>();
+    if is_awaited || !world.resource::<PicturePlace>().is_settled() {
         return Ok(false);
     }
     if let Some(EndedImage(Err(reason))) = world.get_resource::<EndedImage>() {

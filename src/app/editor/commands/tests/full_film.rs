@@ -20,19 +20,8 @@ use crate::scene::{self, EmitterKind, ScenePlugin};
 pub(super) fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin))
-        .init_resource::<ViewSettings>()
-        .init_resource::<Requests>()
-        .init_resource::<Toasts>()
-        .init_resource::<CommandQueue>()
-        .init_resource::<FrameTimes>()
-        .init_resource::<Pacing>()
-        .init_resource::<Selection>()
-        .init_resource::<History>()
-        .init_resource::<LightMix>()
-        .init_resource::<crate::app::editor::command::light_mix::FilmLights>()
-        .init_resource::<Comparison>()
-        .init_resource::<Denoiser>()
         .add_systems(PostUpdate, follow_awaited_image.before(EngineSystems::Detect));
+    add_resources(&mut app);
     let world = app.world_mut();
     world.spawn((
         DocumentOrder(0),
@@ -53,6 +42,22 @@ pub(super) fn app() -> App {
     control.interactive = true;
     control.view_size = Some(UVec2::splat(60));
     app
+}
+
+/// What commands need beside the scene and the engine.
+pub(super) fn add_resources(app: &mut App) {
+    app.init_resource::<ViewSettings>()
+        .init_resource::<Requests>()
+        .init_resource::<Toasts>()
+        .init_resource::<CommandQueue>()
+        .init_resource::<FrameTimes>()
+        .init_resource::<Pacing>()
+        .init_resource::<Selection>()
+        .init_resource::<History>()
+        .init_resource::<LightMix>()
+        .init_resource::<crate::app::editor::command::light_mix::FilmLights>()
+        .init_resource::<Comparison>()
+        .init_resource::<Denoiser>();
 }
 
 pub(super) fn update_until(app: &mut App, reached: impl Fn(&World) -> bool) {

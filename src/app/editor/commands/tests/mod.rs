@@ -7,6 +7,7 @@ mod file_use;
 mod files;
 mod full_film;
 mod grouping;
+mod kept_picture;
 mod materials;
 mod placing;
 mod projecting;

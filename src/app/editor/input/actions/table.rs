@@ -6,6 +6,7 @@ use super::action::{Action, Group, action, alt, command, command_shift, plain, s
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
+use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
@@ -72,6 +73,19 @@ pub const FILE: &[Action] = &[
     }),
     action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
         Some(Command::ShowDialog(FileDialogKind::SaveImage))
+    }),
+    action(Group::File, "keep-picture", "Keep rendering later", &[], |_| {
+        Some(Command::KeptPicture(KeptPicture::Keep))
+    }),
+    action(
+        Group::File,
+        "continue-picture",
+        "Go on with the kept picture",
+        &[],
+        |_| Some(Command::KeptPicture(KeptPicture::Continue)),
+    ),
+    action(Group::File, "discard-picture", "Remove the kept picture", &[], |_| {
+        Some(Command::KeptPicture(KeptPicture::Discard))
     }),
     action(Group::File, "quit", "Quit", &[command(Key::Q)], |_| Some(Command::Quit)),
 ];

@@ -1,0 +1,180 @@
+//! The picture that is rendered as a file with its exact sums, from which rendering goes on or parts are merged.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use crate::engine::{PackedScene, PictureNames, RenderFilm, job_state, reserve_film, resume};
+use crate::layer::Layer;
+use crate::render::film::Film;
+use crate::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
+use crate::render::layered_image::{Attribute, LayeredImage};
+use crate::render::part::{About, Crop, Origin, PartFile, PartHeader, write_part};
+use crate::scene::{ActiveSensor, Film as SensorFilm};
+
+/// A picture that is rendered, or a share of one, without its samples.
+pub struct Piece {
+    /// What the whole picture is of.
+    pub origin: Origin,
+    /// Width and height of the whole picture in pixels.
+    pub size: [u32; 2],
+    /// The pixels of the piece.
+    pub crop: Crop,
+    /// The first sample of each pixel, and the end of its samples as they are asked for.
+    pub samples: [u32; 2],
+}
+
+impl Piece {
+    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error says why the picture is another one, or why the file
+    /// cannot be read, without its name.
+    pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<(), String> {
+        let header = file.header();
+        let view = world.resource::<PackedScene>().view.as_ref();
+        let Some(kept) = view.map(|view| view.film_layers()) else {
+            return Ok(());
+        };
+        if [header.width, header.height] != self.size || header.film_layers() != kept {
+            return Err("has another size or other layers, and cannot be resumed".to_owned());
+        }
+        if header.crop != self.crop || header.samples[0] != self.samples[0] {
+            let Crop { x, y, width, height } = header.crop;
+            let [start, end] = header.samples;
+            return Err(format!(
+                "is of --samples {start}..{end} --crop {x},{y},{width},{height}"
+            ));
+        }
+        reserve_film(world)?;
+        let mut film = Film::with_layers(self.size[0], self.size[1], kept);
+        if self.samples[0] > 0 {
+            film.keep_chunks();
+        }
+        let job = file.read_into(&mut film).map_err(|error| error.to_string())?;
+        resume(world, film, job);
+        Ok(())
+    }
+
+    /// Whether every pixel of the piece has exactly its samples.
+    fn is_finished(&self, film: &Film) -> bool {
+        let samples = self.samples[1] - self.samples[0];
+        self.counts(film).all(|count| count == samples)
+    }
+
+    /// Whether every pixel of the piece has a sample.
+    pub fn is_whole(&self, film: &Film) -> bool {
+        self.counts(film).all(|count| count > 0)
+    }
+
+    /// The number of samples of each of its pixels.
+    pub fn counts<'a>(&self, film: &'a Film) -> impl Iterator<Item = u32> + use<'a> {
+        let Crop { x, y, width, height } = self.crop;
+        let [all_columns, all_rows] = [film.width(), film.height()];
+        // Nothing is rendered yet where the film has no size.
+        let (columns, rows) = (x..(x + width).min(all_columns), y..(y + height).min(all_rows));
+        rows.flat_map(move |y| columns.clone().map(move |x| film.samples(x, y)))
+    }
+
+    /// The part of the picture that is the piece.
+    pub fn cut(&self, picture: LayeredImage) -> LayeredImage {
+        let Crop { x, y, width, height } = self.crop;
+        match self.crop == Crop::whole(self.size[0], self.size[1]) {
+            true => picture,
+            false => picture.cropped(x, y, width, height),
+        }
+    }
+
+    /// Writes the picture to a file with its exact sums.
+    pub fn write(
+        &self,
+        world: &World,
+        path: &Path,
+        picture: &LayeredImage,
+        options: &FileOptions,
+    ) -> Result<(), ImageIoError> {
+        let content = encode_layered(picture, FileFormat::Exr, options)?;
+        self.write_state(world, path, &content, picture)
+    }
+
+    /// Writes a checkpoint. `described`: a picture with the attributes that the finished one will have.
+    pub fn write_checkpoint(&self, world: &World, path: &Path, described: &LayeredImage) -> Result<(), ImageIoError> {
+        let film = &world.resource::<RenderFilm>().film;
+        let mut picture = LayeredImage::from(&ImageRgb {
+            width: film.width(),
+            height: film.height(),
+            pixels: film.radiance(),
+        });
+        picture.attributes.clone_from(&described.attributes);
+        let options = FileOptions {
+            exr_compression: ExrCompression::None,
+            ..FileOptions::default()
+        };
+        let content = encode_layered(&self.cut(picture), FileFormat::Exr, &options)?;
+        self.write_state(world, path, &content, described)
+    }
+
+    fn write_state(
+        &self,
+        world: &World,
+        path: &Path,
+        content: &[u8],
+        described: &LayeredImage,
+    ) -> Result<(), ImageIoError> {
+        let film = &world.resource::<RenderFilm>().film;
+        let tiles: Vec<_> = self.crop.tiles(self.size[0], self.size[1]).collect();
+        let begun: Vec<_> = tiles
+            .into_iter()
+            .filter(|tile| film.samples(tile.x, tile.y) > 0)
+            .collect();
+        let header = PartHeader {
+            origin: self.origin.clone(),
+            width: self.size[0],
+            height: self.size[1],
+            crop: self.crop,
+            samples: self.samples,
+            is_finished: self.is_finished(film),
+            layers: film
+                .layers()
+                .layers
+                .iter()
+                .map(|layer| Layer::name(layer).to_owned())
+                .collect(),
+            about: about(world, described),
+        };
+        let job = job_state(world).unwrap_or_default();
+        write_part(path, content, &header, film, &begun, &job).map_err(|source| ImageIoError::Write {
+            path: path.to_owned(),
+            source,
+        })
+    }
+}
+
+/// What is needed to write the picture later.
+fn about(world: &World, described: &LayeredImage) -> About {
+    let names = PictureNames::of(world);
+    let text = |(name, attribute): &(String, Attribute)| match attribute {
+        // Manifests of cryptomattes list what is in these pixels; the finished picture has others.
+        Attribute::Text(value) if !name.starts_with("cryptomatte/") => Some((name.clone(), value.clone())),
+        _ => None,
+    };
+    let view = world.resource::<PackedScene>().view.as_ref();
+    let sensor = world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
+    let storage = film.map(|film| film.storage).unwrap_or_default();
+    About {
+        texts: described.attributes.iter().filter_map(text).collect(),
+        seed: view.map_or(0, |view| view.seed),
+        objects: names.objects,
+        materials: names.materials,
+        light_groups: names.light_groups,
+        camera_axes: view.map_or([0; 9], |view| view.camera.axes().map(f32::to_bits)),
+        matrices: view.map_or([[0; 16]; 2], |view| {
+            let camera = &view.camera;
+            let matrices = [camera.right_up_forward_from_world(), camera.film_from_world()];
+            matrices.map(|matrix| matrix.to_cols_array().map(f32::to_bits))
+        }),
+        storage: [
+            storage.pixels.map(|format| format.name().to_owned()),
+            storage.components.map(|format| format.name().to_owned()),
+            storage.compression.map(|compression| compression.name().to_owned()),
+        ],
+    }
+}

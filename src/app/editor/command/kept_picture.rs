@@ -1,0 +1,14 @@
+//! Commands for a picture that is not finished and is kept beside its scene.
+
+/// The command about the kept picture of the open scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptPicture {
+    /// Keeps the picture with all its samples, in place of one that was kept before.
+    Keep,
+    /// Does `Keep`, and closes the window unless that fails.
+    KeepAndQuit,
+    /// Goes on with the picture that was kept.
+    Continue,
+    /// Removes the picture that was kept.
+    Discard,
+}

@@ -1,0 +1,340 @@
+//! Keeps a picture that is not finished beside its scene, and goes on with it another day.
+//!
+//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. What the picture is of is compared before it
+//! is gone on with: a picture of a scene that was changed begins anew, and the file stays.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+
+use super::view::look_through_first;
+use super::world::{control, set_resource};
+use crate::app::checkpoint::Piece;
+use crate::app::editor::camera::pose::{is_orthographic, lens_of_view, view_pose};
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::kept_picture::KeptPicture;
+use crate::app::editor::command::stored_view::StoredView;
+use crate::app::editor::picture::awaited_image::AwaitedImage;
+use crate::app::editor::session::history::History;
+use crate::app::editor::session::kept_picture::{KeptPictures, Returning, Shown, kept_file};
+use crate::app::editor::session::options::SceneDefines;
+use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::origin::origin_of_open;
+use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
+use crate::render::layered_image::{Attribute, LayeredImage};
+use crate::render::part::{Crop, Origin, PartFile};
+use crate::scene::{
+    AccelMethod, ActiveSensor, DocumentOrder, Film, FreeView, Hidden, SceneState, SceneStatus, Sensor, show_moment,
+    shown_time,
+};
+
+/// The name of the text in the file that says how the window showed the scene.
+const SHOWN: &str = "sunroom:window";
+
+pub fn apply(world: &mut World, command: KeptPicture) -> Result<(), CommandError> {
+    match command {
+        KeptPicture::Keep => keep(world),
+        KeptPicture::KeepAndQuit => keep(world).map(|()| {
+            world.write_message(AppExit::Success);
+        }),
+        KeptPicture::Continue => begin_to_continue(world),
+        KeptPicture::Discard => discard(world),
+    }
+}
+
+fn keep(world: &mut World) -> Result<(), CommandError> {
+    let scene = keepable(world)?;
+    let path = kept_file(&scene);
+    let film = world.resource::<RenderFilm>();
+    let (job, size) = (film.job, [film.film.width(), film.film.height()]);
+    let shown = shown(world);
+    let status = world.resource::<RenderStatus>();
+    let (samples, seconds, target) = (status.samples, status.seconds, status.target);
+    let piece = Piece {
+        origin: origin(world, &scene).map_err(CommandError::file)?,
+        size,
+        crop: Crop::whole(size[0], size[1]),
+        samples: [0, target],
+    };
+    let mut described = LayeredImage::new(size[0], size[1]);
+    let shown = serde_json::to_string(&shown).map_err(CommandError::file)?;
+    let texts = [
+        ("software", concat!("Sunroom ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("sunroom:scene", scene.display().to_string()),
+        (SHOWN, shown),
+    ];
+    for (name, text) in texts {
+        described.set_attribute(name, Attribute::Text(text));
+    }
+    let written = piece.write_checkpoint(world, &path, &described);
+    written.map_err(CommandError::file)?;
+    world.resource_mut::<KeptPictures>().note_kept(job, seconds);
+    let mut toasts = world.resource_mut::<Toasts>();
+    toasts.forget(Topic::Saving);
+    toasts.info(format!(
+        "Kept the picture with {samples} samples in {}: it goes on when the scene is opened again",
+        name_of(&path)
+    ));
+    Ok(())
+}
+
+/// The scene whose picture can be kept. The error says why there is none.
+fn keepable(world: &World) -> Result<PathBuf, CommandError> {
+    let scene = saved_scene(world)?;
+    let status = world.resource::<RenderStatus>();
+    let has_picture = matches!(
+        status.state,
+        RenderState::Rendering | RenderState::Paused | RenderState::Done
+    );
+    if !has_picture || status.samples == 0 || !status.is_up_to_date {
+        return Err("There is no picture yet.".into());
+    }
+    if let Some(image) = world.get_resource::<AwaitedImage>() {
+        let file = image.file_name();
+        return Err(format!("The full film is still rendered for {file}: keep the picture after it.").into());
+    }
+    let control = world.resource::<RenderControl>();
+    let is_plain = control.view_mode == ViewMode::Path && !control.strategy_split;
+    // No file has what is hidden.
+    let hides = world
+        .try_query_filtered::<(), With<Hidden>>()
+        .is_some_and(|mut hidden| hidden.iter(world).next().is_some());
+    if !is_plain || hides || control.sight != SightControl::default() {
+        return Err(
+            "Only a picture of the whole scene can be kept: show everything, and light instead of false colours."
+                .into(),
+        );
+    }
+    Ok(scene)
+}
+
+/// The open scene, if its file has all edits.
+fn saved_scene(world: &World) -> Result<PathBuf, CommandError> {
+    let status = world.resource::<SceneStatus>();
+    if status.state == SceneState::Loading {
+        return Err("A scene is still being read.".into());
+    }
+    let history = world.resource::<History>();
+    match &status.path {
+        None => Err("The scene has no file yet: save it, and its picture can be kept beside it.".into()),
+        Some(_) if !history.is_saved() || history.is_saving() => {
+            Err("The picture is of edits that are not saved: save the scene first.".into())
+        }
+        Some(path) => Ok(path.clone()),
+    }
+}
+
+/// What the picture is of.
+fn origin(world: &World, scene: &Path) -> Result<Origin, String> {
+    let sensor = world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
+    let is_adaptive = film.is_some_and(|film| film.adaptive);
+    let is_adaptive = world.resource::<RenderControl>().adaptive.unwrap_or(is_adaptive);
+    let accel = match world.resource::<AccelMethod>() {
+        AccelMethod::Linear => "linear",
+        AccelMethod::Median => "median",
+        AccelMethod::Sah => "sah",
+    };
+    // They have the names that the command line uses.
+    let mut settings = vec![("the acceleration structure".to_owned(), accel.to_owned())];
+    let defines = world.resource::<SceneDefines>().0.iter();
+    settings.extend(defines.map(|(name, value)| (format!("-D {name}"), value.clone())));
+    settings.push(("adaptive sampling".to_owned(), is_adaptive.to_string()));
+    let time = shown_time(world);
+    if time != 0.0 {
+        settings.push(("the time in seconds".to_owned(), time.to_string()));
+    }
+    origin_of_open(world, scene, settings)
+}
+
+/// The cameras in the order of the file.
+fn cameras(world: &mut World) -> Vec<Entity> {
+    let mut cameras = world.query_filtered::<(&DocumentOrder, Entity), With<Sensor>>();
+    let mut cameras: Vec<_> = cameras.iter(world).collect();
+    cameras.sort();
+    cameras.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// How the window shows the scene.
+fn shown(world: &mut World) -> Shown {
+    let cameras = cameras(world);
+    let active = world.resource::<ActiveSensor>().0;
+    let free = world.resource::<FreeView>();
+    let is_free = free.pose.is_some() || free.lens.is_some();
+    let orthographic = is_orthographic(world);
+    let view = view_pose(world).filter(|_| is_free);
+    let control = world.resource::<RenderControl>();
+    Shown {
+        camera: cameras.iter().position(|camera| Some(*camera) == active).unwrap_or(0),
+        view: view.map(|pose| StoredView { pose, orthographic }),
+        time: shown_time(world),
+        samples: control.target_samples,
+        seconds: control.time_limit,
+        noise: control.noise_target,
+        adaptive: control.adaptive,
+        keeps_lights_apart: control.light_layers,
+        region: control.region.map(|region| [region.min.into(), region.max.into()]),
+    }
+}
+
+/// Shows the scene as it was shown then, up to the size of the picture.
+fn show(world: &mut World, shown: &Shown) {
+    world.resource_mut::<ViewSettings>().playback.stop();
+    if shown.time != shown_time(world) {
+        show_moment(world, shown.time);
+    }
+    let camera = cameras(world).get(shown.camera).copied();
+    if camera.is_some() && camera != world.resource::<ActiveSensor>().0 {
+        look_through_first(world, camera);
+    }
+    let view = match shown.view {
+        Some(view) => FreeView {
+            pose: Some(view.pose),
+            lens: lens_of_view(world, view.orthographic),
+        },
+        None => FreeView::default(),
+    };
+    set_resource(world, view);
+    control(world, |control| {
+        control.paused = false;
+        control.exact_samples = None;
+        control.target_samples = shown.samples;
+        control.time_limit = shown.seconds;
+        control.noise_target = shown.noise;
+        control.adaptive = shown.adaptive;
+        control.region = shown.region.map(|[min, max]| Rect {
+            min: min.into(),
+            max: max.into(),
+        });
+        control.light_layers = shown.keeps_lights_apart;
+    });
+}
+
+fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
+    let scene = saved_scene(world)?;
+    let path = kept_file(&scene);
+    if !path.exists() {
+        return Err("No picture of this scene is kept.".into());
+    }
+    let name = name_of(&path);
+    let file = PartFile::open(&path).map_err(|error| CommandError::file(format!("{name}: {error}")))?;
+    let mut texts = file.header().about.texts.iter();
+    let text = texts.find(|(name, _)| name == SHOWN).map(|(_, text)| text.as_str());
+    let shown: Shown = text.and_then(|text| serde_json::from_str(text).ok()).ok_or_else(|| {
+        CommandError::file(format!(
+            "{name} was not kept by the window: `sunroom render --resume` goes on with it"
+        ))
+    })?;
+    show(world, &shown);
+    world.resource_mut::<KeptPictures>().failure = None;
+    let is_sized = false;
+    world.insert_resource(Returning { scene, file, is_sized });
+    Ok(())
+}
+
+fn discard(world: &mut World) -> Result<(), CommandError> {
+    let scene = world.resource::<SceneStatus>().path.clone();
+    let path = scene.map(|scene| kept_file(&scene)).filter(|path| path.exists());
+    let path = path.ok_or("No picture of this scene is kept.")?;
+    std::fs::remove_file(&path).map_err(|error| CommandError::file(format!("{}: {error}", path.display())))?;
+    let text = format!("Removed {}", name_of(&path));
+    world.resource_mut::<Toasts>().info(text);
+    Ok(())
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Goes on with the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every frame after the commands.
+pub(crate) fn follow(world: &mut World) {
+    let status = world.resource::<SceneStatus>();
+    if status.is_opening {
+        return;
+    }
+    let (revision, is_fresh) = (status.revision, status.fresh_load);
+    let kept = status.path.as_deref().map(kept_file);
+    let is_opened = world.resource_mut::<KeptPictures>().take_opened(revision, is_fresh);
+    // What was recovered is of no file.
+    if is_opened
+        && kept.is_some_and(|kept| kept.is_file())
+        && world.resource::<History>().is_saved()
+        && let Err(error) = begin_to_continue(world)
+    {
+        fail(world, error.to_string());
+    }
+    if let Some(returning) = world.remove_resource::<Returning>() {
+        go_on(world, returning);
+    }
+    let (job, status) = (world.resource::<RenderFilm>().job, world.resource::<RenderStatus>());
+    let (seconds, state) = (status.seconds, status.state);
+    let is_much = world.resource_mut::<KeptPictures>().note(job, seconds);
+    let is_unfinished = matches!(state, RenderState::Rendering | RenderState::Paused);
+    let is_offered = is_much && is_unfinished && keepable(world).is_ok();
+    world.resource_mut::<KeptPictures>().is_offered = is_offered;
+}
+
+fn go_on(world: &mut World, mut returning: Returning) {
+    let path = world.resource::<SceneStatus>().path.as_deref();
+    if path != Some(&*returning.scene) || !world.resource::<History>().is_saved() {
+        return fail(
+            world,
+            "The kept picture is not gone on with: the scene was changed meanwhile.".to_owned(),
+        );
+    }
+    let status = world.resource::<RenderStatus>();
+    if status.state == RenderState::Failed {
+        return fail(
+            world,
+            "The kept picture is not gone on with: rendering has failed.".to_owned(),
+        );
+    }
+    if !status.is_up_to_date {
+        return world.insert_resource(returning);
+    }
+    let header = returning.file.header();
+    let size = [header.width, header.height];
+    if !returning.is_sized {
+        returning.is_sized = true;
+        control(world, |control| control.size_until_change = Some(size.into()));
+        return world.insert_resource(returning);
+    }
+    let name = name_of(&kept_file(&returning.scene));
+    if let Err(error) = take_up(world, &returning, size) {
+        control(world, |control| control.size_until_change = None);
+        return fail(world, format!("{name}: {error}"));
+    }
+    world.resource_mut::<KeptPictures>().note_resumed();
+    control(world, |control| control.restart_requested = true);
+    world
+        .resource_mut::<Toasts>()
+        .info(format!("Goes on with the picture in {name}"));
+}
+
+/// Lets the picture go on, if it is of the scene as it is now. The error says what differs.
+fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<(), String> {
+    let view = world.resource::<PackedScene>().view.as_ref();
+    if view.is_none_or(|view| [view.width, view.height] != size) {
+        return Err("the view was changed meanwhile, and the picture begins anew".to_owned());
+    }
+    let header = returning.file.header();
+    let origin = origin(world, &returning.scene)?;
+    let differences = origin.differences(&header.origin);
+    if !differences.is_empty() {
+        let text = differences.join("; ");
+        return Err(format!("the picture is of another scene and begins anew: {text}"));
+    }
+    let piece = Piece {
+        origin,
+        size,
+        crop: Crop::whole(size[0], size[1]),
+        samples: [0, header.samples[1]],
+    };
+    piece.take_up(world, &returning.file)
+}
+
+fn fail(world: &mut World, text: String) {
+    world.resource_mut::<Toasts>().error(Topic::Other, &text, None);
+    world.resource_mut::<KeptPictures>().failure = Some(text);
+}

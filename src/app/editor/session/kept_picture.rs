@@ -1,0 +1,146 @@
+//! The picture that is kept beside its scene to be rendered later: where it is, how it was shown, and whether there is something to keep.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::app::editor::command::stored_view::StoredView;
+use crate::render::part::PartFile;
+
+/// The rendering in seconds that is worth a question before it is lost.
+const WORTH_A_QUESTION: f64 = 60.0;
+
+/// The file in which the picture of a scene is kept.
+pub fn kept_file(scene: &Path) -> PathBuf {
+    let mut name = scene.file_name().unwrap_or_default().to_owned();
+    name.push(".unfinished.exr");
+    scene.with_file_name(name)
+}
+
+/// What the window needs beside the scene to make the same picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shown {
+    /// The index of the camera in use, in the order of the file.
+    pub camera: usize,
+    /// The view; None for that of the camera.
+    pub view: Option<StoredView>,
+    /// The time of the scene in seconds.
+    pub time: f64,
+    /// The samples per pixel to stop at; None for those of the film.
+    pub samples: Option<u32>,
+    /// The seconds of rendering to stop at.
+    pub seconds: Option<f32>,
+    /// The noise to stop at; None for that of the film.
+    pub noise: Option<f32>,
+    /// Whether sampling is adaptive; None if the film says so.
+    pub adaptive: Option<bool>,
+    /// The corners of the part of the picture that gets samples, see [`RenderControl::region`](crate::engine::RenderControl::region).
+    pub region: Option<[[f32; 2]; 2]>,
+    /// Whether the light of each light is kept by itself.
+    pub keeps_lights_apart: bool,
+}
+
+/// A kept picture that is gone on with as soon as the scene is as it was then.
+#[derive(Resource)]
+pub struct Returning {
+    /// The scene.
+    pub scene: PathBuf,
+    /// The picture.
+    pub file: PartFile,
+    /// Whether the picture was given the size of the kept one.
+    pub is_sized: bool,
+}
+
+/// What is known of the kept picture, and of the samples that no file has.
+#[derive(Resource, Debug, Default)]
+pub struct KeptPictures {
+    /// Whether a scene that is opened goes on with its picture.
+    returns: bool,
+    /// The last load of the scene that was looked at.
+    seen: u64,
+    /// The picture as [`RenderFilm`](crate::engine::RenderFilm) counts them, and the seconds of rendering of which nothing needs to be kept.
+    kept: (u64, f64),
+    /// Whether the next picture is the kept one.
+    resumes: bool,
+    /// Whether the user is asked before the picture is lost.
+    pub is_offered: bool,
+    /// The reason why the kept picture was not gone on with when that was last asked for.
+    pub failure: Option<String>,
+}
+
+impl KeptPictures {
+    /// `returns`: whether scenes go on with their pictures when they are opened.
+    pub fn new(returns: bool) -> Self {
+        Self {
+            returns,
+            ..Self::default()
+        }
+    }
+
+    /// Whether a scene was opened since the last call that may go on with its picture. `revision` counts the loads.
+    pub fn take_opened(&mut self, revision: u64, is_fresh: bool) -> bool {
+        let is_new = std::mem::replace(&mut self.seen, revision) != revision;
+        is_new && is_fresh && self.returns
+    }
+
+    /// Notes the picture and how long it was rendered. Returns whether much of that is in no file.
+    pub fn note(&mut self, job: u64, seconds: f64) -> bool {
+        if self.kept.0 != job {
+            let kept = if std::mem::take(&mut self.resumes) {
+                seconds
+            } else {
+                0.0
+            };
+            self.kept = (job, kept);
+        }
+        seconds - self.kept.1 >= WORTH_A_QUESTION
+    }
+
+    /// Notes that the picture was kept.
+    pub fn note_kept(&mut self, job: u64, seconds: f64) {
+        self.kept = (job, seconds);
+    }
+
+    /// Notes that the next picture is the kept one.
+    pub fn note_resumed(&mut self) {
+        self.resumes = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_is_asked_only_about_what_no_file_has() {
+        let mut kept = KeptPictures::default();
+        assert!(!kept.note(1, WORTH_A_QUESTION - 1.0));
+        assert!(kept.note(1, WORTH_A_QUESTION));
+        kept.note_kept(1, WORTH_A_QUESTION);
+        assert!(!kept.note(1, WORTH_A_QUESTION + 1.0));
+        assert!(kept.note(1, 2.0 * WORTH_A_QUESTION));
+        assert!(!kept.note(2, 1.0), "another picture");
+        kept.note_resumed();
+        assert!(!kept.note(2, 2.0), "it is still to come");
+        assert!(!kept.note(3, 5000.0), "all of it is in the file");
+        assert!(kept.note(3, 5000.0 + WORTH_A_QUESTION));
+        assert!(kept.note(4, WORTH_A_QUESTION));
+    }
+
+    #[test]
+    fn a_scene_that_is_opened_goes_on_once() {
+        let mut kept = KeptPictures::new(true);
+        assert!(kept.take_opened(1, true));
+        assert!(!kept.take_opened(1, true));
+        assert!(!kept.take_opened(2, false), "it was read again");
+        assert!(kept.take_opened(3, true));
+        assert!(!KeptPictures::new(false).take_opened(1, true));
+    }
+
+    #[test]
+    fn the_file_is_beside_the_scene() {
+        let file = kept_file(Path::new("/a.b/room.xml"));
+        assert_eq!(file, Path::new("/a.b/room.xml.unfinished.exr"));
+    }
+}
