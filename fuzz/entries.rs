@@ -24,13 +24,14 @@ use sunroom_core::geometry::ply::load_ply;
 use sunroom_core::geometry::serialized::SerializedFile;
 use sunroom_core::gltf::Gltf;
 use sunroom_core::gltf::files::take_apart;
+use sunroom_core::medium::vdb::VdbFile;
 use sunroom_core::texture::load_image;
 
 /// Reads bytes as one kind of file.
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 18] = [
+pub const ENTRIES: [(&str, Entry); 19] = [
     ("xml", xml),
     ("dialect", xml),
     ("numbers", numbers),
@@ -49,6 +50,7 @@ pub const ENTRIES: [(&str, Entry); 18] = [
     ("hdr", hdr),
     ("exr", exr),
     ("pfm", pfm),
+    ("vdb", vdb),
 ];
 
 /// No file has this name, and none has a name relative to its folder.
@@ -256,6 +258,19 @@ pub fn serialized_shape(bytes: &[u8]) {
     file.resize(file.len() + if version == 3 { 4 } else { 8 }, 0);
     file.extend(1u32.to_le_bytes());
     serialized(&file);
+}
+
+/// A file of volumes: its table and its first grids.
+pub fn vdb(bytes: &[u8]) {
+    let Ok(file) = VdbFile::open(bytes) else {
+        return;
+    };
+    for name in file.names().iter().take(4) {
+        if let Ok(volume) = file.read(Some(name), 1 << 22) {
+            assert!(volume.grid.size() <= 1 << 22);
+            assert!(volume.world_from_local.inverse().is_finite());
+        }
+    }
 }
 
 /// What the documentation of meshes promises of every mesh that was loaded.

@@ -16,6 +16,7 @@ mod phase;
 mod tabulated_phase;
 mod tracking;
 mod uniform;
+pub mod vdb;
 mod volume;
 
 pub use grid::{GridError, VolumeGrid, Voxels};
