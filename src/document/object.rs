@@ -33,11 +33,11 @@ pub enum Category {
     Emitter,
     /// A value that varies over a surface, `<texture>`.
     Texture,
-    /// A participating medium, `<medium>`. It is parsed, but no medium is supported.
+    /// A participating medium, which fills the space between surfaces, `<medium>`.
     Medium,
-    /// The phase function of a medium, `<phase>`. It is parsed, but none is supported.
+    /// The phase function of a medium, which says where scattered light goes, `<phase>`.
     Phase,
-    /// A value that varies in space, `<volume>`. It is parsed, but none is supported.
+    /// A value that varies in space, `<volume>`.
     Volume,
 }
 

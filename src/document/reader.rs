@@ -239,6 +239,18 @@ impl<'a, 'd> Reader<'a, 'd> {
         read
     }
 
+    /// Reads another object with the same index and diagnostics. Unlike [`Self::nested`] it leaves it to `read` whether it finishes with it.
+    pub fn apart<T>(&mut self, object: &'a Object, read: impl FnOnce(Reader<'a, '_>) -> T) -> T {
+        read(Reader::new(self.index, object, self.diagnostics))
+    }
+
+    /// The plugins of a kind in another object, with references resolved. They do not count as read.
+    pub fn inside(&self, object: &'a Object, category: Category) -> impl Iterator<Item = &'a Object> {
+        let children = object.children.iter();
+        let inside = children.filter_map(|child| self.index.resolve(child));
+        inside.filter(move |child| child.category == category)
+    }
+
     /// The plugins of a kind, in file order, with the names they carry; references are resolved.
     pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
         let mut found = Vec::new();

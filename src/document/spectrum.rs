@@ -35,6 +35,8 @@ impl Role {
     pub fn of(owner: Category, parameter: &str) -> Self {
         match owner {
             Category::Emitter => Self::Emission,
+            Category::Medium if parameter == "emission" => Self::Emission,
+            Category::Medium if parameter == "albedo" => Self::Reflectance,
             _ if parameter.contains("reflectance") || parameter.contains("transmittance") => Self::Reflectance,
             _ => Self::Unbounded,
         }

@@ -1,6 +1,6 @@
 //! A whole scene file as plain data: what [`super::read`] makes of a document and [`super::spawn`] turns into entities.
 //!
-//! No entities and no handles: two descriptions can be compared, and references are indices into `materials`.
+//! No entities and no handles: two descriptions can be compared, and references are indices into `materials` and the like.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -10,12 +10,12 @@ use bevy::math::{Affine3A, Vec3};
 
 use super::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Keys, LengthUnit, Material,
-    Placements, Sensor, Shape, ShapeKind,
+    Medium, Placements, Sensor, Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
 
-/// The place where the scene file first names each picture, by absolute path.
+/// The place where the scene file first names each picture or volume, by absolute path.
 pub type PicturePlaces = HashMap<PathBuf, Span>;
 
 /// A scene as data, before it becomes entities or XML.
@@ -35,6 +35,8 @@ pub struct SceneDescription {
     pub sensors: Vec<SensorDescription>,
     /// The materials, nested ones too.
     pub materials: Vec<MaterialDescription>,
+    /// The participating media.
+    pub media: Vec<MediumDescription>,
     /// The `shapegroup`s that instances place.
     pub groups: Vec<GroupDescription>,
     /// The shapes, with the members of groups.
@@ -49,10 +51,12 @@ pub struct SceneDescription {
     pub missing: Vec<PathBuf>,
     /// The place where each picture is named first.
     pub picture_places: PicturePlaces,
+    /// The place where each grid of a volume is named first.
+    pub volume_places: PicturePlaces,
 }
 
 impl SceneDescription {
-    /// The places in the scene file that messages about meshes and pictures may name.
+    /// The places in the scene file that messages about meshes, pictures and volumes may name.
     pub(super) fn places_of_files(&self) -> impl Iterator<Item = Span> {
         let meshes = self
             .shapes
@@ -63,7 +67,8 @@ impl SceneDescription {
             let properties = object.properties.iter().map(|property| property.span);
             std::iter::once(object.span).chain(properties)
         });
-        self.picture_places.values().copied().chain(of_meshes)
+        let others = self.picture_places.values().chain(self.volume_places.values());
+        others.copied().chain(of_meshes)
     }
 
     /// The description of a new scene: a camera that looks at the origin from some units away, and a grey sky.
@@ -86,6 +91,7 @@ impl SceneDescription {
                 film,
                 to_world: Affine3A::look_at_rh(place, Vec3::ZERO, Vec3::Y).inverse()
                     * Affine3A::from_rotation_y(std::f32::consts::PI),
+                medium: None,
             }],
             emitters: vec![EmitterDescription {
                 identity: identity("sky", 1),
@@ -94,6 +100,7 @@ impl SceneDescription {
                 }
                 .into(),
                 to_world: Affine3A::IDENTITY,
+                medium: None,
             }],
             ..Self::default()
         }
@@ -128,6 +135,8 @@ pub struct SensorDescription {
     pub film: Film,
     /// The map from camera space: +z forward, +x left, +y up.
     pub to_world: Affine3A,
+    /// The medium that it is in, as an index into [`SceneDescription::media`].
+    pub medium: Option<usize>,
 }
 
 /// A bsdf.
@@ -145,15 +154,30 @@ pub struct MaterialDescription {
     pub declared_in: DeclarationPlace,
 }
 
-/// The place at which a material is declared.
+/// A participating medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumDescription {
+    /// The place in the file and the names.
+    pub identity: Identity,
+    /// The parameters.
+    pub medium: Medium,
+    /// Decides where the medium is written when the scene is saved.
+    pub declared_in: DeclarationPlace,
+}
+
+/// The place at which a material or a medium is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeclarationPlace {
     /// It is in the scene itself, and found by references.
     TopLevel,
     /// It is inside the shape of this index.
     Shape(usize),
-    /// It is inside the material of this index.
+    /// It is inside the material of this index. Media are not.
     Material(usize),
+    /// It is inside the sensor of this index. Materials are not.
+    Sensor(usize),
+    /// It is inside the emitter of this index. Materials are not.
+    Emitter(usize),
 }
 
 /// A shape with everything that hangs on it.
@@ -167,6 +191,10 @@ pub struct ShapeDescription {
     pub to_world: Affine3A,
     /// The material. None if the file names none: the mesh's own materials apply then, or else the default.
     pub material: Option<usize>,
+    /// The medium on the inner side, as an index into [`SceneDescription::media`].
+    pub interior: Option<usize>,
+    /// The medium on the outer side.
+    pub exterior: Option<usize>,
     /// The emission; None for a shape that does not shine.
     pub area_light: Option<AreaLight>,
     /// The group of a member, or below of an instance: indices into [`SceneDescription::groups`].
@@ -193,4 +221,6 @@ pub struct EmitterDescription {
     pub emitter: Emitter,
     /// The map from the light's own space, in which it shines along +z or has +y or +z up.
     pub to_world: Affine3A,
+    /// The medium that it is in, as an index into [`SceneDescription::media`].
+    pub medium: Option<usize>,
 }

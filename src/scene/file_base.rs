@@ -10,14 +10,14 @@ use bevy::platform;
 use bevy::prelude::*;
 
 use super::description::{
-    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
-    SensorDescription, ShapeDescription,
+    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, MediumDescription,
+    SceneDescription, SensorDescription, ShapeDescription,
 };
 use super::recognition::recognised;
 use super::write::entities::Entities;
 use super::{
-    Authored, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, IntegratorSettings, Keys, MemberOf, ObjectState,
-    SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
+    Authored, DeclaredIn, DocumentOrder, ExteriorMedium, FirstNested, InMedium, InstanceOf, IntegratorSettings,
+    InteriorMedium, Keys, MemberOf, ObjectState, SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// The description of the file, and the entity of each thing in it.
@@ -53,6 +53,7 @@ impl FileBase {
 /// A place in one of the lists of a [`SceneDescription`], and in the same list of [`Entities`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Thing {
+    Medium(usize),
     Material(usize),
     Group(usize),
     Shape(usize),
@@ -63,16 +64,19 @@ pub(super) enum Thing {
 impl Thing {
     /// The identities of all things of a description.
     pub(super) fn all(scene: &SceneDescription) -> impl Iterator<Item = Self> + use<> {
+        let media = (0..scene.media.len()).map(Self::Medium);
         let materials = (0..scene.materials.len()).map(Self::Material);
         let groups = (0..scene.groups.len()).map(Self::Group);
         let shapes = (0..scene.shapes.len()).map(Self::Shape);
         let emitters = (0..scene.emitters.len()).map(Self::Emitter);
         let sensors = (0..scene.sensors.len()).map(Self::Sensor);
-        materials.chain(groups).chain(shapes).chain(emitters).chain(sensors)
+        let surfaces = media.chain(materials).chain(groups).chain(shapes);
+        surfaces.chain(emitters).chain(sensors)
     }
 
     pub(super) fn entity(self, entities: &Entities) -> Entity {
         match self {
+            Self::Medium(index) => entities.media[index],
             Self::Material(index) => entities.materials[index],
             Self::Group(index) => entities.groups[index],
             Self::Shape(index) => entities.shapes[index],
@@ -83,6 +87,7 @@ impl Thing {
 
     pub(super) fn identity(self, scene: &SceneDescription) -> &Identity {
         match self {
+            Self::Medium(index) => &scene.media[index].identity,
             Self::Material(index) => &scene.materials[index].identity,
             Self::Group(index) => &scene.groups[index].identity,
             Self::Shape(index) => &scene.shapes[index].identity,
@@ -104,7 +109,13 @@ impl Thing {
             let entity = |all, place: Option<usize>| place.map(|place| list(all)[place]);
             entity(entities, one) == entity(other_entities, two)
         };
+        let are_same_media = |one: Option<usize>, two: Option<usize>| are_same(|all| &all.media, one, two);
         let is_alike = match (self, other) {
+            (Self::Medium(one), Self::Medium(two)) => {
+                let (one, two) = (&scene.media[one], &other_scene.media[two]);
+                let are_at_top = [one, two].map(|it| it.declared_in) == [DeclarationPlace::TopLevel; 2];
+                are_at_top && one.is_alike(two)
+            }
             (Self::Material(one), Self::Material(two)) => {
                 let (one, two) = (&scene.materials[one], &other_scene.materials[two]);
                 let are_at_top = [one, two].map(|it| it.declared_in) == [DeclarationPlace::TopLevel; 2];
@@ -120,9 +131,17 @@ impl Thing {
                     && are_same(|all| &all.materials, one.material, two.material)
                     && are_same(|all| &all.groups, one.member_of, two.member_of)
                     && are_same(|all| &all.groups, one.instance_of, two.instance_of)
+                    && are_same_media(one.interior, two.interior)
+                    && are_same_media(one.exterior, two.exterior)
             }
-            (Self::Emitter(one), Self::Emitter(two)) => scene.emitters[one].is_alike(&other_scene.emitters[two]),
-            (Self::Sensor(one), Self::Sensor(two)) => scene.sensors[one].is_alike(&other_scene.sensors[two]),
+            (Self::Emitter(one), Self::Emitter(two)) => {
+                let (one, two) = (&scene.emitters[one], &other_scene.emitters[two]);
+                one.is_alike(two) && are_same_media(one.medium, two.medium)
+            }
+            (Self::Sensor(one), Self::Sensor(two)) => {
+                let (one, two) = (&scene.sensors[one], &other_scene.sensors[two]);
+                one.is_alike(two) && are_same_media(one.medium, two.medium)
+            }
             _ => false,
         };
         is_alike && (&one.id, &one.name, &one.keys) == (&two.id, &two.name, &two.keys)
@@ -138,19 +157,23 @@ impl Thing {
             keys: identity.keys.clone(),
             ..ObjectState::default()
         };
+        let in_medium = |medium: Option<usize>| medium.map(|index| InMedium(entities.media[index]));
         match self {
+            Self::Medium(index) => {
+                let medium = &scene.media[index];
+                ObjectState {
+                    medium: Some(medium.medium.clone()),
+                    declared_in: entities.at(medium.declared_in).map(DeclaredIn),
+                    ..common
+                }
+            }
             Self::Material(index) => {
                 let material = &scene.materials[index];
-                let owner = match material.declared_in {
-                    DeclarationPlace::TopLevel => None,
-                    DeclarationPlace::Shape(index) => entities.shapes.get(index),
-                    DeclarationPlace::Material(index) => entities.materials.get(index),
-                };
                 ObjectState {
                     material: Some(material.material.clone()),
                     first: material.first.map(|index| FirstNested(entities.materials[index])),
                     second: material.second.map(|index| SecondNested(entities.materials[index])),
-                    declared_in: owner.map(|owner| DeclaredIn(*owner)),
+                    declared_in: entities.at(material.declared_in).map(DeclaredIn),
                     ..common
                 }
             }
@@ -167,6 +190,8 @@ impl Thing {
                     uses: shape.material.map(|index| UsesMaterial(entities.materials[index])),
                     member_of: shape.member_of.map(|index| MemberOf(entities.groups[index])),
                     instance_of: shape.instance_of.map(|index| InstanceOf(entities.groups[index])),
+                    interior: shape.interior.map(|index| InteriorMedium(entities.media[index])),
+                    exterior: shape.exterior.map(|index| ExteriorMedium(entities.media[index])),
                     placements: shape.placements.clone(),
                     ..common
                 }
@@ -176,6 +201,7 @@ impl Thing {
                 ObjectState {
                     emitter: Some(emitter.emitter.clone()),
                     to_world: Some(ToWorld(emitter.to_world)),
+                    in_medium: in_medium(emitter.medium),
                     ..common
                 }
             }
@@ -185,6 +211,7 @@ impl Thing {
                     sensor: Some(sensor.sensor),
                     film: Some(sensor.film),
                     to_world: Some(ToWorld(sensor.to_world)),
+                    in_medium: in_medium(sensor.medium),
                     ..common
                 }
             }
@@ -195,6 +222,7 @@ impl Thing {
 /// The place of each thing of a new description in the same list of the old one; None for new things.
 #[derive(Debug)]
 pub(super) struct Recognised {
+    pub media: Vec<Option<usize>>,
     pub materials: Vec<Option<usize>>,
     pub groups: Vec<Option<usize>>,
     pub shapes: Vec<Option<usize>>,
@@ -205,6 +233,7 @@ pub(super) struct Recognised {
 impl Recognised {
     pub(super) fn new(before: &SceneDescription, now: &SceneDescription) -> Self {
         Self {
+            media: pairs(&before.media, &now.media),
             materials: pairs(&before.materials, &now.materials),
             groups: pairs(&before.groups, &now.groups),
             shapes: pairs(&before.shapes, &now.shapes),
@@ -218,6 +247,7 @@ impl Recognised {
         let counts = |scene: &SceneDescription| {
             let (shapes, sensors) = (scene.shapes.len(), scene.sensors.len());
             [
+                scene.media.len(),
                 scene.materials.len(),
                 scene.groups.len(),
                 shapes,
@@ -228,7 +258,8 @@ impl Recognised {
         let all = |count: usize| (0..count).map(Some).collect();
         match counts(now) {
             same if same != counts(before) => Self::new(before, now),
-            [materials, groups, shapes, emitters, sensors] => Self {
+            [media, materials, groups, shapes, emitters, sensors] => Self {
+                media: all(media),
                 materials: all(materials),
                 groups: all(groups),
                 shapes: all(shapes),
@@ -241,6 +272,7 @@ impl Recognised {
     /// The thing of the old description that this thing of the new one was.
     pub(super) fn before(&self, thing: Thing) -> Option<Thing> {
         match thing {
+            Thing::Medium(index) => self.media[index].map(Thing::Medium),
             Thing::Material(index) => self.materials[index].map(Thing::Material),
             Thing::Group(index) => self.groups[index].map(Thing::Group),
             Thing::Shape(index) => self.shapes[index].map(Thing::Shape),
@@ -261,6 +293,7 @@ impl Recognised {
         };
         Entities {
             sensors: all(&self.sensors, &before.sensors),
+            media: all(&self.media, &before.media),
             materials: all(&self.materials, &before.materials),
             groups: all(&self.groups, &before.groups),
             shapes: all(&self.shapes, &before.shapes),
@@ -274,6 +307,16 @@ trait Described {
     fn identity(&self) -> &Identity;
     /// Whether two things are the same in themselves, whatever they are called, wherever they stand in the file and whatever they refer to.
     fn is_alike(&self, other: &Self) -> bool;
+}
+
+impl Described for MediumDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn is_alike(&self, other: &Self) -> bool {
+        self.medium == other.medium
+    }
 }
 
 impl Described for MaterialDescription {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::medium::{self, ALBEDO, Coefficients, SIGMA_S, SIGMA_T, VolumeParameter};
 use super::parameter_info::ParameterInfo;
 use super::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, Absorption, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, EUMELANIN, FOV,
@@ -28,6 +29,9 @@ pub(crate) enum FileValue<'p> {
     Integer(i32),
     Path(&'p Path),
     Vector(Vec3),
+    VolumeColor(&'p VolumeParameter<Rgb>),
+    VolumeNumber(&'p VolumeParameter<f32>),
+    Numbers(&'p [f32]),
 }
 
 impl<'p> FileValue<'p> {
@@ -106,11 +110,26 @@ impl<'p> ParameterRef<'p> {
             Self::SunPosition(SunPosition::PlaceAndTime(at)) => {
                 at.visit(&mut |info, value| value.in_file(info, &mut *meet));
             }
-            Self::SamplingWeight(weight) => {
-                if *weight != 1.0 {
-                    meet(info, FileValue::Number(*weight));
+            Self::SamplingWeight(factor) | Self::ExtensionFactor(factor) => {
+                if *factor != 1.0 {
+                    meet(info, FileValue::Number(*factor));
                 }
             }
+            Self::Coefficients(Coefficients::Extinction { sigma_t, albedo }) => {
+                meet(&SIGMA_T, FileValue::VolumeColor(sigma_t));
+                meet(&ALBEDO, FileValue::VolumeColor(albedo));
+            }
+            Self::Coefficients(Coefficients::Separate { sigma_s, sigma_a }) => {
+                meet(&SIGMA_S, FileValue::Rgb(*sigma_s));
+                meet(&medium::SIGMA_A, FileValue::Rgb(*sigma_a));
+            }
+            Self::VolumeEmission(emission) => {
+                if emission.constant() != Some(Rgb::ZERO) {
+                    meet(info, FileValue::VolumeColor(emission));
+                }
+            }
+            Self::VolumeShare(share) => meet(info, FileValue::VolumeNumber(share)),
+            Self::Values(values) => meet(info, FileValue::Numbers(values)),
         }
     }
 }

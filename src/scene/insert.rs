@@ -10,8 +10,8 @@ use super::names::{TakenNames, each_name};
 use super::write::gather::describe_entities;
 use super::write::identities;
 use super::{
-    DeclaredIn, DocumentOrder, FirstNested, InstanceOf, Material, MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld,
-    UsesMaterial,
+    DeclaredIn, DocumentOrder, ExteriorMedium, FirstNested, InMedium, InstanceOf, InteriorMedium, Material, MemberOf,
+    SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// The entities that [`insert`] has made.
@@ -19,7 +19,7 @@ use super::{
 pub struct Inserted {
     /// All entities.
     pub all: Vec<Entity>,
-    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials, if there is nothing else.
+    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials and media, if there is nothing else.
     pub objects: Vec<Entity>,
 }
 
@@ -74,6 +74,12 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         inserted.all.push(entity);
         entity
     };
+    let mut media = Vec::with_capacity(scene.media.len());
+    for medium in &scene.media {
+        let entity = spawn(world, &medium.identity);
+        world.entity_mut(entity).insert(medium.medium.clone());
+        media.push(entity);
+    }
     let mut materials = Vec::with_capacity(scene.materials.len());
     for (material, shared) in scene.materials.iter().zip(&shared) {
         let entity = shared.unwrap_or_else(|| spawn(world, &material.identity));
@@ -105,6 +111,12 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         if let Some(group) = shape.instance_of {
             shown.insert(InstanceOf(groups[group]));
         }
+        if let Some(medium) = shape.interior {
+            shown.insert(InteriorMedium(media[medium]));
+        }
+        if let Some(medium) = shape.exterior {
+            shown.insert(ExteriorMedium(media[medium]));
+        }
         shapes.push(entity);
         // Each of very many instances becomes an entity of its own here.
         let mut places = shape
@@ -133,9 +145,9 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             nesting.insert(SecondNested(materials[second]));
         }
         let owner = match material.declared_in {
-            DeclarationPlace::TopLevel => None,
             DeclarationPlace::Shape(index) => shapes.get(index),
             DeclarationPlace::Material(index) => materials.get(index),
+            DeclarationPlace::TopLevel | DeclarationPlace::Sensor(_) | DeclarationPlace::Emitter(_) => None,
         };
         if let Some(owner) = owner {
             nesting.insert(DeclaredIn(*owner));
@@ -148,17 +160,38 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         .filter(|(shape, _)| shape.member_of.is_none())
         .map(|(_, entity)| *entity)
         .collect();
+    let mut emitters = Vec::with_capacity(scene.emitters.len());
     for emitter in &scene.emitters {
         let entity = spawn(world, &emitter.identity);
         let light = (emitter.emitter.clone(), ToWorld(emitter.to_world));
         world.entity_mut(entity).insert(light);
-        objects.push(entity);
+        if let Some(medium) = emitter.medium {
+            world.entity_mut(entity).insert(InMedium(media[medium]));
+        }
+        emitters.push(entity);
     }
+    objects.extend(&emitters);
+    let mut sensors = Vec::with_capacity(scene.sensors.len());
     for sensor in &scene.sensors {
         let entity = spawn(world, &sensor.identity);
         let camera = (sensor.sensor, sensor.film, ToWorld(sensor.to_world));
         world.entity_mut(entity).insert(camera);
-        objects.push(entity);
+        if let Some(medium) = sensor.medium {
+            world.entity_mut(entity).insert(InMedium(media[medium]));
+        }
+        sensors.push(entity);
+    }
+    objects.extend(&sensors);
+    for (medium, &entity) in scene.media.iter().zip(&media) {
+        let owner = match medium.declared_in {
+            DeclarationPlace::Shape(index) => shapes.get(index),
+            DeclarationPlace::Sensor(index) => sensors.get(index),
+            DeclarationPlace::Emitter(index) => emitters.get(index),
+            DeclarationPlace::TopLevel | DeclarationPlace::Material(_) => None,
+        };
+        if let Some(owner) = owner {
+            world.entity_mut(entity).insert(DeclaredIn(*owner));
+        }
     }
     if objects.is_empty() {
         let is_outermost = |place| place == DeclarationPlace::TopLevel;
@@ -166,6 +199,12 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         objects.extend(
             outermost
                 .filter(|(material, _)| is_outermost(material.declared_in))
+                .map(|(_, entity)| *entity),
+        );
+        let outermost = scene.media.iter().zip(&media);
+        objects.extend(
+            outermost
+                .filter(|(medium, _)| is_outermost(medium.declared_in))
                 .map(|(_, entity)| *entity),
         );
     }
@@ -216,7 +255,7 @@ fn is_same(
         })
 }
 
-/// The description of these things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What
+/// The description of these things with all that they refer to, and nothing else: of materials, media, groups and their members only what is needed. What
 /// the file said of them is left out.
 pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
     let (whole, entities) = describe_entities(world);
@@ -251,26 +290,48 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             break;
         }
     }
-    let (material_at, group_at, shape_at) = (
-        places(&is_material_used),
-        places(&is_group_used),
-        places(&is_shape_used),
-    );
+    let is_emitter_used: Vec<bool> = entities.emitters.iter().map(is_wanted).collect();
+    let is_sensor_used: Vec<bool> = entities.sensors.iter().map(is_wanted).collect();
+    let mut is_medium_used: Vec<bool> = entities.media.iter().map(is_wanted).collect();
+    let shapes = whole.shapes.iter().zip(&is_shape_used).filter(|(_, used)| **used);
+    let of_shapes = shapes.flat_map(|(shape, _)| shape.interior.into_iter().chain(shape.exterior));
+    let emitters = whole.emitters.iter().zip(&is_emitter_used).filter(|(_, used)| **used);
+    let sensors = whole.sensors.iter().zip(&is_sensor_used).filter(|(_, used)| **used);
+    let of_emitters = emitters.filter_map(|(emitter, _)| emitter.medium);
+    let of_sensors = sensors.filter_map(|(sensor, _)| sensor.medium);
+    for medium in of_shapes.chain(of_emitters).chain(of_sensors) {
+        is_medium_used[medium] = true;
+    }
+    let (medium_at, material_at) = (places(&is_medium_used), places(&is_material_used));
+    let (group_at, shape_at) = (places(&is_group_used), places(&is_shape_used));
+    let (emitter_at, sensor_at) = (places(&is_emitter_used), places(&is_sensor_used));
+    let place_of = |place: DeclarationPlace| {
+        let place = match place {
+            DeclarationPlace::TopLevel => None,
+            DeclarationPlace::Shape(index) => shape_at[index].map(DeclarationPlace::Shape),
+            DeclarationPlace::Material(index) => material_at[index].map(DeclarationPlace::Material),
+            DeclarationPlace::Sensor(index) => sensor_at[index].map(DeclarationPlace::Sensor),
+            DeclarationPlace::Emitter(index) => emitter_at[index].map(DeclarationPlace::Emitter),
+        };
+        place.unwrap_or(DeclarationPlace::TopLevel)
+    };
     let unwritten = |identity: Identity| Identity {
         authored: None,
         ..identity
     };
+    let media = kept(whole.media, &is_medium_used)
+        .map(|mut medium| {
+            medium.identity = unwritten(medium.identity);
+            medium.declared_in = place_of(medium.declared_in);
+            medium
+        })
+        .collect();
     let materials = kept(whole.materials, &is_material_used)
         .map(|mut material| {
             material.identity = unwritten(material.identity);
             material.first = material.first.and_then(|index| material_at[index]);
             material.second = material.second.and_then(|index| material_at[index]);
-            let place = match material.declared_in {
-                DeclarationPlace::TopLevel => None,
-                DeclarationPlace::Shape(index) => shape_at[index].map(DeclarationPlace::Shape),
-                DeclarationPlace::Material(index) => material_at[index].map(DeclarationPlace::Material),
-            };
-            material.declared_in = place.unwrap_or(DeclarationPlace::TopLevel);
+            material.declared_in = place_of(material.declared_in);
             material
         })
         .collect();
@@ -286,26 +347,29 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             shape.material = shape.material.and_then(|index| material_at[index]);
             shape.member_of = shape.member_of.and_then(|index| group_at[index]);
             shape.instance_of = shape.instance_of.and_then(|index| group_at[index]);
+            shape.interior = shape.interior.and_then(|index| medium_at[index]);
+            shape.exterior = shape.exterior.and_then(|index| medium_at[index]);
             // Very many instances would become very many elements here.
             shape.placements = None;
             shape
         })
         .collect();
-    let is_emitter_used: Vec<bool> = entities.emitters.iter().map(is_wanted).collect();
     let emitters = kept(whole.emitters, &is_emitter_used)
         .map(|mut emitter| {
             emitter.identity = unwritten(emitter.identity);
+            emitter.medium = emitter.medium.and_then(|index| medium_at[index]);
             emitter
         })
         .collect();
-    let is_sensor_used: Vec<bool> = entities.sensors.iter().map(is_wanted).collect();
     let sensors = kept(whole.sensors, &is_sensor_used)
         .map(|mut sensor| {
             sensor.identity = unwritten(sensor.identity);
+            sensor.medium = sensor.medium.and_then(|index| medium_at[index]);
             sensor
         })
         .collect();
     SceneDescription {
+        media,
         materials,
         groups,
         shapes,

@@ -192,7 +192,7 @@ impl Keys {
     }
 }
 
-/// The plugin of a thing with every parameter spelled out, without the materials in it.
+/// The plugin of a thing with every parameter spelled out, without the materials and media in it.
 fn plugin_of(world: &World, state: &ObjectState) -> Option<Object> {
     let home = home_of(world);
     let folder = folder(&home);
@@ -201,6 +201,8 @@ fn plugin_of(world: &World, state: &ObjectState) -> Option<Object> {
         Some(objects::shape(shape, &to_world, state.area_light.as_ref(), folder))
     } else if let Some(material) = &state.material {
         Some(objects::material(material, folder))
+    } else if let Some(medium) = &state.medium {
+        Some(objects::medium(medium, folder))
     } else if let Some(emitter) = &state.emitter {
         Some(lights::emitter(emitter, &to_world, folder))
     } else {

@@ -27,6 +27,7 @@ mod key_edits;
 mod keys;
 mod loading;
 pub mod material;
+pub mod medium;
 pub mod mesh_check;
 mod meshes;
 mod moment;
@@ -81,6 +82,10 @@ pub use material::{
     FirstNested, FirstNestedIn, Material, MaterialUsers, Principled, PrincipledThin, SecondNested, SecondNestedIn,
     UsesMaterial,
 };
+pub use medium::{
+    Coefficients, ExteriorMedium, GridFile, InMedium, InteriorMedium, Medium, PhaseBlend, PhaseFunction, VolumeFilter,
+    VolumeParameter, VolumeWrap,
+};
 pub use moment::shown_time;
 pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
@@ -97,7 +102,7 @@ pub(crate) use posing::pose;
 pub use posing::{animated_span, show_moment};
 pub use scene_file::SceneFile;
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
-pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
+pub use settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use solid::{Opening, Solid, SolidValue};
 pub use status::{

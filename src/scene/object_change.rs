@@ -5,9 +5,9 @@ use bevy::prelude::*;
 
 use super::object_state::{with_components, write_component};
 use super::{
-    AreaLight, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Keys, Locked, Material,
-    MemberOf, ObjectState, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld,
-    UsesMaterial,
+    AreaLight, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, Hidden, InMedium, InstanceOf,
+    InteriorMedium, Keys, Locked, Material, Medium, MemberOf, ObjectState, Placements, SceneId, SecondNested, Sensor,
+    Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
 };
 
 /// The side of a change: the state before or after it.
@@ -109,6 +109,11 @@ impl Part {
                 let mut textures = 0;
                 material.for_each_texture(&mut |_| textures += 1);
                 textures * TEXTURE
+            }),
+            Self::Medium(values) => sum(values, |medium| {
+                let mut grids = 0;
+                medium.for_each_grid(&mut |_| grids += 1);
+                grids * TEXTURE
             }),
             Self::Emitter(_) | Self::AreaLight(_) => 2 * TEXTURE,
             Self::Keys(values) => sum(values, Keys::bytes),

@@ -6,8 +6,9 @@
 use bevy::prelude::*;
 
 use super::{
-    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Keys, Locked,
-    Material, MemberOf, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, Hidden, InMedium,
+    InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, Placements, SceneId, SecondNested, Sensor,
+    Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 macro_rules! object_state {
@@ -91,6 +92,7 @@ macro_rules! with_components {
             to_world: ToWorld,
             shape: Shape,
             material: Material,
+            medium: Medium,
             emitter: Emitter,
             sensor: Sensor,
             film: Film,
@@ -99,6 +101,9 @@ macro_rules! with_components {
             area_light: AreaLight,
             first: FirstNested,
             second: SecondNested,
+            interior: InteriorMedium,
+            exterior: ExteriorMedium,
+            in_medium: InMedium,
             declared_in: DeclaredIn,
             member_of: MemberOf,
             instance_of: InstanceOf,
@@ -146,6 +151,7 @@ impl ObjectState {
         world.get_entity(entity).is_ok_and(|entity| {
             entity.contains::<Shape>()
                 || entity.contains::<Material>()
+                || entity.contains::<Medium>()
                 || entity.contains::<Emitter>()
                 || entity.contains::<Sensor>()
                 || entity.contains::<ShapeGroup>()
@@ -156,6 +162,7 @@ impl ObjectState {
     pub fn is_there(&self) -> bool {
         self.shape.is_some()
             || self.material.is_some()
+            || self.medium.is_some()
             || self.emitter.is_some()
             || self.sensor.is_some()
             || self.group.is_some()

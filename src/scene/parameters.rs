@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::declare::declare_parameters;
+use super::medium::{Coefficients, VolumeParameter};
 use super::parameter_info::ParameterInfo;
 use super::sensor::FovAxis;
 use super::texture::{ChosenPicture, Parameter, SquarePath, Texture};
@@ -74,6 +75,16 @@ kinds! {
     SunPosition(SunPosition),
     /// The sampling weight, which is written only if it is not 1.
     SamplingWeight(f32),
+    /// A factor of ours, which no other program knows: 1 by default, and written only where it is not.
+    ExtensionFactor(f32),
+    /// The coefficients of a medium: `sigma_t` and `albedo`, or `sigma_s` and `sigma_a`.
+    Coefficients(Coefficients),
+    /// Light that is sent out in space, by colour: an extension, which is written only where there is some.
+    VolumeEmission(VolumeParameter<Rgb>),
+    /// A share from 0 to 1 that may vary in space.
+    VolumeShare(VolumeParameter<f32>),
+    /// A list of numbers that are not negative.
+    Values(Vec<f32>),
 }
 
 impl ParameterMut<'_> {

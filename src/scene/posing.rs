@@ -78,12 +78,14 @@ fn pose_from(world: &mut World, things: &[Entity], before: f64) {
     let (mut scene, of) = Snapshot::of_things(world, things).describe();
     scene.time = time;
     let mut entities = HashMap::new();
+    let media = scene.media.iter_mut().map(|it| &mut it.identity);
     let materials = scene.materials.iter_mut().map(|it| &mut it.identity);
     let groups = scene.groups.iter_mut().map(|it| &mut it.identity);
     let shapes = scene.shapes.iter_mut().map(|it| &mut it.identity);
     let emitters = scene.emitters.iter_mut().map(|it| &mut it.identity);
     let sensors = scene.sensors.iter_mut().map(|it| &mut it.identity);
-    let identities = materials.chain(groups).chain(shapes).chain(emitters).chain(sensors);
+    let surfaces = media.chain(materials).chain(groups).chain(shapes);
+    let identities = surfaces.chain(emitters).chain(sensors);
     for (identity, entity) in identities.zip(of.all()) {
         let id = format!("entity-{}", entity.to_bits());
         entities.insert(id.clone(), entity);
@@ -105,6 +107,7 @@ fn pose_from(world: &mut World, things: &[Entity], before: f64) {
     let then = document(Writer::new(&scene, folder).root(), time);
     let entities_of = |scene: &SceneDescription| Entities {
         sensors: found(&entities, scene.sensors.iter().map(|it| &it.identity.id)),
+        media: found(&entities, scene.media.iter().map(|it| &it.identity.id)),
         materials: found(&entities, scene.materials.iter().map(|it| &it.identity.id)),
         groups: found(&entities, scene.groups.iter().map(|it| &it.identity.id)),
         shapes: found(&entities, scene.shapes.iter().map(|it| &it.identity.id)),

@@ -50,6 +50,7 @@ impl Pairing {
             },
         );
         let recognised = Recognised {
+            media: pairs(&scene.media, &written.media, |it| &it.identity, |_, _| true),
             materials: material_pairs(&scene, &written, &shapes),
             shapes,
             sensors: pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),

@@ -4,10 +4,43 @@ use bevy::prelude::*;
 
 use crate::layer::Layers;
 
+/// The integrators of paths, by their plugins.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PathPlugin {
+    /// `path`: space is empty, whatever media there are.
+    #[default]
+    Path,
+    /// `volpath`: light is scattered and absorbed in media as well.
+    VolPath,
+    /// `volpathmis`: the same as `volpath` here.
+    VolPathMis,
+}
+
+impl PathPlugin {
+    /// All plugins.
+    pub const ALL: [Self; 3] = [Self::Path, Self::VolPath, Self::VolPathMis];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::VolPath => "volpath",
+            Self::VolPathMis => "volpathmis",
+        }
+    }
+
+    /// Whether light meets media.
+    pub fn traces_media(self) -> bool {
+        self != Self::Path
+    }
+}
+
 /// The path integrator.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, PartialEq)]
 pub struct IntegratorSettings {
+    /// The plugin, which says whether light meets media.
+    pub plugin: PathPlugin,
     /// The most segments of a path: 1 shows emitters only, 2 adds direct light; None is unbounded.
     pub max_depth: Option<u32>,
     /// The depth from which on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
@@ -26,6 +59,7 @@ pub struct IntegratorSettings {
 impl Default for IntegratorSettings {
     fn default() -> Self {
         Self {
+            plugin: PathPlugin::default(),
             max_depth: None,
             rr_depth: 5,
             hide_emitters: false,

@@ -14,11 +14,12 @@ use super::description::SceneDescription;
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::free_name::free_name;
 use super::insert::names;
+use super::medium::users_of_medium;
 use super::moment::ShownTime;
 use super::write::entities::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorKeys, IntegratorSettings, Keys, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId,
+    IntegratorKeys, IntegratorSettings, Keys, Material, MaterialUsers, Medium, ObjectState, ReloadSummary, SceneId,
     SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
 };
 
@@ -47,6 +48,7 @@ impl Spawning {
     pub fn begin(world: &mut World, scene: Arc<SceneDescription>) -> Self {
         let mut old = world.query_filtered::<Entity, Or<(
             With<Sensor>,
+            With<Medium>,
             With<Material>,
             With<ShapeGroup>,
             With<Shape>,
@@ -248,9 +250,12 @@ pub(super) fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) ->
     same.len()
 }
 
-/// Whether something that stays uses this material.
+/// Whether something that stays uses this material or medium.
 fn is_needed(world: &World, material: Entity, is_gone: &EntityHashSet) -> bool {
     let stays = |user: Entity| !is_gone.contains(&user) && ObjectState::is_in_scene(world, user);
+    if users_of_medium(world, material).any(stays) {
+        return true;
+    }
     let users = world
         .get::<MaterialUsers>(material)
         .is_some_and(|users| users.iter().any(stays));

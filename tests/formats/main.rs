@@ -10,6 +10,7 @@ mod emitters;
 mod gltf;
 mod groups;
 mod hot_reload;
+mod media;
 mod opening;
 mod saving;
 mod scene;

@@ -399,6 +399,8 @@ fn what_is_new_looks_like_its_neighbours() {
             flip_normals: false,
         },
         to_world: Affine3A::IDENTITY,
+        interior: None,
+        exterior: None,
         material: None,
         area_light: None,
         member_of: None,

@@ -10,13 +10,16 @@ pub fn meaning(scene: &SceneDescription) -> SceneDescription {
     scene.remains = AuthoredScene::default();
     scene.sources.clear();
     scene.picture_places.clear();
+    scene.volume_places.clear();
     scene.path = PathBuf::new();
     let sensors = scene.sensors.iter_mut().map(|item| &mut item.identity);
+    let media = scene.media.iter_mut().map(|item| &mut item.identity);
     let materials = scene.materials.iter_mut().map(|item| &mut item.identity);
     let shapes = scene.shapes.iter_mut().map(|item| &mut item.identity);
     let emitters = scene.emitters.iter_mut().map(|item| &mut item.identity);
     let groups = scene.groups.iter_mut().map(|item| &mut item.identity);
     let mut all: Vec<_> = sensors
+        .chain(media)
         .chain(materials)
         .chain(shapes)
         .chain(emitters)

@@ -2,13 +2,14 @@
 
 use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
+use crate::scene::medium::{self, ALBEDO, SIGMA_S, SIGMA_T};
 use crate::scene::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, BEAM_WIDTH, CUTOFF_ANGLE, ETA, EUMELANIN, K, PHEOMELANIN,
     PRINCIPLED_ETA, SIGMA_A, SPECULAR,
 };
 use crate::scene::{
-    Absorption, AreaLight, ConductorIor, Cone, Emitter, Ior, Material, Parameter, ParameterInfo, ParameterMut,
-    ParameterRef, PrincipledIndex, Roughness,
+    Absorption, AreaLight, Coefficients, ConductorIor, Cone, Emitter, Ior, Material, Parameter, ParameterInfo,
+    ParameterMut, ParameterRef, PrincipledIndex, Roughness, VolumeParameter,
 };
 use crate::shading::ior;
 
@@ -19,7 +20,8 @@ fn number(value: Option<ParameterRef>) -> Option<f32> {
         ParameterRef::Number(number)
         | ParameterRef::Angle(number)
         | ParameterRef::Factor(number)
-        | ParameterRef::SamplingWeight(number) => Some(*number),
+        | ParameterRef::SamplingWeight(number)
+        | ParameterRef::ExtensionFactor(number) => Some(*number),
         ParameterRef::Cone(cone) => Some(cone.cutoff_angle),
         ParameterRef::FieldOfView(view) => Some(view.fov),
         ParameterRef::Ior(Ior::Number(index)) => Some(*index),
@@ -80,7 +82,9 @@ impl Checker<'_> {
             ParameterMut::Number(number) | ParameterMut::Angle(number) => {
                 *number = self.within(info, *number, otherwise);
             }
-            ParameterMut::Factor(factor) | ParameterMut::SamplingWeight(factor) => {
+            ParameterMut::Factor(factor)
+            | ParameterMut::SamplingWeight(factor)
+            | ParameterMut::ExtensionFactor(factor) => {
                 let most = info.range.end().min(BRIGHTEST);
                 *factor = self.number(info.name, *factor, *info.range.start(), most, otherwise);
             }
@@ -117,6 +121,21 @@ impl Checker<'_> {
                 *beam_width = self.number(BEAM_WIDTH.name, beam, 0.0, most, most);
             }
             ParameterMut::FieldOfView(view) => view.fov = self.within(info, view.fov, otherwise),
+            ParameterMut::Coefficients(coefficients) => match coefficients {
+                Coefficients::Extinction { sigma_t, albedo } => {
+                    self.volume_color(&SIGMA_T, sigma_t);
+                    self.volume_color(&ALBEDO, albedo);
+                }
+                Coefficients::Separate { sigma_s, sigma_a } => {
+                    *sigma_s = self.color(SIGMA_S.name, *sigma_s, *SIGMA_S.range.end());
+                    *sigma_a = self.color(medium::SIGMA_A.name, *sigma_a, *medium::SIGMA_A.range.end());
+                }
+            },
+            ParameterMut::VolumeEmission(emission) => self.volume_color(info, emission),
+            ParameterMut::VolumeShare(VolumeParameter::Constant(share) | VolumeParameter::Box { value: share, .. }) => {
+                *share = self.within(info, *share, 0.5);
+            }
+            ParameterMut::Values(values) => self.table(info, values),
             // The packing of the sun checks what follows from its place.
             ParameterMut::SunPosition(_)
             | ParameterMut::Integer(_)
@@ -124,7 +143,28 @@ impl Checker<'_> {
             | ParameterMut::Extension(_)
             | ParameterMut::Distribution(_)
             | ParameterMut::Picture(_)
-            | ParameterMut::OptionalTexture(_) => {}
+            | ParameterMut::OptionalTexture(_)
+            | ParameterMut::VolumeShare(VolumeParameter::Grid(_)) => {}
+        }
+    }
+
+    /// The constant value of a volume. A grid is checked where its file is read.
+    fn volume_color(&mut self, info: &ParameterInfo, volume: &mut VolumeParameter<Rgb>) {
+        if let VolumeParameter::Constant(color) | VolumeParameter::Box { value: color, .. } = volume {
+            *color = self.color(info.name, *color, info.range.end().min(BRIGHTEST));
+        }
+    }
+
+    /// A table of a phase function; one that is of no use becomes that of the same light in all directions.
+    fn table(&mut self, info: &ParameterInfo, values: &mut Vec<f32>) {
+        let is_good = |value: &f32| (0.0..=BRIGHTEST).contains(value);
+        let sums_up = values.iter().any(|value| *value > 0.0);
+        if values.len() < 2 || !values.iter().all(is_good) || !sums_up {
+            let what = info.name;
+            self.report(format_args!(
+                "{what} should be two numbers or more, not negative and not all 0: light goes all ways alike"
+            ));
+            *values = vec![1.0; 2];
         }
     }
 

@@ -8,10 +8,12 @@ use glam::{Mat4, Vec3, Vec4};
 use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
 use crate::document::paths::file_name;
+use crate::document::value::format_float;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
+use crate::scene::medium::USE_GRID_BBOX;
 use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
-use crate::scene::{Bitmap, FileValue, Parameter, Texture, TextureFilter, TextureWrap};
+use crate::scene::{Bitmap, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeParameter};
 
 /// Writes every parameter it meets.
 pub struct IntoObject<'f> {
@@ -41,6 +43,12 @@ impl IntoObject<'_> {
             FileValue::Integer(number) => self.put(name, Value::Integer(number.into())),
             FileValue::Path(path) => self.put(name, Value::String(file_name(path, self.folder))),
             FileValue::Vector(vector) => self.put(name, Value::Vector(vector)),
+            FileValue::VolumeColor(volume) => self.put_volume(name, volume, |color| *color),
+            FileValue::VolumeNumber(volume) => self.put_volume(name, volume, |number| Rgb::splat(*number)),
+            FileValue::Numbers(numbers) => {
+                let numbers: Vec<String> = numbers.iter().copied().map(format_float).collect();
+                self.put(name, Value::String(numbers.join(", ")));
+            }
         }
     }
 
@@ -112,6 +120,59 @@ impl IntoObject<'_> {
             self.put(TO_UV.name, Value::Transform(steps));
         }
     }
+}
+
+impl IntoObject<'_> {
+    fn put_volume<T>(&mut self, name: &str, volume: &VolumeParameter<T>, color: impl Fn(&T) -> Rgb) {
+        let object = match volume {
+            VolumeParameter::Constant(value) => match volume_value(color(value)) {
+                // Mitsuba takes a colour that is given directly for a reflectance.
+                Value::Rgb(color) if color.max_element() > 1.0 => constant_volume(color),
+                value => return self.put(name, value),
+            },
+            VolumeParameter::Box { value, to_world } => with_to_world(constant_volume(color(value)), to_world),
+            VolumeParameter::Grid(grid) => {
+                let object = Object::new(Category::Volume, "gridvolume");
+                let object = with_string(object, FILENAME.name, &file_name(&grid.path, self.folder));
+                let object = with_string(object, FILTER_TYPE.name, grid.filter.name());
+                let object = with_string(object, WRAP_MODE.name, grid.wrap.name());
+                let object = match grid.use_grid_bbox {
+                    true => with_flag(object, USE_GRID_BBOX, true),
+                    false => object,
+                };
+                with_to_world(object, &grid.to_world)
+            }
+        };
+        let name = Some(name.into());
+        self.object.children.push(Object { name, ..object }.into());
+    }
+
+    /// The plugin of a phase function with those inside.
+    pub fn put_phase(&mut self, phase: &PhaseFunction) {
+        let mut inside = IntoObject {
+            object: Object::new(Category::Phase, phase.plugin()),
+            folder: self.folder,
+        };
+        phase.visit(&mut |info, value| value.in_file(info, &mut |info, value| inside.put_parameter(info.name, value)));
+        phase.inside().iter().for_each(|part| inside.put_phase(part));
+        self.object.children.push(inside.object.into());
+    }
+}
+
+/// A colour, or one number if all its channels are the same.
+fn volume_value(color: Rgb) -> Value {
+    match color == Rgb::splat(color.x) {
+        true => Value::Float(color.x),
+        false => Value::Rgb(color),
+    }
+}
+
+fn constant_volume(color: Rgb) -> Object {
+    with(
+        Object::new(Category::Volume, "constvolume"),
+        "value",
+        volume_value(color),
+    )
 }
 
 /// The steps of a map that only scales and moves. A step that would do nothing is left out.

@@ -1,4 +1,4 @@
-//! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
+//! Components as plugins of the file, every parameter spelled out. References to materials and media are not these functions' business.
 
 use std::path::Path;
 
@@ -14,8 +14,8 @@ use crate::document::{Category, Object, Value};
 use crate::layer::Layer;
 use crate::scene::solid::openings_text;
 use crate::scene::{
-    AreaLight, Film, IntegratorSettings, Lens, Material, MeshFormat, ReconstructionFilter, Sensor, Shape, ShapeKind,
-    Solid, SolidValue,
+    AreaLight, Film, IntegratorSettings, Lens, Material, Medium, MeshFormat, ReconstructionFilter, Sensor, Shape,
+    ShapeKind, Solid, SolidValue,
 };
 
 /// `folder`: of the file that is written; names of pictures are relative to it.
@@ -25,6 +25,17 @@ pub fn material(material: &Material, folder: &Path) -> Object {
         folder,
     };
     material.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
+    writer.object
+}
+
+/// `folder`: as that of [`material`]; names of volumes are relative to it.
+pub fn medium(medium: &Medium, folder: &Path) -> Object {
+    let mut writer = IntoObject {
+        object: Object::new(Category::Medium, medium.plugin()),
+        folder,
+    };
+    medium.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
+    writer.put_phase(&medium.phase);
     writer.object
 }
 
@@ -177,7 +188,7 @@ fn film_object(film: &Film) -> Object {
 pub fn integrator(settings: &IntegratorSettings) -> Object {
     let depth = settings.max_depth.map_or(-1, i64::from);
     let object = with(
-        Object::new(Category::Integrator, "path"),
+        Object::new(Category::Integrator, settings.plugin.name()),
         "max_depth",
         Value::Integer(depth),
     );

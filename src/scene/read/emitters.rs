@@ -7,8 +7,8 @@ use super::parameters::{Parameters, report_left_out};
 use super::picture_search::PictureSearch;
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
-use crate::document::{Object, Reader};
-use crate::scene::description::EmitterDescription;
+use crate::document::{Category, Object, Reader};
+use crate::scene::description::{DeclarationPlace, EmitterDescription};
 use crate::scene::emitter::frame_along;
 use crate::scene::encode::lights;
 use crate::scene::{AreaLight, Emitter, EmitterKind};
@@ -25,7 +25,13 @@ impl<'a> SceneReader<'a> {
             return false;
         }
         let reader = Reader::new(&self.index, object, &mut self.diagnostics);
-        let Some((emitter, to_world)) = read_parameters(reader, &mut self.pictures) else {
+        let Some((emitter, to_world, media)) = read_parameters(reader, &mut self.pictures) else {
+            return false;
+        };
+        let place = DeclarationPlace::Emitter(self.description.emitters.len());
+        let medium = self.read_medium_around(&media, place);
+        let Some(to_world) = to_world else {
+            self.forget_place(place);
             return false;
         };
         let as_read = || lights::emitter(&emitter, &to_world, &self.folder);
@@ -34,6 +40,7 @@ impl<'a> SceneReader<'a> {
             identity,
             emitter,
             to_world,
+            medium,
         });
         true
     }
@@ -67,7 +74,14 @@ const FOREIGN_EMITTERS: [&str; 6] = [
     "collimated",
 ];
 
-fn read_parameters(mut reader: Reader, pictures: &mut PictureSearch) -> Option<(Emitter, Affine3A)> {
+/// The media that are given inside of an object, with their names.
+type Media<'a> = Vec<(Option<&'a str>, &'a Object)>;
+
+/// The emitter with its place and the media around it. Where the place is None, the fault has been reported.
+fn read_parameters<'a>(
+    mut reader: Reader<'a, '_>,
+    pictures: &mut PictureSearch,
+) -> Option<(Emitter, Option<Affine3A>, Media<'a>)> {
     let plugin = reader.object().plugin.as_str();
     let Some(mut emitter) = Emitter::of_plugin(plugin) else {
         let help = did_you_mean(plugin, Emitter::PLUGINS);
@@ -84,8 +98,9 @@ fn read_parameters(mut reader: Reader, pictures: &mut PictureSearch) -> Option<(
         EmitterKind::Directional { .. } => direction(&mut reader),
         _ => reader.to_world(),
     };
+    let media = reader.children(Category::Medium);
     reader.finish();
-    Some((emitter, to_world?))
+    Some((emitter, to_world, media))
 }
 
 /// The place, from `position` or `to_world`.

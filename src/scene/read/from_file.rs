@@ -41,7 +41,8 @@ impl FromFile<'_, '_, '_> {
             ParameterMut::Number(value)
             | ParameterMut::Factor(value)
             | ParameterMut::Angle(value)
-            | ParameterMut::SamplingWeight(value) => {
+            | ParameterMut::SamplingWeight(value)
+            | ParameterMut::ExtensionFactor(value) => {
                 *value = self.reader.float_in(name, info.range.clone()).unwrap_or(*value);
             }
             ParameterMut::Integer(value) => {
@@ -70,6 +71,14 @@ impl FromFile<'_, '_, '_> {
             ParameterMut::Cone(value) => self.cone(value),
             ParameterMut::FieldOfView(value) => (value.fov, value.axis) = read_fov(self.reader),
             ParameterMut::SunPosition(value) => self.sun_position(value),
+            ParameterMut::Coefficients(value) => self.coefficients(value),
+            ParameterMut::VolumeEmission(value) => {
+                if let Some(given) = self.volume_color(info) {
+                    *value = given;
+                }
+            }
+            ParameterMut::VolumeShare(value) => self.weight(info, value),
+            ParameterMut::Values(value) => self.values(name, value),
         }
     }
 

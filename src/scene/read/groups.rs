@@ -96,6 +96,8 @@ impl<'a> SceneReader<'a> {
                 },
                 to_world: bevy::math::Affine3A::IDENTITY,
                 material: None,
+                interior: None,
+                exterior: None,
                 area_light: None,
                 member_of: None,
                 instance_of: group,

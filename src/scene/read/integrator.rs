@@ -1,11 +1,11 @@
-//! Integrators: `path`, and `aov` around it; every other one is taken for it.
+//! Integrators: `path`, `volpath`, `volpathmis`, and `aov` around them; every other one is taken for `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
-use crate::scene::{AuthoredScene, IntegratorSettings, Keys};
+use crate::scene::{AuthoredScene, IntegratorSettings, Keys, PathPlugin};
 
 /// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
@@ -28,13 +28,40 @@ impl<'a> SceneReader<'a> {
         true
     }
 
+    /// Warns of media that no integrator sees.
+    pub(super) fn report_media_without_effect(&mut self, remains: &AuthoredScene) {
+        if self.description.media.is_empty() || self.description.integrator.plugin.traces_media() {
+            return;
+        }
+        let name = self.description.integrator.plugin.name();
+        let (span, message) = match &remains.integrator {
+            Some((_, authored)) => (
+                authored.object.span,
+                format!("`{name}` leaves out the media of the scene; `volpath` traces them"),
+            ),
+            None => (
+                self.root.span,
+                format!(
+                    "the scene has no integrator: `{name}` is taken, which leaves out its media; `volpath` traces them"
+                ),
+            ),
+        };
+        self.diagnostics.warn(span, message);
+    }
+
     fn read_integrator_settings(&mut self, object: &'a Object, depth: usize) -> IntegratorSettings {
         let mut reader = self.reader(object);
         let mut settings = IntegratorSettings::default();
         let plugin = object.plugin.as_str();
-        if !["path", "aov"].contains(&plugin) {
-            let message = format!("integrator `{plugin}` is not supported: `path` takes its place");
-            let help = did_you_mean(plugin, ["path", "direct", "aov"]);
+        let known = PathPlugin::ALL.into_iter().find(|known| known.name() == plugin);
+        settings.plugin = known.unwrap_or_else(|| match plugin.contains("vol") {
+            true => PathPlugin::VolPath,
+            false => PathPlugin::Path,
+        });
+        if known.is_none() && plugin != "aov" {
+            let stand_in = settings.plugin.name();
+            let message = format!("integrator `{plugin}` is not supported: `{stand_in}` takes its place");
+            let help = did_you_mean(plugin, ["path", "direct", "aov", "volpath", "volpathmis"]);
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }
@@ -49,8 +76,12 @@ impl<'a> SceneReader<'a> {
             settings.rr_depth = u32::try_from(depth).unwrap_or(u32::MAX);
         }
         settings.hide_emitters = reader.boolean_or("hide_emitters", false);
-        if plugin == "path" {
+        if known.is_some() {
             reader.ignore(&["timeout", "block_size", "samples_per_pass"]);
+            if plugin == PathPlugin::VolPathMis.name() {
+                // Light is followed over all channels together in any case.
+                reader.boolean("use_spectral_mis");
+            }
             reader.finish();
             return settings;
         }

@@ -10,6 +10,7 @@ mod from_file;
 mod groups;
 mod integrator;
 pub mod ior_names;
+mod media;
 pub mod mesh_search;
 mod parameters;
 mod picture_search;
@@ -56,7 +57,9 @@ fn read_as(document: &mut Document, keeps_source: bool) -> SceneDescription {
         ..
     } = scene;
     description.picture_places = pictures.places;
+    description.volume_places = pictures.volume_places;
     sort_materials(&mut description);
+    sort_media(&mut description);
     document.diagnostics = diagnostics;
     description
 }
@@ -85,6 +88,7 @@ impl SceneReader<'_> {
                     self.read_bsdf(object, DeclarationPlace::TopLevel, 0);
                     true
                 }
+                Category::Medium => self.read_medium(object, DeclarationPlace::TopLevel).is_some(),
                 Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
                 Category::Volume if is_frame(object) => self.read_shape(object, None),
@@ -96,6 +100,7 @@ impl SceneReader<'_> {
             }
         }
         self.read_crowds(usize::MAX);
+        self.report_media_without_effect(&remains);
         self.description.remains = remains;
 
         let mut reader = Reader::new(&self.index, root, &mut self.diagnostics);
@@ -116,6 +121,26 @@ impl SceneReader<'_> {
 pub(crate) fn is_frame(object: &Object) -> bool {
     let id = object.id.as_deref().unwrap_or_default();
     object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
+}
+
+/// Sorts the media, which are found in the order of references as well.
+fn sort_media(description: &mut SceneDescription) {
+    let media = &mut description.media;
+    let mut by_order: Vec<usize> = (0..media.len()).collect();
+    by_order.sort_by_key(|&old| media[old].identity.order);
+    let mut new_place = vec![0; media.len()];
+    for (new, &old) in by_order.iter().enumerate() {
+        new_place[old] = new;
+    }
+    media.sort_by_key(|medium| medium.identity.order);
+    let moved = |medium: &mut Option<usize>| *medium = medium.map(|old| new_place[old]);
+    for shape in &mut description.shapes {
+        moved(&mut shape.interior);
+        moved(&mut shape.exterior);
+    }
+    let of_sensors = description.sensors.iter_mut().map(|sensor| &mut sensor.medium);
+    let of_emitters = description.emitters.iter_mut().map(|emitter| &mut emitter.medium);
+    of_sensors.chain(of_emitters).for_each(moved);
 }
 
 /// Sorts the materials, which are found in the order of references, into the order of the file.

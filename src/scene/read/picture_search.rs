@@ -1,21 +1,35 @@
-//! Finds the picture files that a scene names.
+//! Finds the picture files and the volume files that a scene names.
 
 use std::path::{Path, PathBuf};
 
 use super::mesh_search::{Found, MeshSearch};
-use crate::document::Reader;
 use crate::document::paths::settle;
+use crate::document::{Reader, Span};
 use crate::scene::description::PicturePlaces;
 
-/// Finds the pictures that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
+/// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
 pub struct PictureSearch {
     pub folders: MeshSearch,
     pub places: PicturePlaces,
+    pub volume_places: PicturePlaces,
 }
 
 impl PictureSearch {
-    /// The file; the first place where it was looked for if there is none: it may come later.
+    /// The picture's file; the first place where it was looked for if there is none: it may come later.
     pub fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
+        let (path, span) = self.look(name, reader);
+        self.places.entry(path.clone()).or_insert(span);
+        path
+    }
+
+    /// The volume's file, likewise.
+    pub fn find_volume(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
+        let (path, span) = self.look(name, reader);
+        self.volume_places.entry(path.clone()).or_insert(span);
+        path
+    }
+
+    fn look(&self, name: &str, reader: &mut Reader) -> (PathBuf, Span) {
         let span = reader.span_of("filename");
         let source = reader.diagnostics().source(span.source);
         let file = source.map(|file| settle(&file.path)).unwrap_or_default();
@@ -23,7 +37,6 @@ impl PictureSearch {
             Found::At(path) => path,
             Found::Nowhere(places) => places.into_iter().next().unwrap_or_default(),
         };
-        self.places.entry(path.clone()).or_insert(span);
-        path
+        (path, span)
     }
 }

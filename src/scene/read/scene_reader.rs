@@ -34,6 +34,8 @@ pub struct SceneReader<'a> {
     pub pictures: PictureSearch,
     pub folder: PathBuf,
     pub places: HashMap<usize, Place<'a>>,
+    /// None: a medium that could not be read.
+    pub medium_of: HashMap<usize, Option<usize>>,
     pub material_of: HashMap<usize, usize>,
     pub group_of: HashMap<usize, usize>,
     pub crowds: &'a [Crowd],
@@ -107,11 +109,13 @@ impl<'a> SceneReader<'a> {
             pictures: PictureSearch {
                 folders: meshes.clone(),
                 places: HashMap::new(),
+                volume_places: HashMap::new(),
             },
             meshes,
             search_folders: &document.search_folders,
             diagnostics,
             places,
+            medium_of: HashMap::new(),
             material_of: HashMap::new(),
             group_of: HashMap::new(),
             crowds: &document.crowds,

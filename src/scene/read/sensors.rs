@@ -6,7 +6,7 @@ use super::parameters::Parameters;
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
 use crate::files::ExrCompression;
-use crate::scene::description::SensorDescription;
+use crate::scene::description::{DeclarationPlace, SensorDescription};
 use crate::scene::encode::objects;
 use crate::scene::{
     ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PictureFormat, PixelFormat, ReconstructionFilter, Sensor,
@@ -66,6 +66,7 @@ impl<'a> SceneReader<'a> {
         let to_world = reader.to_world();
         let film = reader.children(Category::Film);
         let sampler = reader.children(Category::Sampler);
+        let media = reader.children(Category::Medium);
         reader.finish();
 
         let mut read_film = Film {
@@ -83,7 +84,10 @@ impl<'a> SceneReader<'a> {
             let message = format!("a second {} has no effect", second.category.tag());
             self.diagnostics.warn(second.span, message);
         }
+        let place = DeclarationPlace::Sensor(self.description.sensors.len());
+        let medium = self.read_medium_around(&media, place);
         let Some(to_world) = to_world else {
+            self.forget_place(place);
             return false;
         };
         let sensor = Sensor {
@@ -102,6 +106,7 @@ impl<'a> SceneReader<'a> {
             sensor,
             film: read_film,
             to_world,
+            medium,
         });
         true
     }

@@ -1,9 +1,10 @@
-//! Shapes: primitives, mesh files and instances, with their bsdf and their light.
+//! Shapes: primitives, mesh files and instances, with their bsdf, their light and the media on their two sides.
 
 use std::path::PathBuf;
 
 use glam::Vec3;
 
+use super::media::media_of_shape;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::SceneReader;
@@ -105,11 +106,13 @@ impl<'a> SceneReader<'a> {
         reader.ignore(&["silhouette_sampling_weight"]);
         let to_world = reader.to_world();
         let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut media = [None; 2];
         if is_instance {
             shapes = reader.children(Category::Shape);
         } else if has_surface {
             bsdfs = reader.children(Category::Bsdf);
             emitters = reader.children(Category::Emitter);
+            media = media_of_shape(&mut reader);
         }
         reader.finish();
         let mut instance_of = None;
@@ -131,6 +134,7 @@ impl<'a> SceneReader<'a> {
             let message = format!("{} has a bsdf already", object.title());
             self.diagnostics.error(second.span, message);
         }
+        let [interior, exterior] = media.map(|medium| self.read_medium(medium?, place));
         let mut area_light = None;
         for (_, emitter) in emitters {
             if group.is_some() {
@@ -145,7 +149,7 @@ impl<'a> SceneReader<'a> {
         }
 
         let Some(to_world) = to_world else {
-            // Materials inside this shape must not be looked for at a shape that does not exist.
+            // Materials and media inside this shape must not be looked for at a shape that does not exist.
             self.forget_place(place);
             return false;
         };
@@ -162,6 +166,8 @@ impl<'a> SceneReader<'a> {
             shape,
             to_world,
             material,
+            interior,
+            exterior,
             area_light,
             member_of: group,
             instance_of,
@@ -188,11 +194,11 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    fn forget_place(&mut self, place: DeclarationPlace) {
-        for material in &mut self.description.materials {
-            if material.declared_in == place {
-                material.declared_in = DeclarationPlace::TopLevel;
-            }
+    pub(super) fn forget_place(&mut self, place: DeclarationPlace) {
+        let materials = self.description.materials.iter_mut().map(|it| &mut it.declared_in);
+        let media = self.description.media.iter_mut().map(|it| &mut it.declared_in);
+        for declared_in in materials.chain(media).filter(|declared_in| **declared_in == place) {
+            *declared_in = DeclarationPlace::TopLevel;
         }
     }
 }

@@ -58,6 +58,7 @@ fn read_plain(category: Category, plugin: &str) -> Option<Object> {
             objects::shape(&shape.shape, &shape.to_world, None, folder)
         }
         Category::Bsdf => objects::material(&scene.materials.first()?.material, folder),
+        Category::Medium => objects::medium(&scene.media.first()?.medium, folder),
         Category::Emitter => {
             let emitter = scene.emitters.first()?;
             lights::emitter(&emitter.emitter, &emitter.to_world, folder)

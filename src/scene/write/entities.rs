@@ -2,10 +2,13 @@
 
 use bevy::prelude::*;
 
+use crate::scene::description::DeclarationPlace;
+
 /// The entities of a description, in its order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Entities {
     pub sensors: Vec<Entity>,
+    pub media: Vec<Entity>,
     pub materials: Vec<Entity>,
     pub groups: Vec<Entity>,
     pub shapes: Vec<Entity>,
@@ -13,9 +16,22 @@ pub(crate) struct Entities {
 }
 
 impl Entities {
+    /// The entity of the thing that something is declared inside of.
+    pub fn at(&self, place: DeclarationPlace) -> Option<Entity> {
+        let entity = match place {
+            DeclarationPlace::TopLevel => None,
+            DeclarationPlace::Shape(index) => self.shapes.get(index),
+            DeclarationPlace::Material(index) => self.materials.get(index),
+            DeclarationPlace::Sensor(index) => self.sensors.get(index),
+            DeclarationPlace::Emitter(index) => self.emitters.get(index),
+        };
+        entity.copied()
+    }
+
     /// The entities of all lists, one list after the other.
     pub fn all(&self) -> impl Iterator<Item = Entity> {
         let lists = [
+            &self.media,
             &self.materials,
             &self.groups,
             &self.shapes,

@@ -13,6 +13,7 @@ mod known;
 mod parts;
 pub(in crate::scene) mod patch;
 mod portable;
+mod portable_medium;
 mod save;
 pub(crate) mod snapshot;
 mod spectra;

@@ -88,13 +88,13 @@ impl Draft {
                 self.remove_superseded(&gone.name);
             }
         }
-        for texture in now.objects().filter(|child| child.category == Category::Texture) {
+        for texture in now.objects().filter(|child| is_value(child)) {
             let before = before.objects().find(|child| child.name == texture.name);
             if before != Some(texture) {
                 self.set_texture(before, texture);
             }
         }
-        for texture in before.objects().filter(|child| child.category == Category::Texture) {
+        for texture in before.objects().filter(|child| is_value(child)) {
             if let Some(name) = &texture.name
                 && value_of(now, name).is_none()
                 && !now.objects().any(|child| child.name == texture.name)
@@ -108,11 +108,15 @@ impl Draft {
             Category::Sampler,
             Category::ReconstructionFilter,
             Category::Emitter,
+            Category::Phase,
         ] {
-            let of = |object: &Object| object.objects().find(|child| child.category == category).cloned();
+            let of = |object: &Object| -> Vec<Object> {
+                let inside = object.objects().filter(|child| child.category == category);
+                inside.cloned().collect()
+            };
             let (before, now) = (of(before), of(now));
             if before != now {
-                self.set_plugin(category, before, now);
+                self.set_plugins(category, &before, now);
             }
         }
     }
@@ -211,7 +215,7 @@ impl Draft {
         }
     }
 
-    /// Sets a texture, over the one given for the same parameter, or instead of the reference to one: others may refer to that as well.
+    /// Sets a texture or a volume, over the one given for the same parameter, or instead of the reference to one: others may refer to that as well.
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
         let named = self.object.children.iter().position(|child| child.name() == name);
@@ -228,11 +232,11 @@ impl Draft {
                 let child = &mut self.object.children[place];
                 let revised = revised(child, before, Object::clone(now)).into();
                 *child = in_place_of(child, revised);
-                self.categories[place] = Some(Category::Texture);
+                self.categories[place] = Some(now.category);
             }
             None => {
                 self.object.children.push(now.clone().into());
-                self.categories.push(Some(Category::Texture));
+                self.categories.push(Some(now.category));
             }
         }
         if let Some(name) = name {
@@ -245,19 +249,47 @@ impl Draft {
         self.categories.remove(place);
     }
 
-    /// The one nested plugin of a kind.
-    fn set_plugin(&mut self, category: Category, before: Option<Object>, now: Option<Object>) {
-        let place = self.categories.iter().position(|known| *known == Some(category));
-        match (place, now) {
+    /// The nested plugins of a kind that have no names, in order.
+    fn set_plugins(&mut self, category: Category, before: &[Object], now: Vec<Object>) {
+        let is_of = |(_, known): &(usize, &Option<Category>)| **known == Some(category);
+        let places = self.categories.iter().enumerate().filter(is_of).map(|(place, _)| place);
+        let places: Vec<usize> = places.take(before.len().max(now.len())).collect();
+        for &place in places.iter().skip(now.len()).rev() {
+            self.remove_child(place);
+        }
+        for (index, now) in now.into_iter().enumerate() {
+            let before = before.get(index);
+            match places.get(index) {
+                // One that was not edited stays as it is, which may be a reference.
+                Some(_) if before == Some(&now) => {}
+                Some(&place) => {
+                    let child = &mut self.object.children[place];
+                    *child = revised(child, before, now).into();
+                }
+                None => {
+                    self.object.children.push(now.into());
+                    self.categories.push(Some(category));
+                }
+            }
+        }
+    }
+
+    /// The medium of this name, or the first one if it needs none, where the old one stood.
+    pub fn set_medium(&mut self, name: Option<&'static str>, medium: Option<Child>) {
+        let mut children = self.object.children.iter().zip(&self.categories);
+        let is_it = |child: &Child| name.is_none() || child.name() == name;
+        let place = children.position(|(child, category)| *category == Some(Category::Medium) && is_it(child));
+        match (place, medium) {
             (None, None) => {}
             (Some(place), None) => self.remove_child(place),
-            (None, Some(now)) => {
-                self.object.children.push(now.into());
-                self.categories.push(Some(category));
-            }
-            (Some(place), Some(now)) => {
+            (Some(place), Some(medium)) => {
                 let child = &mut self.object.children[place];
-                *child = revised(child, before.as_ref(), now).into();
+                *child = in_place_of(child, medium);
+            }
+            (None, Some(mut medium)) => {
+                medium.set_name(name.map(SmolStr::new_static));
+                self.object.children.push(medium);
+                self.categories.push(Some(Category::Medium));
             }
         }
     }
@@ -289,10 +321,17 @@ fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     };
     let categories = authored.children.iter().map(|child| match child {
         Child::Object(object) => Some(object.category),
+        // The parts of a phase function without a name are phase functions.
+        Child::Reference { name: None, .. } if authored.category == Category::Phase => Some(Category::Phase),
         Child::Reference { .. } => None,
     });
     let authored = Authored::new(authored.clone(), before.clone(), categories.collect());
     Draft::new(Some(&authored), now).object
+}
+
+/// Whether it gives the value of a parameter, whose name it has.
+fn is_value(object: &Object) -> bool {
+    matches!(object.category, Category::Texture | Category::Volume)
 }
 
 /// Puts `child` in the place of `old`: for the same parameter, and as a reference if that was one.
@@ -312,7 +351,8 @@ fn is_same(a: &Object, b: &Object) -> bool {
         && a.properties.iter().all(has_same)
 }
 
-fn value_of<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {
+/// The value of a property.
+pub(super) fn value_of<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {
     let property = object.properties.iter().find(|property| property.name == name);
     property.map(|property| &property.value)
 }

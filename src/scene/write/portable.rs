@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3, Vec4};
 
+use super::patch::value_of;
+use super::portable_medium::medium;
 use crate::document::{Category, Child, Object, TransformOp, Value};
 use crate::layer::Layer;
 use crate::scene::assets::solid_mesh::solid_ply;
@@ -88,6 +90,7 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
         translate_inside(inner, files, extensions);
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
+            (Category::Medium, _) => medium(inner, extensions == Extensions::Approximate),
             (Category::Bsdf, "roughconductor") if extensions == Extensions::Approximate => {
                 inner
                     .properties
@@ -126,7 +129,7 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
     let mut names = Vec::new();
     part.visit_mut(&mut |info, given| {
         names.push(info.name);
-        match (given, value(object, info.name)) {
+        match (given, value_of(object, info.name)) {
             (SolidValue::Length(length), Some(Value::Float(number))) => *length = *number,
             (SolidValue::Length(length), Some(Value::Integer(number))) => *length = *number as f32,
             (SolidValue::Count(count), Some(Value::Integer(number))) => *count = *number as u32,
@@ -156,7 +159,7 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
 /// direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution by twice its slope, whose deviation is alpha /
 /// sqrt(2); so alpha = f / sqrt(10).
 fn metal(object: &mut Object, extensions: Extensions) {
-    let fuzz = match value(object, "fuzz") {
+    let fuzz = match value_of(object, "fuzz") {
         Some(Value::Float(fuzz)) => *fuzz,
         Some(Value::Integer(fuzz)) => *fuzz as f32,
         _ => 0.0,
@@ -167,7 +170,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
     object.plugin = "conductor".into();
     object.properties.retain(|property| property.name != "fuzz");
     let has_color =
-        value(object, "reflectance").is_some() || object.children.iter().any(|child| child.name().is_some());
+        value_of(object, "reflectance").is_some() || object.children.iter().any(|child| child.name().is_some());
     for property in &mut object.properties {
         if property.name == "reflectance" {
             property.name = "specular_reflectance".into();
@@ -194,7 +197,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
 
 /// The unit triangle of a file with the transform that takes it to its corners.
 fn triangle(object: &mut Object, file_name: &str) {
-    let corner = |name: &str| match value(object, name) {
+    let corner = |name: &str| match value_of(object, name) {
         Some(Value::Point(place) | Value::Vector(place)) => *place,
         _ => Vec3::ZERO,
     };
@@ -203,7 +206,7 @@ fn triangle(object: &mut Object, file_name: &str) {
     let axis = |v: Vec3| Vec4::from((v, 0.0));
     let matrix = Mat4::from_cols(axis(b - a), axis(c - a), axis(normal), Vec4::from((a, 1.0)));
     let mut steps = vec![TransformOp::Matrix(matrix)];
-    if let Some(Value::Transform(further)) = value(object, "to_world") {
+    if let Some(Value::Transform(further)) = value_of(object, "to_world") {
         steps.extend(further);
     }
     object.plugin = "obj".into();
@@ -216,9 +219,4 @@ fn triangle(object: &mut Object, file_name: &str) {
         .with("filename", Value::String(file_name.to_owned()))
         .with("face_normals", Value::Boolean(true))
         .with("to_world", Value::Transform(steps));
-}
-
-fn value<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {
-    let property = object.properties.iter().find(|property| property.name == name);
-    property.map(|property| &property.value)
 }

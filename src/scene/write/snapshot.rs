@@ -8,15 +8,15 @@ use bevy::prelude::*;
 
 use super::entities::Entities;
 use crate::scene::description::{
-    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
-    SensorDescription, ShapeDescription,
+    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, MediumDescription,
+    SceneDescription, SensorDescription, ShapeDescription,
 };
 use crate::scene::file_moment::follow_file;
 use crate::scene::moment::shown_time;
 use crate::scene::{
-    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, InstanceOf,
-    IntegratorKeys, IntegratorSettings, Keys, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested,
-    Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested,
+    InMedium, InstanceOf, IntegratorKeys, IntegratorSettings, InteriorMedium, Keys, Material, Medium, MemberOf,
+    Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// So many things are copied at once at the end.
@@ -35,11 +35,15 @@ struct Copied {
 #[derive(Clone, Copy)]
 enum Kind {
     Sensor,
+    Medium,
     Material,
     Group,
     Shape,
     Emitter,
 }
+
+/// The most things that one refers to: those of a shape.
+const MOST_REFERENCES: usize = 5;
 
 /// The description of an entity.
 struct Described<T> {
@@ -47,7 +51,7 @@ struct Described<T> {
     entity: Option<Entity>,
     thing: T,
     /// What the thing refers to, by entity. The description itself does not say it yet.
-    refers_to: [Option<Entity>; 3],
+    refers_to: [Option<Entity>; MOST_REFERENCES],
 }
 
 /// A copy of the scene that is being made, or is complete.
@@ -56,6 +60,7 @@ pub(crate) struct Snapshot {
     /// The part of the scene that is not of entities.
     scene: SceneDescription,
     sensors: Vec<Described<SensorDescription>>,
+    media: Vec<Described<MediumDescription>>,
     materials: Vec<Described<MaterialDescription>>,
     groups: Vec<Described<GroupDescription>>,
     shapes: Vec<Described<ShapeDescription>>,
@@ -91,6 +96,12 @@ type Changes = Or<(
         Changed<SecondNested>,
         Changed<DeclaredIn>,
         Changed<Keys>,
+    )>,
+    Or<(
+        Changed<Medium>,
+        Changed<InteriorMedium>,
+        Changed<ExteriorMedium>,
+        Changed<InMedium>,
     )>,
 )>;
 
@@ -205,6 +216,7 @@ impl Snapshot {
         if let Some(Copied { kind, index, .. }) = self.copied.remove(&entity) {
             match kind {
                 Kind::Sensor => self.sensors[index].entity = None,
+                Kind::Medium => self.media[index].entity = None,
                 Kind::Material => self.materials[index].entity = None,
                 Kind::Group => self.groups[index].entity = None,
                 Kind::Shape => self.shapes[index].entity = None,
@@ -240,6 +252,8 @@ impl Snapshot {
                     shape: shape.clone(),
                     to_world,
                     material: None,
+                    interior: None,
+                    exterior: None,
                     area_light: thing.get::<AreaLight>().cloned(),
                     member_of: None,
                     instance_of: None,
@@ -249,6 +263,8 @@ impl Snapshot {
                     thing.get::<UsesMaterial>().map(|uses| uses.0),
                     thing.get::<MemberOf>().map(|group| group.0),
                     thing.get::<InstanceOf>().map(|group| group.0),
+                    thing.get::<InteriorMedium>().map(|medium| medium.0),
+                    thing.get::<ExteriorMedium>().map(|medium| medium.0),
                 ],
             });
         } else if let Some(material) = thing.get::<Material>() {
@@ -266,7 +282,20 @@ impl Snapshot {
                     thing.get::<FirstNested>().map(|nested| nested.0),
                     thing.get::<SecondNested>().map(|nested| nested.0),
                     thing.get::<DeclaredIn>().map(|owner| owner.0),
+                    None,
+                    None,
                 ],
+            });
+        } else if let Some(medium) = thing.get::<Medium>() {
+            (kind, index) = (Kind::Medium, self.media.len());
+            self.media.push(Described {
+                entity: Some(entity),
+                thing: MediumDescription {
+                    identity,
+                    medium: medium.clone(),
+                    declared_in: DeclarationPlace::TopLevel,
+                },
+                refers_to: only(thing.get::<DeclaredIn>().map(|owner| owner.0)),
             });
         } else if let (Some(emitter), Some(to_world)) = (thing.get::<Emitter>(), to_world) {
             (kind, index) = (Kind::Emitter, self.emitters.len());
@@ -277,8 +306,9 @@ impl Snapshot {
                     identity,
                     emitter,
                     to_world,
+                    medium: None,
                 },
-                refers_to: [None; 3],
+                refers_to: only(thing.get::<InMedium>().map(|medium| medium.0)),
             });
         } else if let (Some(&sensor), Some(&film), Some(to_world)) =
             (thing.get::<Sensor>(), thing.get::<Film>(), to_world)
@@ -291,15 +321,16 @@ impl Snapshot {
                     sensor,
                     film,
                     to_world,
+                    medium: None,
                 },
-                refers_to: [None; 3],
+                refers_to: only(thing.get::<InMedium>().map(|medium| medium.0)),
             });
         } else if thing.contains::<ShapeGroup>() {
             (kind, index) = (Kind::Group, self.groups.len());
             self.groups.push(Described {
                 entity: Some(entity),
                 thing: GroupDescription { identity },
-                refers_to: [None; 3],
+                refers_to: only(None),
             });
         } else {
             return;
@@ -335,6 +366,7 @@ impl Snapshot {
         let Self {
             mut scene,
             sensors,
+            media,
             materials,
             groups,
             shapes,
@@ -342,46 +374,75 @@ impl Snapshot {
             ..
         } = self;
         let sensors = in_order(sensors, |sensor| &sensor.identity);
+        let media = in_order(media, |medium| &medium.identity);
         let materials = in_order(materials, |material| &material.identity);
         let groups = in_order(groups, |group| &group.identity);
         let shapes = in_order(shapes, |shape| &shape.identity);
         let emitters = in_order(emitters, |emitter| &emitter.identity);
-        let (material_of, group_of, shape_of) = (places(&materials), places(&groups), places(&shapes));
+        let (medium_of, material_of, group_of) = (places(&media), places(&materials), places(&groups));
+        let (shape_of, sensor_of, emitter_of) = (places(&shapes), places(&sensors), places(&emitters));
         let place_in = |places: &EntityHashMap<usize>, entity: Option<Entity>| places.get(&entity?).copied();
         let entities = Entities {
             sensors: sensors.iter().filter_map(|it| it.entity).collect(),
+            media: media.iter().filter_map(|it| it.entity).collect(),
             materials: materials.iter().filter_map(|it| it.entity).collect(),
             groups: groups.iter().filter_map(|it| it.entity).collect(),
             shapes: shapes.iter().filter_map(|it| it.entity).collect(),
             emitters: emitters.iter().filter_map(|it| it.entity).collect(),
         };
-        scene.sensors = sensors.into_iter().map(|it| it.thing).collect();
+        let sensor = |it: Described<SensorDescription>| SensorDescription {
+            medium: place_in(&medium_of, it.refers_to[0]),
+            ..it.thing
+        };
+        scene.sensors = sensors.into_iter().map(sensor).collect();
         scene.groups = groups.into_iter().map(|it| it.thing).collect();
-        scene.emitters = emitters.into_iter().map(|it| it.thing).collect();
+        let emitter = |it: Described<EmitterDescription>| EmitterDescription {
+            medium: place_in(&medium_of, it.refers_to[0]),
+            ..it.thing
+        };
+        scene.emitters = emitters.into_iter().map(emitter).collect();
         let shape = |it: Described<ShapeDescription>| {
-            let [material, member_of, instance_of] = it.refers_to;
+            let [material, member_of, instance_of, interior, exterior] = it.refers_to;
             ShapeDescription {
                 material: place_in(&material_of, material),
                 member_of: place_in(&group_of, member_of),
                 instance_of: place_in(&group_of, instance_of),
+                interior: place_in(&medium_of, interior),
+                exterior: place_in(&medium_of, exterior),
                 ..it.thing
             }
         };
         scene.shapes = shapes.into_iter().map(shape).collect();
-        let material = |it: Described<MaterialDescription>| {
-            let [first, second, owner] = it.refers_to;
+        let place_of = |owner: Option<Entity>| {
             let in_shape = place_in(&shape_of, owner).map(DeclarationPlace::Shape);
             let in_material = || place_in(&material_of, owner).map(DeclarationPlace::Material);
+            let in_sensor = || place_in(&sensor_of, owner).map(DeclarationPlace::Sensor);
+            let in_emitter = || place_in(&emitter_of, owner).map(DeclarationPlace::Emitter);
+            let found = in_shape.or_else(in_material).or_else(in_sensor).or_else(in_emitter);
+            found.unwrap_or(DeclarationPlace::TopLevel)
+        };
+        let medium = |it: Described<MediumDescription>| MediumDescription {
+            declared_in: place_of(it.refers_to[0]),
+            ..it.thing
+        };
+        scene.media = media.into_iter().map(medium).collect();
+        let material = |it: Described<MaterialDescription>| {
+            let [first, second, owner, ..] = it.refers_to;
             MaterialDescription {
                 first: place_in(&material_of, first),
                 second: place_in(&material_of, second),
-                declared_in: in_shape.or_else(in_material).unwrap_or(DeclarationPlace::TopLevel),
+                declared_in: place_of(owner),
                 ..it.thing
             }
         };
         scene.materials = materials.into_iter().map(material).collect();
         (scene, entities)
     }
+}
+
+/// The references of what refers to one thing at most.
+fn only(entity: Option<Entity>) -> [Option<Entity>; MOST_REFERENCES] {
+    [entity, None, None, None, None]
 }
 
 /// The things that are up to date, in the order of the file.

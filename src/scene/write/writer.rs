@@ -12,6 +12,7 @@ use crate::document::animation::is_animated;
 use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
 use crate::scene::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::encode::{lights, objects};
+use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
 
 /// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
@@ -24,6 +25,9 @@ pub(in crate::scene) struct Writer<'s> {
     ids: Vec<Option<String>>,
     /// The place where each material is written; None for those that are no longer needed.
     places: Vec<Option<DeclarationPlace>>,
+    /// The same of each medium.
+    medium_ids: Vec<Option<String>>,
+    medium_places: Vec<Option<DeclarationPlace>>,
     defaults: Defaults,
     /// Whether things are written with their keys, and have the values of these.
     keys: bool,
@@ -41,6 +45,8 @@ impl<'s> Writer<'s> {
                 .map(|material| material.identity.id.clone())
                 .collect(),
             places: vec![None; count],
+            medium_ids: scene.media.iter().map(|medium| medium.identity.id.clone()).collect(),
+            medium_places: vec![None; scene.media.len()],
             defaults: Defaults::default(),
             keys: true,
         };
@@ -70,8 +76,46 @@ impl<'s> Writer<'s> {
                 writer.places[index] = Some(DeclarationPlace::TopLevel);
             }
         }
-        writer.name_what_is_referred_to(&uses);
+        let media = writer.place_media();
+        let mut taken = writer.taken_ids();
+        name_what_is_referred_to(&uses, &writer.places, &mut writer.ids, "material", &mut taken);
+        name_what_is_referred_to(
+            &media,
+            &writer.medium_places,
+            &mut writer.medium_ids,
+            "medium",
+            &mut taken,
+        );
         writer
+    }
+
+    /// Finds where each medium is written. Returns their uses in the order in which they are written.
+    fn place_media(&mut self) -> Vec<(DeclarationPlace, usize)> {
+        let scene = self.scene;
+        let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
+        for (owner, sensor) in scene.sensors.iter().enumerate() {
+            uses.extend(sensor.medium.map(|medium| (DeclarationPlace::Sensor(owner), medium)));
+        }
+        for (owner, shape) in scene.shapes.iter().enumerate() {
+            let media = shape.interior.into_iter().chain(shape.exterior);
+            uses.extend(media.map(|medium| (DeclarationPlace::Shape(owner), medium)));
+        }
+        for (owner, emitter) in scene.emitters.iter().enumerate() {
+            uses.extend(emitter.medium.map(|medium| (DeclarationPlace::Emitter(owner), medium)));
+        }
+        for &(owner, medium) in &uses {
+            if scene.media[medium].declared_in == owner {
+                self.medium_places[medium] = Some(owner);
+            } else {
+                self.medium_places[medium].get_or_insert(DeclarationPlace::TopLevel);
+            }
+        }
+        for (place, medium) in self.medium_places.iter_mut().zip(&scene.media) {
+            if medium.declared_in == DeclarationPlace::TopLevel || medium.identity.id.is_some() {
+                place.get_or_insert(DeclarationPlace::TopLevel);
+            }
+        }
+        uses
     }
 
     /// Writes the values as the components have them, and no keys.
@@ -91,8 +135,8 @@ impl<'s> Writer<'s> {
         depth
     }
 
-    /// The first use by the owner becomes the declaration. Every other use refers to it and needs its id.
-    fn name_what_is_referred_to(&mut self, uses: &[(DeclarationPlace, usize)]) {
+    /// All ids of the file.
+    fn taken_ids(&self) -> HashSet<String> {
         let mut taken: HashSet<String> = HashSet::new();
         for identity in identities(self.scene) {
             taken.extend(identity.id.clone());
@@ -100,23 +144,7 @@ impl<'s> Writer<'s> {
         for (_, child) in &self.scene.remains.rest {
             collect_ids(child, &mut taken);
         }
-        let mut is_declared = vec![false; self.ids.len()];
-        let mut number = 0;
-        for &(owner, material) in uses {
-            if self.places[material] == Some(owner) && !std::mem::replace(&mut is_declared[material], true) {
-                continue;
-            }
-            if self.ids[material].is_none() {
-                loop {
-                    number += 1;
-                    let id = format!("material-{number}");
-                    if taken.insert(id.clone()) {
-                        self.ids[material] = Some(id);
-                        break;
-                    }
-                }
-            }
-        }
+        taken
     }
 
     pub(in crate::scene) fn root(&self) -> Object {
@@ -125,11 +153,24 @@ impl<'s> Writer<'s> {
         if let Some((order, child)) = self.integrator() {
             parts.push((order, child.into()));
         }
-        for sensor in &scene.sensors {
+        for (index, medium) in scene.media.iter().enumerate() {
+            if self.medium_places[index] == Some(DeclarationPlace::TopLevel) {
+                let mut object = self.medium(index);
+                if medium.declared_in != DeclarationPlace::TopLevel {
+                    object.name = None;
+                }
+                parts.push((medium.identity.order, object.into()));
+            }
+        }
+        for (index, sensor) in scene.sensors.iter().enumerate() {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
-            let draft = self.with_keys(
+            let mut draft = self.with_keys(
                 Draft::new(sensor.identity.authored.as_ref(), current),
                 sensor.identity.keys.as_ref(),
+            );
+            draft.set_medium(
+                None,
+                self.medium_in(DeclarationPlace::Sensor(index), sensor.medium, &mut None),
             );
             parts.push(finish(&sensor.identity, draft));
         }
@@ -151,9 +192,13 @@ impl<'s> Writer<'s> {
                 parts.push((shape.identity.order, self.shape(index).into()));
             }
         }
-        for emitter in &scene.emitters {
+        for (index, emitter) in scene.emitters.iter().enumerate() {
             let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
-            let draft = self.draft(&emitter.identity, current);
+            let mut draft = self.draft(&emitter.identity, current);
+            draft.set_medium(
+                None,
+                self.medium_in(DeclarationPlace::Emitter(index), emitter.medium, &mut None),
+            );
             parts.push(finish(&emitter.identity, draft));
         }
         parts.extend(scene.remains.rest.iter().cloned());
@@ -194,7 +239,10 @@ impl<'s> Writer<'s> {
     fn shape(&self, index: usize) -> Object {
         let shape = &self.scene.shapes[index];
         let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
-        let draft = self.draft(&shape.identity, current);
+        let mut draft = self.draft(&shape.identity, current);
+        let (place, mut declared) = (DeclarationPlace::Shape(index), None);
+        draft.set_medium(Some(INTERIOR), self.medium_in(place, shape.interior, &mut declared));
+        draft.set_medium(Some(EXTERIOR), self.medium_in(place, shape.exterior, &mut declared));
         let mut object = match shape.instance_of {
             None if shape.shape.is_frame() => draft.object,
             Some(group) => {
@@ -269,6 +317,25 @@ impl<'s> Writer<'s> {
         object
     }
 
+    fn medium(&self, index: usize) -> Object {
+        let medium = &self.scene.media[index];
+        let draft = self.draft(&medium.identity, objects::medium(&medium.medium, self.folder));
+        Object {
+            id: self.medium_ids[index].as_deref().map(SmolStr::from),
+            ..draft.object
+        }
+    }
+
+    /// The medium inside of `owner`: in place where it is declared there, or else as a reference. `declared` is the one that was declared there already.
+    fn medium_in(&self, owner: DeclarationPlace, medium: Option<usize>, declared: &mut Option<usize>) -> Option<Child> {
+        let medium = medium?;
+        if self.medium_places[medium] == Some(owner) && *declared != Some(medium) {
+            *declared = Some(medium);
+            return Some(self.medium(medium).into());
+        }
+        self.medium_ids[medium].as_deref().map(reference)
+    }
+
     /// The materials inside of `owner`: in place where they are declared there, or else as references.
     fn nested(&self, owner: DeclarationPlace, materials: &[Option<usize>]) -> Vec<Child> {
         let mut declared = Vec::new();
@@ -282,6 +349,31 @@ impl<'s> Writer<'s> {
             }
         }
         children
+    }
+}
+
+/// Gives ids to what is referred to. The first use by the owner becomes the declaration, and every other use refers to it and needs its id. `kind` is how new ids
+/// begin.
+fn name_what_is_referred_to(
+    uses: &[(DeclarationPlace, usize)],
+    places: &[Option<DeclarationPlace>],
+    ids: &mut [Option<String>],
+    kind: &str,
+    taken: &mut HashSet<String>,
+) {
+    let mut is_declared = vec![false; ids.len()];
+    let mut number = 0;
+    for &(owner, thing) in uses {
+        if places[thing] == Some(owner) && !std::mem::replace(&mut is_declared[thing], true) {
+            continue;
+        }
+        while ids[thing].is_none() {
+            number += 1;
+            let id = format!("{kind}-{number}");
+            if taken.insert(id.clone()) {
+                ids[thing] = Some(id);
+            }
+        }
     }
 }
 
@@ -323,11 +415,13 @@ fn id_of(identity: &Identity) -> Option<SmolStr> {
 /// The identities of all things that are described.
 pub(in crate::scene) fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
     let sensors = scene.sensors.iter().map(|sensor| &sensor.identity);
+    let media = scene.media.iter().map(|medium| &medium.identity);
     let materials = scene.materials.iter().map(|material| &material.identity);
     let groups = scene.groups.iter().map(|group| &group.identity);
     let shapes = scene.shapes.iter().map(|shape| &shape.identity);
     let emitters = scene.emitters.iter().map(|emitter| &emitter.identity);
-    sensors.chain(materials).chain(groups).chain(shapes).chain(emitters)
+    let surfaces = media.chain(materials).chain(groups).chain(shapes);
+    sensors.chain(surfaces).chain(emitters)
 }
 
 fn collect_ids(child: &Child, ids: &mut HashSet<String>) {

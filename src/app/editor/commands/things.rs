@@ -7,10 +7,11 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::session::history::Edit;
 use crate::scene::insert::next_order;
+use crate::scene::medium::users_of_medium;
 use crate::scene::{
-    ActiveSensor, DeclaredIn, Declares, DocumentOrder, FirstNested, FirstNestedIn, FreeView, Locked, Material,
-    MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ToWorld,
-    UsesMaterial,
+    ActiveSensor, DeclaredIn, Declares, DocumentOrder, ExteriorMedium, FirstNested, FirstNestedIn, FreeView, InMedium,
+    InteriorMedium, Locked, Material, MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn,
+    Sensor, Shape, ToWorld, UsesMaterial,
 };
 
 /// An error unless the entity has a component of this type.
@@ -50,7 +51,7 @@ pub(crate) fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
     }
 }
 
-/// Deletes a thing with the materials that were written inside it and that nothing else uses. Users of the thing lose the reference.
+/// Deletes a thing with the materials and media that were written inside it and that nothing else uses. Users of the thing lose the reference.
 pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     let declared: Vec<Entity> = edit
         .world
@@ -64,6 +65,30 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
         .unwrap_or_default();
     for user in users {
         edit.remove::<UsesMaterial>(user);
+    }
+    let in_medium: Vec<Entity> = users_of_medium(edit.world, entity).collect();
+    for user in in_medium {
+        if edit
+            .world
+            .get::<InteriorMedium>(user)
+            .is_some_and(|medium| medium.0 == entity)
+        {
+            edit.remove::<InteriorMedium>(user);
+        }
+        if edit
+            .world
+            .get::<ExteriorMedium>(user)
+            .is_some_and(|medium| medium.0 == entity)
+        {
+            edit.remove::<ExteriorMedium>(user);
+        }
+        if edit
+            .world
+            .get::<InMedium>(user)
+            .is_some_and(|medium| medium.0 == entity)
+        {
+            edit.remove::<InMedium>(user);
+        }
     }
     // The material around it needs something in its place.
     for outer in outer_materials(edit.world, entity) {
@@ -86,6 +111,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
             .world
             .get::<MaterialUsers>(material)
             .is_some_and(|users| !users.is_empty())
+            || users_of_medium(edit.world, material).any(|user| ObjectState::is_in_scene(edit.world, user))
             || !outer_materials(edit.world, material).is_empty();
         if is_used {
             // The material stands for itself from now on.

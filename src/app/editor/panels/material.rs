@@ -133,7 +133,9 @@ impl Rows<'_> {
             }
             ParameterMut::TexturedEmission(value) => self.textured_emission(info, value),
             ParameterMut::UniformReflectance(value) => self.edit.changed |= color_field::color(self.ui, info, value),
-            ParameterMut::Factor(value) => self.edit.changed |= fields::strength(self.ui, info, value, info.unit),
+            ParameterMut::Factor(value) | ParameterMut::ExtensionFactor(value) => {
+                self.edit.changed |= fields::strength(self.ui, info, value, info.unit);
+            }
             ParameterMut::Angle(value) => {
                 self.edit.changed |= fields::quantity(self.ui, info, value, 0.1, info.range.clone(), info.unit);
             }
@@ -148,6 +150,10 @@ impl Rows<'_> {
                 self.edit.changed |= field_of_view(self.ui, &mut value.fov, &mut value.axis);
             }
             ParameterMut::SunPosition(value) => self.sun_position(info, value),
+            ParameterMut::Coefficients(value) => self.coefficients(value),
+            ParameterMut::VolumeEmission(value) => self.volume_emission(info, value),
+            ParameterMut::VolumeShare(value) => self.volume_share(info, value),
+            ParameterMut::Values(value) => self.values(info, value),
         }
     }
 

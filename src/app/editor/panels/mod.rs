@@ -26,6 +26,7 @@ pub mod look;
 pub mod material;
 pub mod material_header;
 pub mod material_tree;
+mod medium;
 pub mod menu_bar;
 pub mod outliner;
 pub mod paths;

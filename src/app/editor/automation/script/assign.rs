@@ -6,14 +6,15 @@ use bevy::math::Affine3A;
 
 use crate::color::Rgb;
 use crate::document::paths::settle;
-use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
+use crate::document::value::{ValueError, fields, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::files::ExrCompression;
+use crate::scene::medium;
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
-    Absorption, AreaLight, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material,
-    ParameterInfo, ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition,
-    Texture,
+    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens,
+    Material, ParameterInfo, ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue,
+    SunPosition, Texture,
 };
 
 /// Says why a parameter was not set.
@@ -235,7 +236,8 @@ impl Assign<'_> {
             ParameterMut::Number(value)
             | ParameterMut::Factor(value)
             | ParameterMut::Angle(value)
-            | ParameterMut::SamplingWeight(value) => self.bounded(name, value, info.range.clone()),
+            | ParameterMut::SamplingWeight(value)
+            | ParameterMut::ExtensionFactor(value) => self.bounded(name, value, info.range.clone()),
             ParameterMut::Flag(value) | ParameterMut::Extension(value) => self.parsed(name, value, parse_boolean),
             ParameterMut::Ior(value) => self.value(name, value, |text| parse_ior(text, &info.range)),
             ParameterMut::ConductorIor(value) => self.value(name, value, parse_conductor),
@@ -279,11 +281,39 @@ impl Assign<'_> {
                     at.visit_mut(&mut |info, value| self.parameter(info, value));
                 }
             }
+            ParameterMut::Coefficients(value) => self.coefficients(value),
+            ParameterMut::VolumeEmission(value) => {
+                self.value(name, value, |text| Ok(color(f32::MAX)(text)?.into()));
+            }
+            ParameterMut::VolumeShare(value) => {
+                self.value(name, value, |text| Ok(within(parse_float(text)?, &info.range)?.into()));
+            }
+            ParameterMut::Values(value) => self.value(name, value, |text| {
+                let values = fields(text).map(parse_float).collect::<Result<Vec<f32>, _>>()?;
+                let is_table = values.len() >= 2 && values.iter().all(|value| *value >= 0.0);
+                (is_table.then_some(values))
+                    .ok_or_else(|| AssignError::Refused("expected two numbers or more, not negative".to_owned()))
+            }),
         }
     }
 }
 
 impl Assign<'_> {
+    fn coefficients(&mut self, value: &mut Coefficients) {
+        match value {
+            Coefficients::Extinction { sigma_t, albedo } => {
+                for (info, value) in [(&medium::SIGMA_T, sigma_t), (&medium::ALBEDO, albedo)] {
+                    self.value(info.name, value, |text| Ok(color(*info.range.end())(text)?.into()));
+                }
+            }
+            Coefficients::Separate { sigma_s, sigma_a } => {
+                for (info, value) in [(&medium::SIGMA_S, sigma_s), (&medium::SIGMA_A, sigma_a)] {
+                    self.value(info.name, value, color(*info.range.end()));
+                }
+            }
+        }
+    }
+
     fn absorption(&mut self, value: &mut Absorption) {
         match value {
             Absorption::Melanin { eumelanin, pheomelanin } => {

@@ -1,0 +1,61 @@
+//! Participating media as the user knows them, and the components that refer to them.
+
+mod coefficients;
+mod models;
+mod phase;
+mod volume;
+
+use bevy::prelude::*;
+
+pub use coefficients::Coefficients;
+pub(crate) use coefficients::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
+pub use models::Medium;
+pub use phase::{PhaseBlend, PhaseFunction};
+pub(crate) use volume::USE_GRID_BBOX;
+pub use volume::{GridFile, VolumeFilter, VolumeParameter, VolumeWrap};
+
+/// The name in the file of the medium on the inner side of a shape, and on the outer side.
+pub(crate) const INTERIOR: &str = "interior";
+pub(crate) const EXTERIOR: &str = "exterior";
+
+/// The medium on the side of a shape's surface that its normal points away from.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = InteriorOf)]
+pub struct InteriorMedium(pub Entity);
+
+/// The shapes that a medium is inside of.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = InteriorMedium)]
+pub struct InteriorOf(Vec<Entity>);
+
+/// The medium on the side of a shape's surface that its normal points to.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = ExteriorOf)]
+pub struct ExteriorMedium(pub Entity);
+
+/// The shapes that a medium is around.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = ExteriorMedium)]
+pub struct ExteriorOf(Vec<Entity>);
+
+/// The medium that a sensor or an emitter is in.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = Surrounds)]
+pub struct InMedium(pub Entity);
+
+/// The sensors and emitters that are in a medium.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = InMedium)]
+pub struct Surrounds(Vec<Entity>);
+
+/// The things of the scene that refer to a medium.
+pub(crate) fn users_of_medium(world: &World, medium: Entity) -> impl Iterator<Item = Entity> {
+    fn all<'w, R: RelationshipTarget>(world: &'w World, medium: Entity) -> impl Iterator<Item = Entity> + use<'w, R> {
+        world.get::<R>(medium).into_iter().flat_map(|users| users.iter())
+    }
+    let sides = all::<InteriorOf>(world, medium).chain(all::<ExteriorOf>(world, medium));
+    sides.chain(all::<Surrounds>(world, medium))
+}

@@ -1,0 +1,121 @@
+//! The parameters of a medium, each declared once.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::coefficients::{Coefficients, SIGMA_T};
+use super::{PhaseFunction, VolumeParameter};
+use crate::color::Rgb;
+use crate::scene::DocumentOrder;
+use crate::scene::parameter_info::ParameterInfo;
+use crate::scene::parameters::{ParameterMut, ParameterRef};
+
+/// A participating medium: what fills the space between surfaces. In the file it is `homogeneous` if its density is the same
+/// everywhere, and else `heterogeneous`.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, PartialEq)]
+#[require(DocumentOrder)]
+pub struct Medium {
+    /// How much light is taken out of a ray.
+    pub coefficients: Coefficients,
+    /// A factor on the coefficients, at least 0.
+    pub scale: f32,
+    /// Where scattered light goes.
+    pub phase: PhaseFunction,
+    /// The radiance that is sent out on a unit of length, in W/(m^3 sr); neither density nor albedo weaken it.
+    pub emission: VolumeParameter<Rgb>,
+    /// A factor on the emission, at least 0.
+    pub emission_scale: f32,
+}
+
+impl Default for Medium {
+    fn default() -> Self {
+        Self {
+            coefficients: Coefficients::default(),
+            scale: 1.0,
+            phase: PhaseFunction::default(),
+            emission: Rgb::ZERO.into(),
+            emission_scale: 1.0,
+        }
+    }
+}
+
+impl Medium {
+    /// Shows `meet` every parameter but those of the phase function.
+    pub(crate) fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+        meet(&SIGMA_T, ParameterRef::Coefficients(&self.coefficients));
+        meet(&SCALE, ParameterRef::Factor(&self.scale));
+        meet(&EMISSION, ParameterRef::VolumeEmission(&self.emission));
+        meet(&EMISSION_SCALE, ParameterRef::ExtensionFactor(&self.emission_scale));
+    }
+
+    /// Shows `meet` every parameter but those of the phase function, to be changed.
+    pub(crate) fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+        meet(&SIGMA_T, ParameterMut::Coefficients(&mut self.coefficients));
+        meet(&SCALE, ParameterMut::Factor(&mut self.scale));
+        meet(&EMISSION, ParameterMut::VolumeEmission(&mut self.emission));
+        meet(&EMISSION_SCALE, ParameterMut::ExtensionFactor(&mut self.emission_scale));
+    }
+}
+
+impl Medium {
+    /// The plugins of the file.
+    pub const PLUGINS: [&'static str; 2] = [HOMOGENEOUS, HETEROGENEOUS];
+
+    /// The plugin's name in the file.
+    pub fn plugin(&self) -> &'static str {
+        match &self.coefficients {
+            Coefficients::Extinction {
+                sigma_t: VolumeParameter::Constant(_),
+                ..
+            }
+            | Coefficients::Separate { .. } => HOMOGENEOUS,
+            Coefficients::Extinction { .. } => HETEROGENEOUS,
+        }
+    }
+
+    /// What a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+    pub fn of_plugin(plugin: &str) -> Option<Self> {
+        let mut medium = Self::default();
+        match (plugin, &mut medium.coefficients) {
+            (HETEROGENEOUS, Coefficients::Extinction { sigma_t, .. }) => {
+                *sigma_t = VolumeParameter::Box {
+                    value: Rgb::ONE,
+                    to_world: Affine3A::IDENTITY,
+                };
+            }
+            (HOMOGENEOUS, _) => {}
+            _ => return None,
+        }
+        Some(medium)
+    }
+
+    /// Shows `meet` every grid among the parameters.
+    pub fn for_each_grid(&self, meet: &mut dyn FnMut(&super::GridFile)) {
+        let (sigma_t, albedo) = self.coefficients.sigma_t_and_albedo();
+        for volume in [&sigma_t, &albedo, &self.emission] {
+            volume.grid().into_iter().for_each(&mut *meet);
+        }
+        self.phase
+            .for_each_volume(&mut |weight| weight.grid().into_iter().for_each(&mut *meet));
+    }
+}
+
+const HOMOGENEOUS: &str = "homogeneous";
+const HETEROGENEOUS: &str = "heterogeneous";
+
+static SCALE: ParameterInfo = ParameterInfo::factor(
+    "scale",
+    "Density",
+    "Factor on the coefficients: how much of the medium there is. 2 is twice as dense.",
+);
+
+static EMISSION_SCALE: ParameterInfo = ParameterInfo::factor("emission_scale", "Emission x", "Factor on the emission.");
+
+static EMISSION: ParameterInfo = ParameterInfo::new(
+    "emission",
+    "Emission",
+    "The light that the medium sends out on a unit of length, as fire does. It does not depend on the density.",
+    "0 or more per channel, W/(m^3 sr), or a volume",
+)
+.within(0.0..=f32::MAX);
