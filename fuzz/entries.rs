@@ -6,7 +6,7 @@
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, UVec3, Vec3};
 use sunroom_core::document::revision::{Destination, revise};
 use sunroom_core::document::source::decode;
 use sunroom_core::document::spectrum::{Role, SampledSpectrum};
@@ -25,13 +25,14 @@ use sunroom_core::geometry::serialized::SerializedFile;
 use sunroom_core::gltf::Gltf;
 use sunroom_core::gltf::files::take_apart;
 use sunroom_core::medium::vdb::VdbFile;
+use sunroom_core::medium::{read_vol, write_vol};
 use sunroom_core::texture::load_image;
 
 /// Reads bytes as one kind of file.
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 19] = [
+pub const ENTRIES: [(&str, Entry); 20] = [
     ("xml", xml),
     ("dialect", xml),
     ("numbers", numbers),
@@ -51,6 +52,7 @@ pub const ENTRIES: [(&str, Entry); 19] = [
     ("exr", exr),
     ("pfm", pfm),
     ("vdb", vdb),
+    ("vol", vol),
 ];
 
 /// No file has this name, and none has a name relative to its folder.
@@ -270,6 +272,23 @@ pub fn vdb(bytes: &[u8]) {
             assert!(volume.grid.size() <= 1 << 22);
             assert!(volume.world_from_local.inverse().is_finite());
         }
+    }
+}
+
+/// A grid of a volume. What is read has no negative value, and is the same after it was written and read again.
+pub fn vol(bytes: &[u8]) {
+    let Ok(file) = read_vol(bytes) else {
+        return;
+    };
+    let last = file.grid.resolution() - 1;
+    for place in [UVec3::ZERO, last / 2, last] {
+        let value = file.grid.voxel(place);
+        assert!(value.is_finite() && value.min_element() >= 0.0, "{value}");
+    }
+    if let Some(bounds) = &file.bounds {
+        let again = read_vol(&write_vol(&file.grid, bounds)).expect("it was written");
+        assert_eq!((again.grid.mended(), again.bounds), (0, file.bounds));
+        assert_eq!(again.grid.voxels(), file.grid.voxels());
     }
 }
 

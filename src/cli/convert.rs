@@ -9,6 +9,7 @@ use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::mesh_check::check_meshes;
 use sunroom::scene::picture_check::check_pictures;
 use sunroom::scene::read;
+use sunroom::scene::volume_check::check_volumes;
 use sunroom::scene::write::{self, Extensions};
 
 use super::args::{MemoryArgs, SceneArgs, TrustArgs};
@@ -51,6 +52,7 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !document.diagnostics.has_errors() {
         let pictures = check_meshes(&scene, &document.access, &mut document.diagnostics);
         check_pictures(&scene, &pictures, &document.access, &mut document.diagnostics);
+        check_volumes(&scene, &document.access, &mut document.diagnostics);
     }
     report::diagnostics(&document.diagnostics);
     if !report::acceptable(&document.diagnostics, args.strict) {

@@ -1,5 +1,7 @@
 //! The queries by which extraction reads the world, and the order of the file for lists of it.
 
+use std::path::Path;
+
 use bevy::asset::AssetServer;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -9,12 +11,14 @@ use super::pack::Checker;
 use super::pack::instance::ShapeSource;
 use super::pack::light::{LightContext, pack_emitter};
 use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
+use super::pack::medium::{AuthoredMedium, PackedMedia, pack_media};
 use super::pack::texture::TexturePacker;
 use crate::light::WeightedSource;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
-    IntegratorSettings, Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SceneStatus,
-    SecondNested, Sensor, Shape, ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView, Hidden,
+    InMedium, InstanceOf, IntegratorSettings, InteriorMedium, Material, Medium, MemberOf, MeshHandle, Pictures,
+    Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, TextureMap, ToWorld,
+    TriangleMesh, UsesMaterial, VolumeMap, Volumes,
 };
 use crate::shading::DielectricModel;
 
@@ -31,6 +35,24 @@ pub(super) struct AuthoredShape {
     pub instance_of: Option<(&'static InstanceOf, Option<&'static Placements>)>,
     uses: Option<&'static UsesMaterial>,
     has_light: Has<AreaLight>,
+    media: SidesOf,
+}
+
+/// The media on the two sides of a shape.
+#[derive(QueryData)]
+pub(super) struct SidesOf {
+    interior: Option<&'static InteriorMedium>,
+    exterior: Option<&'static ExteriorMedium>,
+}
+
+impl SidesOfItem<'_, '_> {
+    /// The inner and the outer one.
+    pub fn entities(&self) -> [Option<Entity>; 2] {
+        [
+            self.interior.map(|medium| medium.0),
+            self.exterior.map(|medium| medium.0),
+        ]
+    }
 }
 
 impl<'w> AuthoredShapeItem<'w, '_> {
@@ -48,6 +70,7 @@ impl<'w> AuthoredShapeItem<'w, '_> {
             to_world: self.to_world.0,
             material: self.uses.map(|uses| uses.0),
             has_light: self.has_light,
+            media: self.media.entities(),
         }
     }
 }
@@ -64,6 +87,7 @@ pub(super) struct Authored<'w, 's> {
             Option<&'static SceneId>,
             Option<&'static UsesMaterial>,
             Option<&'static AreaLight>,
+            SidesOf,
         ),
         With<Shape>,
     >,
@@ -77,6 +101,16 @@ pub(super) struct Authored<'w, 's> {
             &'static Material,
             Option<&'static FirstNested>,
             Option<&'static SecondNested>,
+        ),
+    >,
+    pub media: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Medium,
         ),
     >,
     pub emitters: Query<
@@ -100,6 +134,7 @@ pub(super) struct Authored<'w, 's> {
             &'static Sensor,
             &'static Film,
             &'static ToWorld,
+            Option<&'static InMedium>,
         ),
     >,
     pub active: Res<'w, ActiveSensor>,
@@ -110,6 +145,8 @@ pub(super) struct Authored<'w, 's> {
     pub meshes: Res<'w, Assets<TriangleMesh>>,
     pub pictures: Res<'w, Pictures>,
     pub texture_maps: Res<'w, Assets<TextureMap>>,
+    pub volumes: Res<'w, Volumes>,
+    pub volume_maps: Res<'w, Assets<VolumeMap>>,
     pub asset_server: Option<Res<'w, AssetServer>>,
     pub status: Res<'w, SceneStatus>,
 }
@@ -135,6 +172,25 @@ impl Authored<'_, '_> {
             })
             .collect();
         pack_materials(&sources, model, textures, errors)
+    }
+
+    /// Packs all media in the order of the file; none if the integrator leaves them out.
+    pub(crate) fn pack_media(&self, errors: &mut Vec<String>) -> PackedMedia {
+        if !self.integrator.plugin.traces_media() {
+            return PackedMedia::default();
+        }
+        let mut media: Vec<_> = self.media.iter().collect();
+        media.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        let authored: Vec<AuthoredMedium> = media
+            .into_iter()
+            .map(|(entity, order, id, medium)| AuthoredMedium {
+                entity,
+                name: name_of("medium", *order, id),
+                medium,
+            })
+            .collect();
+        let volumes = |path: &Path| self.volume_maps.get(self.volumes.get(path)?);
+        pack_media(&authored, &volumes, errors)
     }
 
     /// Packs the lights that are no surfaces in the order of the file and adds them to `lights`.

@@ -11,9 +11,10 @@ use bevy::prelude::*;
 use super::control::{InputStamp, RenderControl};
 use crate::scene::changes::Changes;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
-    IntegratorSettings, Material, MemberOf, MeshHandle, Placements, SamplerSettings, SecondNested, Sensor, Shape,
-    ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView, Hidden,
+    InMedium, InstanceOf, IntegratorSettings, InteriorMedium, Material, Medium, MemberOf, MeshHandle, Placements,
+    SamplerSettings, SecondNested, Sensor, Shape, ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+    VolumeMap,
 };
 
 /// All shapes are packed if more than these have changed.
@@ -60,6 +61,7 @@ pub(super) struct Dirty {
     pub surfaces: Touched,
     pub materials: bool,
     pub lights: bool,
+    pub media: bool,
     pub view: bool,
     /// The time of the first of these changes.
     pub since: Option<Instant>,
@@ -73,6 +75,7 @@ impl Default for Dirty {
             surfaces: Touched::All,
             materials: true,
             lights: true,
+            media: true,
             view: true,
             since: None,
         }
@@ -86,6 +89,7 @@ impl Dirty {
             surfaces: Touched::default(),
             materials: false,
             lights: false,
+            media: false,
             view: false,
             since: None,
         }
@@ -97,7 +101,7 @@ impl Dirty {
     }
 
     pub fn any(&self) -> bool {
-        self.instances.any() || self.surfaces.any() || self.materials || self.lights || self.view
+        self.instances.any() || self.surfaces.any() || self.materials || self.lights || self.media || self.view
     }
 }
 
@@ -114,11 +118,15 @@ pub(super) struct ShapeChanges<'w, 's> {
     groups_gone: RemovedComponents<'w, 's, ShapeGroup>,
     uses: Changes<'w, 's, UsesMaterial, With<Shape>>,
     lights: Changes<'w, 's, AreaLight, With<Shape>>,
+    interiors: Changes<'w, 's, InteriorMedium, With<Shape>>,
+    exteriors: Changes<'w, 's, ExteriorMedium, With<Shape>>,
     shapes_gone: RemovedComponents<'w, 's, Shape>,
     poses_gone: RemovedComponents<'w, 's, ToWorld>,
     meshes_gone: RemovedComponents<'w, 's, MeshHandle>,
     uses_gone: RemovedComponents<'w, 's, UsesMaterial>,
     lights_gone: RemovedComponents<'w, 's, AreaLight>,
+    interiors_gone: RemovedComponents<'w, 's, InteriorMedium>,
+    exteriors_gone: RemovedComponents<'w, 's, ExteriorMedium>,
     shown: RemovedComponents<'w, 's, Hidden>,
     meshes: MessageReader<'w, 's, AssetEvent<TriangleMesh>>,
     failed: MessageReader<'w, 's, AssetLoadFailedEvent<TriangleMesh>>,
@@ -161,6 +169,13 @@ pub(super) struct MaterialChanges<'w, 's> {
 }
 
 #[derive(SystemParam)]
+pub(super) struct MediumChanges<'w, 's> {
+    changed: Query<'w, 's, (), (With<Medium>, Or<(Changed<Medium>, Changed<DocumentOrder>)>)>,
+    volumes: MessageReader<'w, 's, AssetEvent<VolumeMap>>,
+    gone: RemovedComponents<'w, 's, Medium>,
+}
+
+#[derive(SystemParam)]
 pub(super) struct EmitterChanges<'w, 's> {
     changed: Query<
         'w,
@@ -181,7 +196,16 @@ pub(super) struct EmitterChanges<'w, 's> {
 
 #[derive(SystemParam)]
 pub(super) struct ViewChanges<'w, 's> {
-    changed: Query<'w, 's, (), (With<Sensor>, Or<(Changed<Sensor>, Changed<Film>, Changed<ToWorld>)>)>,
+    changed: Query<
+        'w,
+        's,
+        (),
+        (
+            With<Sensor>,
+            Or<(Changed<Sensor>, Changed<Film>, Changed<ToWorld>, Changed<InMedium>)>,
+        ),
+    >,
+    out_of_medium: RemovedComponents<'w, 's, InMedium>,
     active: Res<'w, ActiveSensor>,
     free_view: Res<'w, FreeView>,
     integrator: Res<'w, IntegratorSettings>,
@@ -195,8 +219,9 @@ pub(super) fn detect_changes(
     mut stamp: ResMut<InputStamp>,
     mut shapes: ShapeChanges,
     mut materials: MaterialChanges,
+    mut media: MediumChanges,
     mut emitters: EmitterChanges,
-    view: ViewChanges,
+    mut view: ViewChanges,
 ) {
     let dirty = dirty.bypass_change_detection();
     let all_instances = (shapes.groups_gone.read().count() > 0)
@@ -218,6 +243,10 @@ pub(super) fn detect_changes(
     shapes.lights.for_each(|entity| dirty.surfaces.add([entity]));
     dirty.surfaces.add(shapes.uses_gone.read());
     dirty.surfaces.add(shapes.lights_gone.read());
+    shapes.interiors.for_each(|entity| dirty.surfaces.add([entity]));
+    shapes.exteriors.for_each(|entity| dirty.surfaces.add([entity]));
+    dirty.surfaces.add(shapes.interiors_gone.read());
+    dirty.surfaces.add(shapes.exteriors_gone.read());
     let materials = !materials.changed.is_empty()
         | (materials.pictures.read().count() > 0)
         | (materials.gone.read().count() > 0)
@@ -227,7 +256,13 @@ pub(super) fn detect_changes(
         | view.integrator.is_changed();
     let lights =
         !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | !pose_gone.is_empty() | !shown.is_empty();
+    let media = !media.changed.is_empty()
+        | (media.volumes.read().count() > 0)
+        | (media.gone.read().count() > 0)
+        // Says whether light meets media.
+        | view.integrator.is_changed();
     let view = !view.changed.is_empty()
+        | (view.out_of_medium.read().count() > 0)
         | view.active.is_changed()
         | view.free_view.is_changed()
         | view.integrator.is_changed()
@@ -235,6 +270,7 @@ pub(super) fn detect_changes(
         | view.control.is_changed();
     dirty.materials |= materials;
     dirty.lights |= lights;
+    dirty.media |= media;
     dirty.view |= view | !pose_gone.is_empty();
     dirty.instances.add(shown);
     dirty.instances.add(pose_gone);

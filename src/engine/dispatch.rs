@@ -41,6 +41,7 @@ pub(super) fn dispatch_job(
     renderer.prepare_backend(control.threads.get(), control.interactive);
     let incomplete = demand.extracted.meshes_loading > 0
         || demand.scene_status.pictures_loading > 0
+        || demand.scene_status.volumes_loading > 0
         || demand.cache.builds_running() > 0
         || demand.scene_status.state == SceneState::Loading;
     renderer.waiting = incomplete && !control.interactive;

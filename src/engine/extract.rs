@@ -21,6 +21,7 @@ use super::pack::environment::Environments;
 use super::pack::group::Layout;
 use super::pack::light::LightContext;
 use super::pack::material::material_table;
+use super::pack::medium::PackedMedia;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
@@ -36,6 +37,7 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
+use crate::medium::MediumTable;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
@@ -73,6 +75,7 @@ pub(super) struct Extracted {
     material_of_entity: Arc<EntityHashMap<MaterialId>>,
     pub(super) method: SplitMethod,
     light_sources: Vec<WeightedSource>,
+    packed_media: PackedMedia,
     /// The entities that lights belong to, and below the groups as layers of a film.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
@@ -100,6 +103,7 @@ pub(super) struct Errors {
     /// Errors of groups, found when the hierarchy is built.
     pub placements: Vec<String>,
     surfaces: Vec<String>,
+    media: Vec<String>,
     emitters: Vec<String>,
     /// Errors of emitters that do not fit into the memory budget.
     shortages: Vec<String>,
@@ -135,6 +139,7 @@ impl Default for Extracted {
             material_of_entity: Arc::default(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
+            packed_media: PackedMedia::default(),
             owners: Arc::default(),
             layers: LightGroups::default(),
             environments: Environments::default(),
@@ -165,13 +170,14 @@ impl Extracted {
             meshes,
             placements,
             surfaces,
+            media,
             emitters,
             shortages,
             view,
             clipping,
         } = &self.errors;
         let first = [shortages, view, clipping].into_iter().flatten();
-        let others = [meshes, placements, surfaces, emitters].into_iter().flatten();
+        let others = [meshes, placements, surfaces, media, emitters].into_iter().flatten();
         first.chain(instances.values()).chain(others)
     }
 
@@ -228,11 +234,15 @@ pub(super) fn extract_scene(
     }
     if let Some(moved) = &moved {
         extracted.update_bindings(&dirty.surfaces, &authored);
-        if has_shapes || dirty.surfaces.any() || dirty.materials || dirty.lights {
+        if dirty.media {
+            extracted.update_media(&authored);
+        }
+        if has_shapes || dirty.surfaces.any() || dirty.materials || dirty.lights || dirty.media {
             extracted.update_surfaces_and_lights(&authored, moved);
         }
     }
-    if dirty.view {
+    // The number of the camera's medium may have changed.
+    if dirty.view || dirty.media && moved.is_some() {
         extracted.update_view(&authored, &control);
     }
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
@@ -271,6 +281,15 @@ pub(super) fn extract_scene(
 }
 
 impl Extracted {
+    fn update_media(&mut self, authored: &Authored) {
+        self.errors.media.clear();
+        let packed = authored.pack_media(&mut self.errors.media);
+        if self.packed_media.sources != packed.sources {
+            self.scene.media = Arc::new(MediumTable::new(packed.sources.clone()));
+        }
+        self.packed_media = packed;
+    }
+
     fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &[bool]) {
         self.errors.surfaces.clear();
         let model = if authored.integrator.schlick {
@@ -288,8 +307,10 @@ impl Extracted {
         let source = |entity: Entity| {
             let found = authored.surface_bindings.get(entity).ok();
             SurfaceSource {
-                name: found.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
-                light: found.and_then(|(_, _, _, light)| light),
+                name: found
+                    .as_ref()
+                    .map_or_else(String::new, |(order, id, ..)| name_of("shape", **order, *id)),
+                light: found.and_then(|(_, _, _, light, _)| light),
             }
         };
         let packed = pack_surfaces(
@@ -297,6 +318,7 @@ impl Extracted {
             source,
             materials,
             &ids,
+            &self.packed_media.ids,
             model,
             &mut textures,
             &mut self.errors.surfaces,
@@ -397,7 +419,7 @@ impl Extracted {
     fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
         self.errors.view.clear();
         // Without a sensor the last view stays, so that replacing one sensor by another shows no blank picture in between.
-        let Some((order, id, sensor, film, to_world)) =
+        let Some((order, id, sensor, film, to_world, in_medium)) =
             authored.active.0.and_then(|sensor| authored.sensors.get(sensor).ok())
         else {
             return;
@@ -411,7 +433,8 @@ impl Extracted {
         let pose = authored.free_view.pose.unwrap_or(to_world.0);
         let lens = authored.free_view.lens.unwrap_or(sensor.lens);
         let sensor = &Sensor { lens, ..*sensor };
-        let view = pack_view(sensor, film, pose, integrator, sampler, control, &mut check);
+        let medium = in_medium.and_then(|medium| self.packed_media.ids.get(&medium.0).copied());
+        let view = pack_view(sensor, film, pose, integrator, sampler, medium, control, &mut check);
         if view.is_some() {
             self.view = view;
             self.sensor_name = name;

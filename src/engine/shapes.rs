@@ -166,7 +166,7 @@ impl Extracted {
         anew.finish(&self.scene.geometry)
     }
 
-    /// Looks up which materials and lights shapes have.
+    /// Looks up which materials, lights and media shapes have.
     pub(super) fn update_bindings(&mut self, touched: &Touched, authored: &Authored) {
         if !touched.any() {
             return;
@@ -177,8 +177,9 @@ impl Extracted {
                 Touched::All => true,
             };
             // A shape that was just removed is not among these records, because its removal has packed them anew.
-            if is_touched && let Ok((_, _, uses, light)) = authored.surface_bindings.get(record.entity) {
+            if is_touched && let Ok((_, _, uses, light, media)) = authored.surface_bindings.get(record.entity) {
                 (record.material, record.has_light) = (uses.map(|uses| uses.0), light.is_some());
+                record.media = media.entities();
             }
         }
     }

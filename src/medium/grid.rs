@@ -5,6 +5,7 @@ use half::f16;
 use thiserror::Error;
 
 use crate::color::Rgb;
+use crate::memory::{Held, Reservation};
 
 /// The most voxels along an axis, so that places fit well into 32 bits.
 const MOST_ALONG_AXIS: u32 = 1 << 14;
@@ -17,6 +18,7 @@ pub struct VolumeGrid {
     voxels: Voxels,
     /// The number of values that were negative or no numbers and now are zero.
     mended: usize,
+    memory: Held,
 }
 
 /// The values of voxels, as precise as their file has them: x grows fastest, then y, then z; the channels of a voxel are side by side.
@@ -107,7 +109,14 @@ impl VolumeGrid {
             channels,
             voxels,
             mended,
+            memory: Held::default(),
         })
+    }
+
+    /// The grid, which keeps the memory that was reserved for it.
+    pub(super) fn holding(mut self, memory: Reservation) -> Self {
+        self.memory = memory.into();
+        self
     }
 
     /// The number of voxels along each axis.

@@ -17,11 +17,13 @@ mod tabulated_phase;
 mod tracking;
 mod uniform;
 pub mod vdb;
+mod vol_file;
 mod volume;
 
 pub use grid::{GridError, VolumeGrid, Voxels};
 pub use phase::{BlendedPhase, Phase};
 pub use tabulated_phase::TabulatedPhase;
+pub use vol_file::{VolError, VolFile, read_vol, write_vol};
 pub use volume::{GridVolume, Volume, VolumeFilter, VolumeWrap};
 
 use glam::{Vec2, Vec3};

@@ -245,6 +245,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     let mut file = world.resource_mut::<SceneFile>();
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
+    file.volume_places.clone_from(&asset.description.volume_places);
     if let Some(asked) = asked {
         (file.handle, file.path) = (Some(asked.handle), asked.path);
         file.was_written = false;
@@ -280,6 +281,7 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
     if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&scene.picture_places);
+        file.volume_places.clone_from(&scene.volume_places);
     }
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.file_is_broken = false;
@@ -309,6 +311,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
         file.was_written = true;
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&written.picture_places);
+        file.volume_places.clone_from(&written.volume_places);
     }
     share_description(world);
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {

@@ -5,11 +5,13 @@ use bevy::prelude::*;
 
 use super::assets::{
     MeshHandle, MeshLoader, SceneAsset, SceneDefines, SceneLoader, TextureMap, TextureMapLoader, TriangleMesh,
+    VolumeMap, VolumeMapLoader,
 };
 use super::loading::{apply_scenes, open_scenes};
 use super::meshes::{follow_mesh_files, report_meshes};
 use super::pictures::{Pictures, follow_pictures, report_pictures};
 use super::scene_file::SceneFile;
+use super::volumes::{Volumes, follow_volumes, report_volumes};
 use super::watch::{SceneWatch, list_files, reload_changed_files, report_gone_files};
 use super::*;
 
@@ -49,9 +51,11 @@ impl Plugin for ScenePlugin {
         let keep_source = app.world_mut().get_resource_or_init::<KeepSource>().clone();
         app.init_asset::<TriangleMesh>()
             .init_asset::<TextureMap>()
+            .init_asset::<VolumeMap>()
             .init_asset::<SceneAsset>()
             .register_asset_loader(MeshLoader { access: access.clone() })
             .register_asset_loader(TextureMapLoader { access: access.clone() })
+            .register_asset_loader(VolumeMapLoader { access: access.clone() })
             .register_asset_loader(SceneLoader {
                 defines: defines.clone(),
                 access,
@@ -64,6 +68,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<SceneFile>()
             .init_resource::<SceneWatch>()
             .init_resource::<Pictures>()
+            .init_resource::<Volumes>()
             .init_resource::<SceneStatus>()
             .init_resource::<write::KnownTexts>()
             .init_resource::<ActiveSensor>()
@@ -111,6 +116,8 @@ impl Plugin for ScenePlugin {
                     report_meshes,
                     follow_pictures,
                     report_pictures,
+                    follow_volumes,
+                    report_volumes,
                     list_files,
                     report_gone_files,
                     framing::frame_scene,

@@ -23,6 +23,8 @@ pub struct SceneFile {
     pub(super) good_diagnostics: Arc<Diagnostics>,
     /// The places of pictures in the same texts.
     pub(super) picture_places: PicturePlaces,
+    /// The places of volumes.
+    pub(super) volume_places: PicturePlaces,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
     /// Whether changes are held back, see [`Self::hold`].
@@ -62,6 +64,13 @@ impl SceneFile {
     pub(super) fn picture_problem(&self, path: &Path, what: &str) -> FileProblem {
         let what = format!("picture {}: {what}", path.display());
         let span = self.picture_places.get(path).copied();
+        FileProblem::new(path, span, what, &self.good_diagnostics)
+    }
+
+    /// A problem with the file of a volume, likewise.
+    pub(super) fn volume_problem(&self, path: &Path, what: &str) -> FileProblem {
+        let what = format!("volume {}: {what}", path.display());
+        let span = self.volume_places.get(path).copied();
         FileProblem::new(path, span, what, &self.good_diagnostics)
     }
 }

@@ -20,7 +20,7 @@ pub struct OpenScene {
     pub keeps_edits: bool,
 }
 
-/// A mesh or a picture of the scene has changed on disk, and its new content is in use.
+/// A mesh, a picture or a volume of the scene has changed on disk, and its new content is in use.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct FileReadAgain(pub PathBuf);
 
@@ -38,10 +38,10 @@ pub enum SceneState {
     Failed,
 }
 
-/// A problem with a mesh or a picture of the scene.
+/// A problem with a mesh, a picture or a volume of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileProblem {
-    /// The absolute path of the mesh or picture.
+    /// The absolute path of the file.
     pub path: PathBuf,
     /// The place where the scene file names it, in the diagnostics of the last good load.
     pub span: Option<Span>,
@@ -96,6 +96,12 @@ pub struct SceneStatus {
     pub picture_warnings: Vec<FileProblem>,
     /// The number of pictures whose first load is not over.
     pub pictures_loading: usize,
+    /// The volume files that could not be read. Where they would be there is nothing, or the last content that could be read.
+    pub volume_errors: Vec<FileProblem>,
+    /// The volumes that were mended: they had values that are negative or no numbers.
+    pub volume_warnings: Vec<FileProblem>,
+    /// The number of volumes whose first load is not over.
+    pub volumes_loading: usize,
     /// The files of the scene, itself among them, that existed and are gone from the disk; their content stays.
     pub files_gone: Vec<PathBuf>,
     /// Counts successful loads and reloads.
@@ -114,25 +120,27 @@ impl SceneStatus {
         self.asked.as_deref().or(self.path.as_deref())
     }
 
-    /// The number of files that textures and shapes wait for.
+    /// The number of files that textures, shapes and media wait for.
     pub fn files_loading(&self) -> usize {
-        self.meshes_loading + self.pictures_loading
+        self.meshes_loading + self.pictures_loading + self.volumes_loading
     }
 
-    /// Whether every entity is there and every mesh and picture has arrived or failed.
+    /// Whether every entity is there and every mesh, picture and volume has arrived or failed.
     pub fn is_complete(&self) -> bool {
         self.state == SceneState::Ready && self.files_loading() == 0
     }
 
-    /// The diagnostics and the problems with meshes and pictures, as messages of the same kind.
+    /// The diagnostics and the problems with meshes, pictures and volumes, as messages of the same kind.
     pub fn all_diagnostics(&self) -> Diagnostics {
         let mut all = Diagnostics::clone(&self.diagnostics);
         for (severity, problems) in [
             (Severity::Error, &self.mesh_errors),
+            (Severity::Error, &self.volume_errors),
             (Severity::Error, &self.damaged_pictures),
             (Severity::Warning, &self.mesh_warnings),
             (Severity::Warning, &self.picture_problems),
             (Severity::Warning, &self.picture_warnings),
+            (Severity::Warning, &self.volume_warnings),
         ] {
             for problem in problems {
                 all.push(severity, problem.span, problem.what.clone(), None);
@@ -143,7 +151,8 @@ impl SceneStatus {
 
     /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
-        self.state == SceneState::Failed || self.diagnostics.has_errors() || !self.mesh_errors.is_empty()
+        let has_all = self.mesh_errors.is_empty() && self.volume_errors.is_empty();
+        self.state == SceneState::Failed || self.diagnostics.has_errors() || !has_all
     }
 }
 

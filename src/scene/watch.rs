@@ -1,4 +1,4 @@
-//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material libraries, pictures.
+//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material libraries, pictures, volumes.
 //!
 //! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders are watched, not
 //! files: editors replace files by renaming others over them. A file that is half written fails to load, which keeps the old content;
@@ -21,7 +21,7 @@ use super::pictures::Pictures;
 use super::presence::Presence;
 use super::read::settle;
 use super::scene_file::SceneFile;
-use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
+use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh, VolumeMap, Volumes};
 
 /// The time for which events are held back, so that one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
@@ -119,12 +119,13 @@ pub(super) fn list_files(
     scenes: Res<Assets<SceneAsset>>,
     meshes: Res<Assets<TriangleMesh>>,
     pictures: Res<Pictures>,
+    volumes: Res<Volumes>,
     shapes: Query<(&Shape, &MeshHandle)>,
     mut mesh_events: MessageReader<AssetEvent<TriangleMesh>>,
     changed: Query<(), Changed<MeshHandle>>,
 ) {
     let news = mesh_events.read().count() + changed.iter().count();
-    if news == 0 && !status.is_changed() && !file.is_changed() && !pictures.is_changed() {
+    if news == 0 && !status.is_changed() && !file.is_changed() && !pictures.is_changed() && !volumes.is_changed() {
         return;
     }
     let mut reloads: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
@@ -153,8 +154,8 @@ pub(super) fn list_files(
             add(&settle(library), &mesh.path);
         }
     }
-    for picture in pictures.paths() {
-        add(picture, picture);
+    for file in pictures.paths().chain(volumes.paths()) {
+        add(file, file);
     }
     if watch.reloads != reloads {
         watch.reloads = reloads;
@@ -203,13 +204,15 @@ pub(super) fn reload_changed_files(
     mut scenes: Arrivals<SceneAsset>,
     mut meshes: Arrivals<TriangleMesh>,
     mut pictures: Arrivals<TextureMap>,
+    mut volumes: Arrivals<VolumeMap>,
     mut read_again: MessageWriter<FileReadAgain>,
 ) {
     // Messages about a scene are sent where it is applied.
     scenes.take_in(&mut watch, &server);
     let meshes = meshes.take_in(&mut watch, &server);
     let pictures = pictures.take_in(&mut watch, &server);
-    read_again.write_batch(meshes.into_iter().chain(pictures).map(FileReadAgain));
+    let volumes = volumes.take_in(&mut watch, &server);
+    read_again.write_batch(meshes.into_iter().chain(pictures).chain(volumes).map(FileReadAgain));
 
     take_events(&mut watch);
     let ready: Vec<PathBuf> = watch

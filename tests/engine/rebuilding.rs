@@ -18,9 +18,9 @@ use sunroom::geometry::primitives::unit_cube;
 use sunroom::material;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Material,
-    MeshFile, MeshHandle, MeshShape, Roughness, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
-    TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, IntegratorSettings,
+    InteriorMedium, Material, Medium, MeshFile, MeshHandle, MeshShape, PathPlugin, PhaseFunction, Roughness,
+    SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
 };
 
 /// The entities of the little scene that the tests change.
@@ -418,6 +418,76 @@ fn tabulated_models_are_rebuilt_only_if_they_change() {
         ..RESTART
     };
     assert_eq!(room.rebuilt_by(polish), expected);
+}
+
+#[test]
+fn a_medium_rebuilds_its_table_and_neither_geometry_nor_lights() {
+    let mut room = room();
+    let (ball, sensor) = (room.ball, room.sensor);
+    let world = room.app.world_mut();
+    world.resource_mut::<IntegratorSettings>().plugin = PathPlugin::VolPath;
+    let fog = world.spawn((DocumentOrder(6), Medium::default())).id();
+    world.entity_mut(ball).insert(InteriorMedium(fog));
+    world.entity_mut(sensor).insert(InMedium(fog));
+    room.finish();
+    let medium_of_camera = |room: &Room| {
+        let packed = room.app.world().resource::<PackedScene>();
+        packed.view.as_ref().and_then(|view| view.medium)
+    };
+    assert!(medium_of_camera(&room).is_some() && !room.scene().media.is_empty());
+    type Change<'c> = &'c dyn Fn(&mut Room);
+    let table: [(&str, Change, bool, Rebuilt); 6] = [
+        (
+            "written back",
+            &|room| room.get_mut::<Medium>(fog).set_changed(),
+            false,
+            NOTHING,
+        ),
+        ("denser", &|room| room.get_mut::<Medium>(fog).scale = 2.0, true, RESTART),
+        (
+            "another phase function",
+            &|room| room.get_mut::<Medium>(fog).phase = PhaseFunction::Rayleigh,
+            true,
+            RESTART,
+        ),
+        (
+            "out of the ball",
+            &|room| {
+                room.app.world_mut().entity_mut(ball).remove::<InteriorMedium>();
+            },
+            false,
+            Rebuilt {
+                surfaces: true,
+                ..RESTART
+            },
+        ),
+        (
+            "another medium before it",
+            &|room| {
+                room.app.world_mut().spawn((DocumentOrder(0), Medium::default()));
+            },
+            true,
+            RESTART,
+        ),
+        (
+            "out of the fog",
+            &|room| {
+                room.app.world_mut().entity_mut(sensor).remove::<InMedium>();
+            },
+            false,
+            RESTART,
+        ),
+    ];
+    for (what, change, media, expected) in table {
+        let before = room.scene().media;
+        let rebuilt = room.rebuilt_by(change);
+        let is_new = !Arc::ptr_eq(&before, &room.scene().media);
+        assert_eq!((is_new, rebuilt), (media, expected), "{what}");
+    }
+    assert!(medium_of_camera(&room).is_none());
+    room.app.world_mut().resource_mut::<IntegratorSettings>().plugin = PathPlugin::Path;
+    room.finish();
+    assert!(room.scene().media.is_empty());
 }
 
 #[test]

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use bevy::math::{Affine3A, Vec3};
+use bevy::math::{Affine3A, UVec3, Vec3};
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::document::{self, Diagnostics};
+use sunroom::math::Aabb;
+use sunroom::medium::{VolumeGrid, Voxels, write_vol};
 use sunroom::scene::read::read;
 use sunroom::scene::write::{Extensions, files, write_anew};
 use sunroom::scene::*;
@@ -621,4 +624,127 @@ fn a_reload_changes_the_medium_that_changed() {
     assert_eq!(media(&mut world).len(), 2);
     assert!(world.get::<ExteriorMedium>(shape).is_none());
     assert_eq!(world.query::<&InMedium>().iter(&world).count(), 0);
+}
+
+/// A running app with a scene of this body and these files beside it.
+struct Open {
+    app: App,
+    folder: tempfile::TempDir,
+}
+
+impl Open {
+    fn new(body: &str, volumes: &[(&str, &[u8])]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in volumes {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let path = folder.path().join("scene.xml");
+        let text = format!(
+            "<scene version='3.0.0'>\n{body}\n<integrator type='volpath'/><sensor type='perspective'/></scene>"
+        );
+        std::fs::write(&path, text).unwrap();
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin));
+        app.finish();
+        app.cleanup();
+        let request = OpenScene {
+            path,
+            ..OpenScene::default()
+        };
+        app.world_mut().write_message(request);
+        let mut open = Self { app, folder };
+        open.until("the scene is complete", |open| open.status().is_complete());
+        open
+    }
+
+    fn status(&self) -> &SceneStatus {
+        self.app.world().resource::<SceneStatus>()
+    }
+
+    /// The largest value of the only volume.
+    fn value(&self) -> Option<f32> {
+        let world = self.app.world();
+        let volumes = world.resource::<Volumes>();
+        let path = volumes.paths().next()?;
+        let map = world.resource::<Assets<VolumeMap>>().get(volumes.get(path)?)?;
+        Some(map.grid.voxel(Default::default()).x)
+    }
+
+    fn until(&mut self, what: &str, done: impl Fn(&Self) -> bool) {
+        let deadline = Instant::now() + Duration::from_secs(120);
+        while !done(self) {
+            assert!(Instant::now() < deadline, "not in time: {what}: {:?}", self.status());
+            self.app.update();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// A file of one voxel.
+fn voxel(value: f32) -> Vec<u8> {
+    let grid = VolumeGrid::new(UVec3::ONE, 1, Voxels::F32(vec![value])).unwrap();
+    let unit = Aabb {
+        min: Vec3::ZERO,
+        max: Vec3::ONE,
+    };
+    let mut bytes = write_vol(&grid, &unit);
+    let end = bytes.len();
+    bytes[end - 4..].copy_from_slice(&value.to_le_bytes());
+    bytes
+}
+
+const SMOKE: &str = "<medium type='heterogeneous' id='smoke'>
+<volume type='gridvolume' name='sigma_t'><string name='filename' value='smoke.vol'/></volume></medium>";
+
+#[test]
+fn volume_files_are_read_again_when_they_change() {
+    let mut open = Open::new(SMOKE, &[("smoke.vol", &voxel(2.0))]);
+    assert_eq!(open.value(), Some(2.0));
+    // The watch needs a frame to hear of the file.
+    (0..5).for_each(|_| open.app.update());
+    std::fs::write(open.folder.path().join("smoke.vol"), voxel(3.0)).unwrap();
+    open.until("the file is read again", |open| open.value() == Some(3.0));
+    // One that is broken leaves the last content.
+    std::fs::write(open.folder.path().join("smoke.vol"), b"VOX").unwrap();
+    open.until("the file is broken", |open| !open.status().volume_errors.is_empty());
+    assert_eq!(open.value(), Some(3.0));
+}
+
+#[test]
+fn what_is_wrong_with_a_volume_file_is_said_where_it_is_named() {
+    let message = |volumes: &[(&str, &[u8])]| {
+        let open = Open::new(SMOKE, volumes);
+        let errors: Vec<String> = open
+            .status()
+            .volume_errors
+            .iter()
+            .map(|it| it.message.clone())
+            .collect();
+        let warnings: Vec<String> = open
+            .status()
+            .volume_warnings
+            .iter()
+            .map(|it| it.message.clone())
+            .collect();
+        assert_eq!(errors.len() + warnings.len(), 1, "{errors:?} {warnings:?}");
+        assert_eq!(open.status().has_errors(), !errors.is_empty());
+        errors.into_iter().chain(warnings).next().unwrap()
+    };
+    let missing = message(&[]);
+    assert!(
+        missing.contains("scene.xml:3:42: volume ") && missing.ends_with("smoke.vol: no such file"),
+        "{missing}"
+    );
+    let broken = message(&[("smoke.vol", b"VOL\x03")]);
+    assert!(
+        broken.contains("scene.xml:3:42: ") && broken.contains("ends early"),
+        "{broken}"
+    );
+    for odd in [f32::NAN, -1.0] {
+        let mended = message(&[("smoke.vol", &voxel(odd))]);
+        assert!(
+            mended.contains("scene.xml:3:42: ") && mended.contains("1 value is negative or no number"),
+            "{mended}"
+        );
+    }
 }

@@ -31,7 +31,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         false,
     ),
     ("light", BELOW_SHADING, false),
-    ("medium", &["math", "color", "sampling"], false),
+    ("medium", &["math", "color", "sampling", "memory"], false),
     ("metrics", &["math", "color"], false),
     ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color", "files"], false),
@@ -44,7 +44,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     (
         "scene/assets",
         &[
-            "math", "color", "layer", "files", "memory", "document", "geometry", "gltf", "texture",
+            "math", "color", "layer", "files", "memory", "document", "geometry", "gltf", "texture", "medium",
         ],
         true,
     ),

@@ -19,6 +19,8 @@ pub(in crate::engine) struct InstanceRecord {
     pub material: Option<Entity>,
     /// Whether it has an area light.
     pub has_light: bool,
+    /// The media on its inner and its outer side.
+    pub media: [Option<Entity>; 2],
     pub primitive: Primitive,
     world_from_local: Affine3A,
     face_normals: bool,
@@ -36,6 +38,7 @@ pub(in crate::engine) struct ShapeSource<'a> {
     pub to_world: Affine3A,
     pub material: Option<Entity>,
     pub has_light: bool,
+    pub media: [Option<Entity>; 2],
 }
 
 impl InstanceRecord {
@@ -140,6 +143,7 @@ pub(in crate::engine) fn pack_instance(
         entity: source.entity,
         material: source.material,
         has_light: source.has_light,
+        media: source.media,
         primitive: instance.primitive.clone(),
         world_from_local: instance.world_from_local,
         face_normals,
@@ -161,6 +165,7 @@ mod tests {
             to_world,
             material: None,
             has_light: false,
+            media: [None; 2],
         };
         let packed = pack_instance(&source, None)?;
         Ok(packed.expect("it needs no mesh").0)

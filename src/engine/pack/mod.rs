@@ -7,6 +7,7 @@ pub(super) mod group;
 pub(super) mod instance;
 pub(super) mod light;
 pub(super) mod material;
+pub(super) mod medium;
 pub(super) mod mtl;
 mod principled;
 mod ranges;

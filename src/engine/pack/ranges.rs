@@ -8,8 +8,8 @@ use crate::scene::parameters::{
     PRINCIPLED_ETA, SIGMA_A, SPECULAR,
 };
 use crate::scene::{
-    Absorption, AreaLight, Coefficients, ConductorIor, Cone, Emitter, Ior, Material, Parameter, ParameterInfo,
-    ParameterMut, ParameterRef, PrincipledIndex, Roughness, VolumeParameter,
+    Absorption, AreaLight, Coefficients, ConductorIor, Cone, Emitter, Ior, Material, Medium, Parameter, ParameterInfo,
+    ParameterMut, ParameterRef, PhaseFunction, PrincipledIndex, Roughness, VolumeParameter,
 };
 use crate::shading::ior;
 
@@ -51,6 +51,24 @@ impl Checker<'_> {
         let (mut mended, mut usual) = (emitter.clone(), usual.into_iter());
         mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
         mended
+    }
+
+    /// The medium with all numbers in range.
+    pub fn medium(&mut self, medium: &Medium) -> Medium {
+        let (mut mended, plugin) = (medium.clone(), Medium::default());
+        let mut usual = Vec::new();
+        plugin.visit(&mut |_, value| usual.push(value));
+        let mut usual = usual.into_iter();
+        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        self.phase(&mut mended.phase);
+        mended
+    }
+
+    fn phase(&mut self, phase: &mut PhaseFunction) {
+        phase.visit_mut(&mut |info, value| self.parameter(info, value, None));
+        if let PhaseFunction::Blend(blend) = phase {
+            blend.of.iter_mut().for_each(|part| self.phase(part));
+        }
     }
 
     /// The emission of a shape with all numbers in range.

@@ -16,7 +16,7 @@ use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};
 use crate::material::{Material, MaterialId};
-use crate::medium::MediumInterface;
+use crate::medium::{MediumId, MediumInterface};
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
 use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
@@ -39,12 +39,14 @@ pub(in crate::engine) struct PackedSurfaces {
     pub lights: Vec<(Entity, WeightedSource)>,
 }
 
-/// `source` looks a shape up, which is not done for shapes that do not shine. `ids`: of the entities of `materials`.
+/// `source` looks a shape up, which is not done for shapes that do not shine. `ids`: of the entities of `materials`. `media`: the ids of those that light
+/// meets; sides of others are empty.
 pub(in crate::engine) fn pack_surfaces<'s>(
     layout: &Layout,
     source: impl Fn(Entity) -> SurfaceSource<'s>,
     materials: Vec<Material>,
     ids: &EntityHashMap<MaterialId>,
+    media: &EntityHashMap<MediumId>,
     model: DielectricModel,
     textures: &mut TexturePacker,
     errors: &mut Vec<String>,
@@ -64,12 +66,14 @@ pub(in crate::engine) fn pack_surfaces<'s>(
         let known = record
             .material
             .map_or(Some(STAND_IN_ID), |material| ids.get(&material).copied());
+        let [interior, exterior] = record.media.map(|medium| media.get(&medium?).copied());
+        let media = MediumInterface { interior, exterior };
         if let Some(material) = known.filter(|_| mesh.is_none() && !record.has_light) {
             packed.table.first_slot.push(packed.table.slots.len() as u32);
             let slot = SurfaceSlot {
                 material,
                 light: None,
-                media: MediumInterface::default(),
+                media,
             };
             packed.table.slots.extend((0..record.slots).map(|_| slot));
             continue;
@@ -129,11 +133,7 @@ pub(in crate::engine) fn pack_surfaces<'s>(
                 packed.lights.push((record.entity, light));
                 LightId(packed.lights.len() as u32 - 1)
             });
-            packed.table.slots.push(SurfaceSlot {
-                material,
-                light,
-                media: MediumInterface::default(),
-            });
+            packed.table.slots.push(SurfaceSlot { material, light, media });
         }
     }
     packed

@@ -6,6 +6,7 @@ use super::super::control::{RenderControl, ViewMode};
 use super::super::resolution;
 use super::Checker;
 use crate::layer::{Layer, Layers};
+use crate::medium::MediumId;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
@@ -17,13 +18,14 @@ use crate::scene::{
     self, Film, IntegratorSettings, Lens, PixelFormat, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
 };
 
-/// Packs the view of a sensor. None, with a report, if the sensor looks nowhere.
+/// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
     sensor: &Sensor,
     film: &Film,
     to_world: Affine3A,
     integrator: &IntegratorSettings,
     sampler: &SamplerSettings,
+    medium: Option<MediumId>,
     control: &RenderControl,
     check: &mut Checker,
 ) -> Option<View> {
@@ -80,7 +82,7 @@ pub(in crate::engine) fn pack_view(
         max_depth: integrator.max_depth.unwrap_or(u32::MAX),
         rr_depth: integrator.rr_depth,
         hide_emitters: integrator.hide_emitters,
-        media: false,
+        media: integrator.plugin.traces_media(),
         strategy: match integrator.strategy {
             scene::Strategy::Bsdf => Strategy::Bsdf,
             scene::Strategy::Light => Strategy::Light,
@@ -91,7 +93,7 @@ pub(in crate::engine) fn pack_view(
         camera: camera.cropped(crop_min, crop_min + crop_size),
         width: traced.x,
         height: traced.y,
-        medium: None,
+        medium,
         filter: pixel_filter(film.filter, check),
         integrator: Integrator::Path(path_settings),
         shown: match control.view_mode {
@@ -203,6 +205,7 @@ mod tests {
             to_world,
             &IntegratorSettings::default(),
             &SamplerSettings::default(),
+            None,
             control,
             &mut check,
         );

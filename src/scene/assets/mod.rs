@@ -1,4 +1,4 @@
-//! Assets read from files: meshes, pictures and scenes, each beside its loader.
+//! Assets read from files: meshes, pictures, volumes and scenes, each beside its loader.
 
 pub(crate) mod cache_folder;
 pub mod file_source;
@@ -9,6 +9,7 @@ pub(crate) mod shape_mesh;
 pub mod solid_mesh;
 pub mod texture_map;
 pub mod triangle_mesh;
+pub mod volume_map;
 
 use std::error::Error;
 
@@ -22,9 +23,12 @@ pub use texture_map::TextureMap;
 pub(crate) use texture_map::TextureMapLoader;
 pub(crate) use triangle_mesh::MeshLoader;
 pub use triangle_mesh::{MeshHandle, MeshShape, TriangleMesh};
+pub use volume_map::VolumeMap;
+pub(crate) use volume_map::VolumeMapLoader;
 
 use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
+use volume_map::VolumeMapError;
 
 use crate::files::FileError;
 
@@ -51,6 +55,7 @@ pub(crate) fn is_refused_picture(error: &AssetLoadError) -> bool {
 fn message(error: &BevyError) -> String {
     said::<MeshLoadError>(error)
         .or_else(|| said::<TextureMapError>(error))
+        .or_else(|| said::<VolumeMapError>(error))
         .or_else(|| said::<std::io::Error>(error))
         .unwrap_or_else(|| error.to_string())
         .trim()

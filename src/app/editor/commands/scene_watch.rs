@@ -171,6 +171,7 @@ impl FileTroubles {
     fn of(status: &SceneStatus) -> Self {
         let of_meshes = status.mesh_errors.iter();
         let all = of_meshes
+            .chain(&status.volume_errors)
             .chain(&status.picture_problems)
             .chain(&status.damaged_pictures);
         Self {

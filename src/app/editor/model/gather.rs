@@ -273,6 +273,7 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
         scene
             .mesh_errors
             .iter()
+            .chain(&scene.volume_errors)
             .map(|problem| plain(Severity::Error, &problem.message)),
     );
     let diagnostics = &scene.diagnostics;
@@ -287,6 +288,7 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
     // A picture that is not there is a warning, as on the command line: the rest is worth seeing.
     let missing = scene.picture_problems.iter();
     let warnings = missing.chain(&scene.picture_warnings).chain(&scene.mesh_warnings);
+    let warnings = warnings.chain(&scene.volume_warnings);
     notices.extend(warnings.map(|warning| plain(Severity::Warning, &warning.message)));
     notices.extend(
         scene

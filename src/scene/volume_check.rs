@@ -1,0 +1,26 @@
+//! The volume files of a scene that is converted without being opened: whether they can be read.
+
+use std::path::PathBuf;
+
+use super::SceneDescription;
+use super::assets::volume_map::{VolumeMapError, load_volume};
+use crate::document::{Diagnostics, Severity, Span};
+use crate::files::Access;
+
+/// Reads each volume that the scene names; reports those that cannot be read or were mended where the scene names them first. All are warnings:
+/// the new file names the volume as well, whatever there is.
+pub fn check_volumes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
+    let mut places: Vec<(&PathBuf, &Span)> = scene.volume_places.iter().collect();
+    places.sort_by_key(|(_, span)| (span.source.0, span.start));
+    for (path, span) in places {
+        let what = match load_volume(path, access) {
+            Err(VolumeMapError::File(error)) if error.is_not_found() => Some("no such file".to_owned()),
+            Err(error) => Some(error.to_string()),
+            Ok(volume) => volume.warning(),
+        };
+        if let Some(what) = what {
+            let message = format!("volume {}: {what}", path.display());
+            diagnostics.push(Severity::Warning, Some(*span), message, None);
+        }
+    }
+}
