@@ -1,7 +1,7 @@
 //! Turns materials of the file into bsdfs and area emitters of the scene format (glTF 2.0, section 3.9 and appendix B).
 //!
 //! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no use for
-//! culling. Thin transmission (without a volume) is `principledthin`.
+//! culling. Thin transmission (without a volume) is `principledthin`; a volume that absorbs light is a medium inside.
 
 use glam::{Affine2, Mat4, Vec2, Vec3};
 
@@ -9,7 +9,7 @@ use super::Gltf;
 use super::mesh::VERTEX_COLOR;
 use super::picture::{Made, Picture};
 use super::scene::{Builder, object, with, with_child, with_color, with_float};
-use super::schema::{Material, Pbr, Primitive, TextureInfo};
+use super::schema::{Material, Pbr, Primitive, TextureInfo, Transmission};
 use crate::document::{Category, Object, TransformOp, Value};
 
 const DEFAULT_IOR: f32 = 1.5;
@@ -30,6 +30,32 @@ impl TextureInfo {
 }
 
 impl Material {
+    /// The share of the light that it lets through; None if it is opaque.
+    fn transmission(&self) -> Option<&Transmission> {
+        let transmission = self.extensions.transmission.as_ref();
+        transmission.filter(|transmission| transmission.transmission_factor > 0.0)
+    }
+
+    /// Whether its surfaces are the border of something thick.
+    fn has_volume(&self) -> bool {
+        let volume = self.extensions.volume.as_ref();
+        volume.is_some_and(|volume| volume.thickness_factor > 0.0)
+    }
+
+    /// The absorption coefficient inside, per unit of length; None if nothing is absorbed. After the attenuation distance light has the attenuation colour
+    /// (KHR_materials_volume).
+    pub(super) fn absorption(&self) -> Option<Vec3> {
+        /// The darkest colour: less is left of no light that is seen.
+        const DARKEST: f32 = 1e-10;
+        let is_thick = self.transmission().is_some() && self.has_volume() && self.extensions.unlit.is_none();
+        let volume = self.extensions.volume.as_ref().filter(|_| is_thick)?;
+        let distance = volume.attenuation_distance.filter(|distance| *distance > 0.0)?;
+        let color = Vec3::from(volume.attenuation_color.unwrap_or([1.0; 3]));
+        let left = color.clamp(Vec3::splat(DARKEST), Vec3::ONE);
+        let sigma_a = left.map(|left| -left.ln() / distance);
+        (sigma_a.is_finite() && sigma_a.max_element() > 0.0).then_some(sigma_a)
+    }
+
     fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let pbr = &self.pbr_metallic_roughness;
         let all = [
@@ -62,15 +88,8 @@ impl Builder<'_> {
         self.report_limits(material, &title(index, material));
         let pbr = &material.pbr_metallic_roughness;
         let extensions = &material.extensions;
-        let transmission = extensions
-            .transmission
-            .as_ref()
-            .filter(|transmission| transmission.transmission_factor > 0.0);
-        let is_thin = transmission.is_some()
-            && extensions
-                .volume
-                .as_ref()
-                .is_none_or(|volume| volume.thickness_factor <= 0.0);
+        let transmission = material.transmission();
+        let is_thin = transmission.is_some() && !material.has_volume();
         let plugin = if extensions.unlit.is_some() {
             "diffuse"
         } else if is_thin {
@@ -258,14 +277,9 @@ impl Builder<'_> {
     /// Says what of a material is not seen.
     fn report_limits(&mut self, material: &Material, title: &str) {
         let extensions = &material.extensions;
-        let volume = extensions.volume.as_ref();
         let coat = extensions.clearcoat.as_ref();
         let sets: Vec<usize> = material.textures().map(TextureInfo::set).collect();
         let limits = [
-            (
-                volume.is_some_and(|volume| volume.attenuation_distance.is_some()),
-                "light is not absorbed in its volume",
-            ),
             (
                 coat.is_some_and(|coat| coat.clearcoat_roughness_texture.is_some()),
                 "the roughness of its coat has no texture",

@@ -61,6 +61,9 @@ pub(super) struct Builder<'a> {
     /// The ids of bsdfs by material and whether meshes bring the colours.
     materials: BTreeMap<(Option<usize>, bool), String>,
     bsdfs: Vec<Object>,
+    /// The ids of the media inside of materials; None for those that have none.
+    interiors: BTreeMap<usize, Option<String>>,
+    media: Vec<Object>,
     emitters: Vec<Object>,
     pub(super) shapes: Vec<Object>,
     has_area_light: bool,
@@ -93,6 +96,8 @@ impl Gltf {
             sensors: Vec::new(),
             materials: BTreeMap::new(),
             bsdfs: Vec::new(),
+            interiors: BTreeMap::new(),
+            media: Vec::new(),
             emitters: Vec::new(),
             shapes: Vec::new(),
             has_area_light: false,
@@ -271,6 +276,13 @@ impl Builder<'_> {
                 id: self.material(material, mesh.has_colors).into(),
                 span: Span::default(),
             });
+            if let Some(medium) = material.and_then(|material| self.interior(material)) {
+                shape.children.push(Child::Reference {
+                    name: Some("interior".into()),
+                    id: medium.into(),
+                    span: Span::default(),
+                });
+            }
             if let Some(emitter) = self.emitter(material) {
                 self.has_area_light = true;
                 shape = with_child(shape, emitter);
@@ -315,6 +327,26 @@ impl Builder<'_> {
         bsdf.id = Some(id.as_str().into());
         self.bsdfs.push(bsdf);
         self.materials.insert((index, vertex_colors), id.clone());
+        id
+    }
+
+    /// The id of the medium inside of a material's surfaces, if there is one.
+    fn interior(&mut self, material: usize) -> Option<String> {
+        if let Some(known) = self.interiors.get(&material) {
+            return known.clone();
+        }
+        let about = &self.gltf.root.materials[material];
+        let id = about.absorption().map(|sigma_a| {
+            let id = self.unique(&format!("inside {}", about.name.as_deref().unwrap_or("material")));
+            let medium = with_color(object(Category::Medium, "homogeneous"), "sigma_t", sigma_a);
+            let medium = with_float(medium, "albedo", 0.0);
+            self.media.push(Object {
+                id: Some(id.as_str().into()),
+                ..medium
+            });
+            id
+        });
+        self.interiors.insert(material, id.clone());
         id
     }
 
@@ -398,9 +430,11 @@ impl Builder<'_> {
             self.emitters.push(with_color(sky, "radiance", Vec3::ONE));
         }
         let mut root = object(Category::Scene, "");
-        root.children = std::iter::once(object(Category::Integrator, "path"))
+        let integrator = if self.media.is_empty() { "path" } else { "volpath" };
+        root.children = std::iter::once(object(Category::Integrator, integrator))
             .chain(self.sensors)
             .chain(self.emitters)
+            .chain(self.media)
             .chain(self.bsdfs)
             .chain(self.shapes)
             .map(Child::from)

@@ -208,6 +208,7 @@ pub struct Transmission {
 pub struct Volume {
     pub thickness_factor: f32,
     pub attenuation_distance: Option<f32>,
+    pub attenuation_color: Option<[f32; 3]>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -165,13 +165,47 @@ fn transmission_is_thin_without_a_volume() {
         (bsdf.plugin.as_str(), value(bsdf, "spec_trans")),
         ("principledthin", &Value::Float(0.9))
     );
-    let thick = material(r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2}"#);
-    assert_eq!(of(&thick.root, Category::Bsdf)[0].plugin, "principled");
-    assert!(
-        thick.warnings.len() == 1 && thick.warnings[0].contains("absorbed"),
-        "{:?}",
-        thick.warnings
-    );
+    let volume = |numbers: &str| material(&format!(r#", "KHR_materials_volume": {{{numbers}}}"#));
+    let clear = volume(r#""thicknessFactor": 1"#);
+    assert_eq!(of(&clear.root, Category::Bsdf)[0].plugin, "principled");
+    assert!(of(&clear.root, Category::Medium).is_empty());
+    assert_eq!(of(&clear.root, Category::Integrator)[0].plugin, "path");
+}
+
+/// After the attenuation distance light has the attenuation colour.
+#[test]
+fn a_volume_absorbs_light() {
+    let import_with = |numbers: &str| {
+        let text = format!(
+            r#"{{"extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}}, "KHR_materials_volume": {{{numbers}}}}}}}"#
+        );
+        let (parts, rest) = textured_quad(&text);
+        import(&parts.text(&rest)).0
+    };
+    let green = r#""thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.25, 1, 0]"#;
+    let Imported { root, warnings } = import_with(green);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let medium = of(&root, Category::Medium)[0];
+    let Value::Rgb(sigma_t) = value(medium, "sigma_t") else {
+        panic!("{medium:?}");
+    };
+    let left = sigma_t.map(|sigma| (-2.0 * sigma).exp());
+    assert!(left.abs_diff_eq(Vec3::new(0.25, 1.0, 0.0), 1e-6), "{left}");
+    assert_eq!(value(medium, "albedo"), &Value::Float(0.0));
+    let inside = of(&root, Category::Shape)[0].children.iter();
+    let inside: Vec<_> = inside.filter(|child| child.name() == Some("interior")).collect();
+    let is_it = |child: &Child| matches!(child, Child::Reference { id, .. } if Some(id) == medium.id.as_ref());
+    assert!(inside.len() == 1 && is_it(inside[0]), "{inside:?}");
+    assert_eq!(of(&root, Category::Integrator)[0].plugin, "volpath");
+    // Without thickness there is no inside, and white or infinitely far light is not absorbed.
+    for numbers in [
+        r#""attenuationDistance": 2, "attenuationColor": [0.5, 1, 1]"#,
+        r#""thicknessFactor": 1, "attenuationDistance": 2"#,
+        r#""thicknessFactor": 1, "attenuationColor": [0.5, 1, 1]"#,
+        r#""thicknessFactor": 1, "attenuationDistance": 0, "attenuationColor": [0.5, 1, 1]"#,
+    ] {
+        assert!(of(&import_with(numbers).root, Category::Medium).is_empty(), "{numbers}");
+    }
 }
 
 #[test]
