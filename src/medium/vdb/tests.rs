@@ -98,11 +98,16 @@ fn affine_maps_and_inactive_values_are_read() {
     let middle = IVec3::new(20, 30, 25);
     let first = middle - IVec3::new(4, 2, 4);
     assert_voxels(&volume.grid, first, |at| {
-        let inactive = (1..=3).find(|k| at == middle + IVec3::new(k * 3 % 4, 0, k * 2 % 4));
-        Vec3::splat(match inactive {
-            Some(k) => 0.25 * k as f32,
-            None if is_in_ball(at, middle, 4) => written(at),
-            None => 0.0,
+        // A leaf with one value beside the background, one with two others, and one with another.
+        let inactive = match (at.x < 24, at.y < 32, at.z < 24) {
+            _ if at == IVec3::new(23, 30, 27) => return Vec3::splat(0.25),
+            (false, true, false) => [0.5, 0.75][at.z as usize % 2],
+            (true, false, false) => 0.5,
+            _ => 0.0,
+        };
+        Vec3::splat(match is_in_ball(at, middle, 4) {
+            true => written(at),
+            false => inactive,
         })
     });
     let low = first.as_dvec3() - 0.5;
