@@ -72,7 +72,7 @@ fn track<T>(
         if majorant > 0.0 {
             while t + depth / majorant < segment.end {
                 t += depth / majorant;
-                depth = exponential(stream.next());
+                depth = exponential(stream.draw());
                 let point = way.origin + way.dir * t;
                 let extinction = source.extinction(point).min(Rgb::splat(majorant));
                 let null = (Rgb::splat(majorant) - extinction) / majorant;
@@ -122,7 +122,7 @@ pub(super) fn travel(
             return (*throughput == Rgb::ZERO).then_some(None);
         }
         let is_null = chance(*throughput, null);
-        if stream.next() < is_null {
+        if stream.draw() < is_null {
             *throughput *= null / is_null;
             passed *= is_null;
             return None;
@@ -150,7 +150,7 @@ pub(super) fn transmit(
     let scatters = source.scatters();
     // What roulette has given to rays that have gone on. The weights of multiple importance sampling do not see it.
     let mut raised = 1.0;
-    let u = stream.next();
+    let u = stream.draw();
     let given_up = track(source, majorants, way, u, stream, |collision, stream| {
         if scatters {
             passed *= chance(*carried, collision.null);
@@ -162,7 +162,7 @@ pub(super) fn transmit(
             return Some(());
         }
         if largest < FAINT {
-            if stream.next() >= GOES_ON {
+            if stream.draw() >= GOES_ON {
                 return Some(());
             }
             raised /= GOES_ON;

@@ -11,9 +11,9 @@ pub struct RandomStream {
 }
 
 impl RandomStream {
-    /// The next number in [0, 1).
+    /// The next number, in [0, 1).
     #[inline]
-    pub fn next(&mut self) -> f32 {
+    pub fn draw(&mut self) -> f32 {
         let state = self.state;
         self.state = state
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -170,7 +170,7 @@ impl PathBatch<'_> {
         let lit = asked & !occluded;
         let seen = match self.in_media() & lit {
             0 => reflected,
-            dimmed => self.dimmed(context, dimmed, shadows.clone(), sought),
+            dimmed => self.dimmed(context, dimmed, shadows, sought),
         };
         self.paths.radiance += seen.only(lanes_of(lit));
         self.note_light(lit, &light.light, seen, samples);
