@@ -1,6 +1,6 @@
 //! What a sample costs, and how much memory a scene takes, as the scene grows.
 //!
-//! `cargo bench --bench growth -- [TABLE...]` prints tables of triangles, instances, lights, pixels and threads; named ones alone if any are
+//! `cargo bench --bench growth -- [TABLE...]` prints tables of triangles, instances, lights, volumes, pixels and threads; named ones alone if any are
 //! named. Times per sample are of one thread, shortest of a few, on small pictures of paths of three segments. "held" is what the process
 //! holds more than before the scene was built, "peak" the most it held meanwhile.
 
@@ -15,15 +15,19 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
+use glam::{Affine3A, EulerRot, Quat, UVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use sunroom::accel::{Blas, Instance, Placement, Primitive, SplitMethod, Tlas};
 use sunroom::color::Rgb;
 use sunroom::light::LightSource;
+use sunroom::material::Material;
+use sunroom::medium::{
+    GridVolume, MediumId, MediumInterface, MediumSource, Phase, Volume, VolumeFilter, VolumeGrid, VolumeWrap, Voxels,
+};
 use sunroom::render::film::Film;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Strategy, View};
+use sunroom::render::view::{Integrator, Strategy, View};
 use sunroom::sampling::hash::pcg4d;
 use sunroom::sampling::{unit_float, warp};
 use sunroom::shading::{Bsdf, Diffuse};
@@ -40,10 +44,11 @@ fn main() {
         .skip(1)
         .filter(|argument| argument != "--bench")
         .collect();
-    let tables: [(&str, fn()); 5] = [
+    let tables: [(&str, fn()); 6] = [
         ("triangles", of_triangles),
         ("instances", of_instances),
         ("lights", of_lights),
+        ("volumes", of_volumes),
         ("pixels", of_pixels),
         ("threads", of_threads),
     ];
@@ -131,6 +136,54 @@ fn of_lights() {
             scene.build()
         });
     }
+}
+
+/// A cloud of more and more voxels, then of more and more density. The density is the optical depth along an edge where the cloud is thickest.
+fn of_volumes() {
+    headings("volumes");
+    for edge in [64, 128, 256, 512] {
+        row("voxels, density 8", edge * edge * edge, || cloud(edge, 8.0));
+    }
+    for density in [1, 8, 64, 512] {
+        row("density, 128^3 voxels", density, || cloud(128, density as f32));
+    }
+}
+
+/// A cube of cloud of `edge` voxels along each edge under the sky.
+fn cloud(edge: u32, density: f32) -> RenderScene {
+    let value = |index: u32| {
+        let place = UVec3::new(index % edge, index / edge % edge, index / edge / edge);
+        let at = 9.0 * (place.as_vec3() + 0.5) / edge as f32;
+        let wave = (at.x + at.y.sin()).sin() * (at.y + at.z.sin()).sin() * (at.z + at.x.sin()).sin();
+        (255.0 * wave.max(0.0)) as u8
+    };
+    let voxels = (0..edge * edge * edge).into_par_iter().map(value).collect();
+    let grid = VolumeGrid::new(UVec3::splat(edge), 1, Voxels::U8(voxels)).expect("a grid");
+    let cube = Affine3A::from_translation(Vec3::NEG_ONE) * Affine3A::from_scale(Vec3::splat(2.0));
+    let mut scene = SceneBuilder::with_media(vec![MediumSource {
+        sigma_t: Volume::Grid(GridVolume::new(
+            Arc::new(grid),
+            cube,
+            VolumeFilter::Trilinear,
+            VolumeWrap::Clamp,
+        )),
+        scale: 0.5 * density,
+        albedo: Volume::Constant(Rgb::splat(0.9)),
+        emission: Volume::ZERO,
+        phase: Phase::HenyeyGreenstein { g: 0.5 },
+    }]);
+    scene.add(
+        Primitive::Sphere,
+        Affine3A::from_scale(Vec3::splat(1.8)),
+        Material::Null,
+        None,
+    );
+    scene.between(MediumInterface {
+        interior: Some(MediumId(0)),
+        exterior: None,
+    });
+    scene.light(sky());
+    scene.build()
 }
 
 /// The picture's side doubles; a sample each.
@@ -255,12 +308,15 @@ fn render(scene: &RenderScene, view: &View, samples: u32) -> Film {
 }
 
 fn seen(max_depth: u32) -> View {
-    view(
+    let mut view = view(
         camera(Vec3::new(0.0, 2.8, 2.2), Vec3::ZERO, 40.0),
         RESOLUTION,
         max_depth,
         Strategy::Mis,
-    )
+    );
+    let Integrator::Path(settings) = &mut view.integrator;
+    settings.media = true;
+    view
 }
 
 fn grey() -> Bsdf {
