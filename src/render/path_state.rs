@@ -111,7 +111,7 @@ impl Arrival {
     };
 }
 
-/// Lanes trace no paths through media, so that it is stored like a record.
+/// It is looked at one lane at a time, so that it is stored like a record.
 impl PerLane for Option<MediumId> {
     type Lanes = [Option<MediumId>; LANES];
 
