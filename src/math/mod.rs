@@ -20,7 +20,7 @@ pub(crate) use bessel::scaled_bessel_i0;
 pub(crate) use erf::{erf, erf_inv};
 pub use frame::Frame;
 pub(crate) use per_lane::PerLane;
-pub(crate) use per_lane::per_lane;
+pub(crate) use per_lane::{per_lane, per_lane_array};
 pub(crate) use quadrature::gauss_legendre;
 pub use ray::{Ray, offset_origin};
 pub use real::{Real, Word};

@@ -165,6 +165,31 @@ macro_rules! per_lane {
 }
 pub(crate) use per_lane;
 
+/// Implements [`PerLane`] for types that are rarely looked at: their lanes are an array of them, and not vectors.
+macro_rules! per_lane_array {
+    ($($Type:ty),+ $(,)?) => {$(
+        impl $crate::math::PerLane for $Type {
+            type Lanes = [$Type; $crate::math::lanes::LANES];
+
+            #[inline(always)]
+            fn splat(self) -> Self::Lanes {
+                [self; $crate::math::lanes::LANES]
+            }
+
+            #[inline(always)]
+            fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self {
+                lanes[lane]
+            }
+
+            #[inline(always)]
+            fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize) {
+                lanes[lane] = self;
+            }
+        }
+    )+};
+}
+pub(crate) use per_lane_array;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -29,6 +29,7 @@ pub use volume::{GridVolume, Volume, VolumeFilter, VolumeWrap};
 use glam::{Vec2, Vec3};
 
 use self::majorants::MajorantGrid;
+use self::uniform::Uniform;
 use crate::color::Rgb;
 use crate::sampling::RandomStream;
 
@@ -84,14 +85,28 @@ impl MediumSource {
     fn scatters(&self) -> bool {
         self.albedo != Volume::ZERO
     }
+
+    /// The albedo at a point of world space, in [0, 1].
+    #[inline]
+    fn albedo_at(&self, point: Vec3) -> Rgb {
+        self.albedo.at(point).clamp(Rgb::ZERO, Rgb::ONE)
+    }
 }
 
 /// A medium that is ready for light transport.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     source: MediumSource,
-    /// None if extinction and emission are the same everywhere.
-    majorants: Option<MajorantGrid>,
+    distances: Distances,
+}
+
+/// The way in which distances are found in a medium.
+#[derive(Clone, Debug, PartialEq)]
+enum Distances {
+    /// By formulas, where extinction and emission are the same everywhere.
+    Uniform(Uniform),
+    /// By null collisions.
+    Tracked(MajorantGrid),
 }
 
 /// The media of a scene.
@@ -148,16 +163,14 @@ pub struct Travel {
 impl Medium {
     /// Prepares a medium.
     pub fn new(source: MediumSource) -> Self {
-        let majorants = match (&source.sigma_t, &source.emission) {
-            (Volume::Constant(_), Volume::Constant(_)) => None,
-            _ => Some(MajorantGrid::new(&source)),
+        let distances = match (&source.sigma_t, &source.emission) {
+            (Volume::Constant(sigma_t), Volume::Constant(emission)) => Distances::Uniform(Uniform {
+                sigma_t: *sigma_t * source.scale,
+                emission: *emission,
+            }),
+            _ => Distances::Tracked(MajorantGrid::new(&source)),
         };
-        Self { source, majorants }
-    }
-
-    /// The source that it is made from.
-    pub fn source(&self) -> &MediumSource {
-        &self.source
+        Self { source, distances }
     }
 
     /// The phase function.
@@ -168,26 +181,20 @@ impl Medium {
     /// The mean cosine of the phase function, if that is isotropic or of Henyey and Greenstein and there are formulas for distances. Such media go in lanes.
     #[inline(always)]
     pub(crate) fn plain_phase(&self) -> Option<f32> {
-        match (&self.majorants, &self.source.phase) {
-            (None, Phase::Isotropic) => Some(0.0),
-            (None, Phase::HenyeyGreenstein { g }) => Some(*g),
+        match (&self.distances, &self.source.phase) {
+            (Distances::Uniform(_), Phase::Isotropic) => Some(0.0),
+            (Distances::Uniform(_), Phase::HenyeyGreenstein { g }) => Some(*g),
             _ => None,
         }
     }
 
-    /// The part of the extinction at a point of world space that is scattering, in [0, 1].
-    pub fn albedo(&self, point: Vec3) -> Rgb {
-        self.source.albedo.at(point).clamp(Rgb::ZERO, Rgb::ONE)
-    }
-
-    /// Whether the distance to a light is worth considering in [`Self::travel`]: light is scattered, and there are formulas. If so, a place on a
-    /// way of this length around which to look for lights, as a distance.
+    /// The distance along a way of this length around which lights are worth looking for, to be considered in [`Self::travel`]. None where light is not
+    /// scattered, or where there are no formulas.
     #[inline]
     pub fn midway(&self, length: f32) -> Option<f32> {
-        match (&self.majorants, &self.source.sigma_t) {
-            (None, Volume::Constant(sigma_t)) if self.source.scatters() && *sigma_t != Rgb::ZERO => {
-                let mean_free_path = 1.0 / (sigma_t.max_element() * self.source.scale);
-                Some(0.5 * length.min(mean_free_path))
+        match &self.distances {
+            Distances::Uniform(Uniform { sigma_t, .. }) if self.source.scatters() && *sigma_t != Rgb::ZERO => {
+                Some(0.5 * length.min(1.0 / sigma_t.max_element()))
             }
             _ => None,
         }
@@ -205,9 +212,9 @@ impl Medium {
         u: Vec2,
         stream: &mut RandomStream,
     ) -> Travel {
-        match &self.majorants {
-            None => uniform::travel(&self.source, way, lamp, throughput, u),
-            Some(majorants) => tracking::travel(&self.source, majorants, way, throughput, u.y, stream),
+        match &self.distances {
+            Distances::Uniform(uniform) => uniform::travel(&self.source, *uniform, way, lamp, throughput, u),
+            Distances::Tracked(majorants) => tracking::travel(&self.source, majorants, way, throughput, u.y, stream),
         }
     }
 
@@ -216,9 +223,9 @@ impl Medium {
     /// in the same manner.
     #[inline]
     pub fn transmit(&self, way: &Way, carried: &mut Rgb, stream: &mut RandomStream) -> (Rgb, f32) {
-        match &self.majorants {
-            None => uniform::transmit(&self.source, way, carried),
-            Some(majorants) => tracking::transmit(&self.source, majorants, way, carried, stream),
+        match &self.distances {
+            Distances::Uniform(uniform) => uniform::transmit(&self.source, *uniform, way, carried),
+            Distances::Tracked(majorants) => tracking::transmit(&self.source, majorants, way, carried, stream),
         }
     }
 }

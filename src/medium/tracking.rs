@@ -3,46 +3,16 @@
 //! Volumes, 2017; PBR 4th ed., sections 11.2.1 and 14.2). Shadow rays multiply the shares of null collisions: ratio tracking (Novák,
 //! Selle and Jarosz 2014).
 
+use glam::Vec3;
+
 use super::majorants::MajorantGrid;
 use super::{MediumSource, Travel, Volume, Way, chance};
 use crate::color::Rgb;
 use crate::sampling::RandomStream;
-use glam::Vec3;
 
 /// The share below which a shadow ray may be given up, and the probability that it goes on.
 const FAINT: f32 = 0.1;
 const GOES_ON: f32 = 0.5;
-
-impl MediumSource {
-    /// The extinction coefficient at a point. A grid ends where its box does.
-    #[inline]
-    fn extinction(&self, point: Vec3) -> Rgb {
-        match &self.sigma_t {
-            Volume::Constant(sigma_t) => *sigma_t * self.scale,
-            Volume::Grid(grid) if self.is_within(&self.sigma_t, point) => grid.at(point) * self.scale,
-            Volume::Grid(_) => Rgb::ZERO,
-        }
-    }
-
-    /// The emission at a point that is within the bounds of the medium.
-    #[inline]
-    fn emission(&self, point: Vec3) -> Rgb {
-        match &self.emission {
-            Volume::Constant(emission) => *emission,
-            Volume::Grid(grid) if self.is_within(&self.emission, point) => grid.at(point),
-            Volume::Grid(_) => Rgb::ZERO,
-        }
-    }
-
-    /// Whether the point is within a volume. If only one is a grid, the majorants have seen to that.
-    #[inline]
-    fn is_within(&self, volume: &Volume, point: Vec3) -> bool {
-        match (&self.sigma_t, &self.emission) {
-            (Volume::Grid(_), Volume::Grid(_)) => volume.bounds().is_none_or(|bounds| bounds.contains_point(point)),
-            _ => true,
-        }
-    }
-}
 
 /// A tentative collision.
 struct Collision {
@@ -53,7 +23,8 @@ struct Collision {
     null: Rgb,
 }
 
-/// Calls `collide` at each tentative collision until that returns something or the way ends. `u` decides where the first one is.
+/// Calls `collide` at each tentative collision until that returns something or the way ends. `u` decides where the first one is. Grids end with
+/// their boxes, as in Mitsuba.
 #[inline(always)]
 fn track<T>(
     source: &MediumSource,
@@ -74,7 +45,7 @@ fn track<T>(
                 t += depth / majorant;
                 depth = exponential(stream.draw());
                 let point = way.origin + way.dir * t;
-                let extinction = source.extinction(point).min(Rgb::splat(majorant));
+                let extinction = (source.sigma_t.within_bounds_at(point) * source.scale).min(Rgb::splat(majorant));
                 let null = (Rgb::splat(majorant) - extinction) / majorant;
                 let collision = Collision {
                     t,
@@ -93,7 +64,7 @@ fn track<T>(
     None
 }
 
-/// [`super::Medium::travel`].
+/// Does what [`super::Medium::travel`] says.
 pub(super) fn travel(
     source: &MediumSource,
     majorants: &MajorantGrid,
@@ -114,7 +85,7 @@ pub(super) fn travel(
             null,
         } = *collision;
         if shines {
-            emitted += *throughput * source.emission(point) / majorant;
+            emitted += *throughput * source.emission.within_bounds_at(point) / majorant;
         }
         if !scatters {
             *throughput *= null;
@@ -127,8 +98,7 @@ pub(super) fn travel(
             passed *= is_null;
             return None;
         }
-        let albedo = source.albedo.at(point).clamp(Rgb::ZERO, Rgb::ONE);
-        *throughput *= albedo * (Rgb::ONE - null) / (1.0 - is_null);
+        *throughput *= source.albedo_at(point) * (Rgb::ONE - null) / (1.0 - is_null);
         Some(Some(t))
     });
     Travel {
@@ -138,7 +108,7 @@ pub(super) fn travel(
     }
 }
 
-/// [`super::Medium::transmit`].
+/// Does what [`super::Medium::transmit`] says.
 pub(super) fn transmit(
     source: &MediumSource,
     majorants: &MajorantGrid,

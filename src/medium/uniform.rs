@@ -3,15 +3,16 @@
 use glam::{Vec2, Vec3};
 
 use super::equiangular::Equiangular;
-use super::{MediumSource, Travel, Volume, Way, chance};
+use super::{MediumSource, Travel, Way, chance};
 use crate::color::Rgb;
 
-/// The value of a volume that is the same everywhere.
-fn value(volume: &Volume) -> Rgb {
-    match volume {
-        Volume::Constant(value) => *value,
-        Volume::Grid(_) => Rgb::ZERO,
-    }
+/// The extinction and the emission of a medium, which are the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Uniform {
+    /// The extinction coefficient per unit of length.
+    pub sigma_t: Rgb,
+    /// The radiance that is emitted per unit of length.
+    pub emission: Rgb,
 }
 
 /// The share of distances that are sampled by the angle at the lamp, where that is near.
@@ -23,12 +24,17 @@ fn beer(sigma_t: Rgb, distance: f32) -> Rgb {
     Rgb::select(sigma_t.cmpgt(Rgb::ZERO), (-sigma_t * distance).exp(), Rgb::ONE)
 }
 
-/// [`super::Medium::travel`]. Each colour of the throughput decides as often as its share in it says, by the first number of `u`; the second decides how far
+/// Does what [`super::Medium::travel`] says. Each colour of the throughput decides as often as its share in it says, by the first number of `u`; the second decides how far
 /// that colour goes. The weights are those of the balance heuristic over all colours, so that no colour brings noise to the others (Wilkie et al.,
 /// Hero Wavelength Spectral Sampling, 2014). Near a `lamp`, some of the distances are equiangular, with the same heuristic.
-pub(super) fn travel(source: &MediumSource, way: &Way, lamp: Option<Vec3>, throughput: &mut Rgb, u: Vec2) -> Travel {
-    let sigma_t = value(&source.sigma_t) * source.scale;
-    let emission = value(&source.emission);
+pub(super) fn travel(
+    source: &MediumSource,
+    Uniform { sigma_t, emission }: Uniform,
+    way: &Way,
+    lamp: Option<Vec3>,
+    throughput: &mut Rgb,
+    u: Vec2,
+) -> Travel {
     let emitted = match emission == Rgb::ZERO {
         true => Rgb::ZERO,
         false => *throughput * emission * optical_length(sigma_t, way.length),
@@ -61,8 +67,7 @@ pub(super) fn travel(source: &MediumSource, way: &Way, lamp: Option<Vec3>, throu
         let near_lamp = near_lamp.map_or(0.0, |near_lamp| near_lamp.pdf(distance));
         let density = (1.0 - of_lamp) * share.dot(sigma_t * passing) + of_lamp * near_lamp;
         let point = way.origin + way.dir * distance;
-        let albedo = source.albedo.at(point).clamp(Rgb::ZERO, Rgb::ONE);
-        *throughput *= albedo * sigma_t * passing / density;
+        *throughput *= source.albedo_at(point) * sigma_t * passing / density;
         return Travel {
             scattered_at: Some(distance),
             passed: 1.0,
@@ -82,9 +87,9 @@ pub(super) fn travel(source: &MediumSource, way: &Way, lamp: Option<Vec3>, throu
     }
 }
 
-/// [`super::Medium::transmit`].
-pub(super) fn transmit(source: &MediumSource, way: &Way, carried: &mut Rgb) -> (Rgb, f32) {
-    let passing = beer(value(&source.sigma_t) * source.scale, way.length);
+/// Does what [`super::Medium::transmit`] says.
+pub(super) fn transmit(source: &MediumSource, uniform: Uniform, way: &Way, carried: &mut Rgb) -> (Rgb, f32) {
+    let passing = beer(uniform.sigma_t, way.length);
     let passed = match source.scatters() {
         true => chance(*carried, passing),
         false => 1.0,
@@ -113,27 +118,34 @@ fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
 mod tests {
     use glam::{DVec3, Vec3};
 
-    use super::super::Phase;
+    use super::super::{Phase, Volume};
     use super::*;
     use crate::sampling::hash::pcg3d;
     use crate::sampling::unit_float;
 
-    fn coloured() -> MediumSource {
-        MediumSource {
-            sigma_t: Volume::Constant(Rgb::new(0.5, 1.0, 4.0)),
-            scale: 0.7,
-            albedo: Volume::Constant(Rgb::new(0.9, 0.5, 0.2)),
-            emission: Volume::Constant(Rgb::new(1.0, 2.0, 3.0)),
+    const ALBEDO: Rgb = Rgb::new(0.9, 0.5, 0.2);
+
+    fn coloured() -> (MediumSource, Uniform) {
+        let uniform = Uniform {
+            sigma_t: Rgb::new(0.35, 0.7, 2.8),
+            emission: Rgb::new(1.0, 2.0, 3.0),
+        };
+        let source = MediumSource {
+            sigma_t: Volume::Constant(uniform.sigma_t),
+            scale: 1.0,
+            albedo: Volume::Constant(ALBEDO),
+            emission: Volume::Constant(uniform.emission),
             phase: Phase::Isotropic,
-        }
+        };
+        (source, uniform)
     }
 
     /// The means of what passes and of what is scattered have formulas, for any throughput.
     #[test]
     fn what_travels_agrees_with_beer() {
         const COUNT: u32 = 1_000_000;
-        let source = coloured();
-        let (sigma_t, length) = (value(&source.sigma_t) * source.scale, 1.3);
+        let (source, uniform) = coloured();
+        let (sigma_t, length) = (uniform.sigma_t, 1.3);
         let way = Way {
             origin: Vec3::ZERO,
             dir: Vec3::X,
@@ -149,7 +161,7 @@ mod tests {
             for number in 0..COUNT {
                 let [x, y, _] = pcg3d([number, 7, 11]).map(unit_float);
                 let mut throughput = before;
-                let travel = travel(&source, &way, lamp, &mut throughput, Vec2::new(x, y));
+                let travel = travel(&source, uniform, &way, lamp, &mut throughput, Vec2::new(x, y));
                 let [sum, squares] = match travel.scattered_at {
                     Some(distance) => {
                         assert!(distance < length);
@@ -161,7 +173,7 @@ mod tests {
                 *squares += throughput.as_dvec3().powf(2.0);
             }
             let passing = (-sigma_t * length).exp();
-            let expected = [before * passing, before * value(&source.albedo) * (Rgb::ONE - passing)];
+            let expected = [before * passing, before * ALBEDO * (Rgb::ONE - passing)];
             for ([sum, squares], expected) in [passed, scattered].into_iter().zip(expected) {
                 let mean = sum / f64::from(COUNT);
                 let variance = squares / f64::from(COUNT) - mean * mean;
@@ -177,17 +189,17 @@ mod tests {
 
     #[test]
     fn emission_is_gathered_along_the_whole_way() {
-        let source = coloured();
-        let sigma_t = value(&source.sigma_t) * source.scale;
+        let (source, uniform) = coloured();
+        let sigma_t = uniform.sigma_t;
         for length in [1e-6f32, 0.01, 1.3, f32::INFINITY] {
             let way = Way {
                 origin: Vec3::ZERO,
                 dir: Vec3::X,
                 length,
             };
-            let travel = travel(&source, &way, None, &mut Rgb::ONE.clone(), Vec2::splat(0.4));
+            let travel = travel(&source, uniform, &way, None, &mut Rgb::ONE.clone(), Vec2::splat(0.4));
             let absorbed = Rgb::from_array((-sigma_t * length).to_array().map(|depth| -depth.exp_m1()));
-            let expected = value(&source.emission) * absorbed / sigma_t;
+            let expected = uniform.emission * absorbed / sigma_t;
             assert!(
                 ((travel.emitted - expected) / expected).abs().max_element() < 1e-4,
                 "{length}"

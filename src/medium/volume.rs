@@ -20,9 +20,9 @@ pub enum Volume {
 /// How values between voxels are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeFilter {
-    /// That of the voxel.
+    /// A place has the value of the voxel that it is in.
     Nearest,
-    /// Linear along all three axes, between the centres of voxels.
+    /// Values change linearly along all three axes, between the centres of voxels.
     #[default]
     Trilinear,
 }
@@ -30,12 +30,12 @@ pub enum VolumeFilter {
 /// The values outside of a grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeWrap {
-    /// Those of the nearest voxel.
+    /// A place has the value of the nearest voxel.
     #[default]
     Clamp,
-    /// The grid again and again.
+    /// The grid is repeated.
     Repeat,
-    /// The grid again and again, every second time mirrored.
+    /// The grid is repeated, every second time mirrored.
     Mirror,
 }
 
@@ -75,6 +75,16 @@ impl Volume {
         match self {
             Self::Constant(value) => *value,
             Self::Grid(volume) => volume.at(point),
+        }
+    }
+
+    /// The value at a point of world space, zero outside of the box around the volume.
+    #[inline]
+    pub(super) fn within_bounds_at(&self, point: Vec3) -> Rgb {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Grid(volume) if volume.bounds.contains_point(point) => volume.at(point),
+            Self::Grid(_) => Rgb::ZERO,
         }
     }
 
@@ -121,7 +131,7 @@ impl GridVolume {
 
     /// The value at a point of world space.
     #[inline]
-    pub(super) fn at(&self, point: Vec3) -> Rgb {
+    fn at(&self, point: Vec3) -> Rgb {
         let place = self.in_voxels(point);
         let value = match self.filter {
             VolumeFilter::Nearest => self.voxel(place.floor().as_ivec3()),
@@ -164,7 +174,7 @@ impl GridVolume {
         .as_uvec3()
     }
 
-    /// See [`Volume::upper_bound`]. It is that of all voxels which the box or its surroundings of one voxel touch.
+    /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box or its surroundings of one voxel touch.
     fn upper_bound(&self, within: &Aabb) -> f32 {
         let size = self.grid.resolution();
         let local = within.transformed(&self.local_from_world);

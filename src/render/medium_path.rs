@@ -164,10 +164,7 @@ impl PathState {
         if self.throughput == Rgb::ZERO {
             return Break(PathEnd::Absorbed);
         }
-        if self.record.wants_features(true, false, true) {
-            // The throughput has the albedo of the medium in it. There is no normal.
-            self.record.take_features(self.throughput, Rgb::ONE, Vec3::ZERO, false);
-        }
+        self.record.take_medium_features(self.throughput);
         if settings.is_last(self.segments()) {
             return Break(PathEnd::DepthLimit);
         }

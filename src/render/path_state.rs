@@ -5,8 +5,7 @@ use glam::Vec3;
 use crate::accel::Hit;
 use crate::color::Rgb;
 use crate::light::LightReference;
-use crate::math::lanes::LANES;
-use crate::math::{PerLane, Ray, per_lane};
+use crate::math::{Ray, per_lane, per_lane_array};
 use crate::medium::MediumId;
 use crate::sampling::Sampler;
 
@@ -40,7 +39,7 @@ per_lane! {
         pub arrival: Arrival,
         /// Vertices so far: surfaces met and places of scattering in media, without the hidden emitters that the camera ray has passed.
         pub depth: u32,
-        /// Those of them that count for no segment of the path.
+        /// The vertices among them that count for no segment of the path.
         pub uncounted: u32,
         /// The medium that the ray goes through.
         pub medium: Option<MediumId>,
@@ -79,25 +78,7 @@ pub(super) struct PathRecord {
     pub passed: f32,
 }
 
-/// Records are rarely read or written, so they are stored as an array of structs, one per lane, and not as vectors.
-impl PerLane for PathRecord {
-    type Lanes = [PathRecord; LANES];
-
-    #[inline(always)]
-    fn splat(self) -> Self::Lanes {
-        [self; LANES]
-    }
-
-    #[inline(always)]
-    fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self {
-        lanes[lane]
-    }
-
-    #[inline(always)]
-    fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize) {
-        lanes[lane] = self;
-    }
-}
+per_lane_array!(PathRecord, Option<MediumId>);
 
 impl Arrival {
     /// The arrival from the camera or a delta lobe.
@@ -109,26 +90,6 @@ impl Arrival {
             normal: None,
         },
     };
-}
-
-/// It is looked at one lane at a time, so that it is stored like a record.
-impl PerLane for Option<MediumId> {
-    type Lanes = [Option<MediumId>; LANES];
-
-    #[inline(always)]
-    fn splat(self) -> Self::Lanes {
-        [self; LANES]
-    }
-
-    #[inline(always)]
-    fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self {
-        lanes[lane]
-    }
-
-    #[inline(always)]
-    fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize) {
-        lanes[lane] = self;
-    }
 }
 
 impl PathState {
@@ -176,6 +137,13 @@ impl PathRecord {
         let colour = if is_light { Rgb::ONE } else { albedo };
         self.albedo = (throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
         self.normal = normal;
+    }
+
+    /// Takes the denoiser's features at a place in a medium, unless it has them. `throughput` has the albedo of the medium in it; there is no normal.
+    pub fn take_medium_features(&mut self, throughput: Rgb) {
+        if !self.has_features {
+            self.take_features(throughput, Rgb::ONE, Vec3::ZERO, false);
+        }
     }
 
     /// Notes that the path has left the scene with this `radiance`.

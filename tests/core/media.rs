@@ -395,10 +395,21 @@ fn a_grid_of_emission_alone_shines_through_its_depth() {
     ));
     check(
         "fire",
-        &ball(vec![source]).build(),
+        &ball(vec![source.clone()]).build(),
         &look(UNBOUNDED, Strategy::Mis),
         20_000,
         1.0,
+    );
+    // Smoke around it does not shine.
+    let sigma_t = 0.8f32;
+    source.sigma_t = Volume::Constant(Rgb::splat(sigma_t));
+    let (before, within) = ((-0.5 * sigma_t).exp(), (1.0 - (-sigma_t).exp()) / sigma_t);
+    check(
+        "fire in smoke",
+        &ball(vec![source]).build(),
+        &look(UNBOUNDED, Strategy::Mis),
+        20_000,
+        before * within,
     );
 }
 

@@ -11,7 +11,6 @@ use crate::medium::{MediumId, Way};
 use crate::render::medium_path::Leg;
 use crate::render::observer::PathObserver;
 use crate::sampling::Sampler;
-use glam::Vec3;
 
 impl<'a> PathBatch<'a> {
     /// The medium that the path of a lane is in.
@@ -91,9 +90,7 @@ impl<'a> PathBatch<'a> {
             self.finish_here(lane, samples);
             return;
         }
-        if record.wants_features(true, false, true) {
-            record.take_features(throughput, Rgb::ONE, Vec3::ZERO, false);
-        }
+        record.take_medium_features(throughput);
         if settings.is_last(segments + 1) {
             self.finish_here(lane, samples);
             return;
