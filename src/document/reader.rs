@@ -53,7 +53,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.object
     }
 
-    /// Whether one of the object's references leads nowhere.
+    /// Whether one of the object's references leads nowhere, which has been reported where the file was read.
     pub fn refers_to_nothing(&self) -> bool {
         let mut children = self.object.children.iter();
         children.any(|child| self.index.resolve(child).is_none())
@@ -223,12 +223,6 @@ impl<'a, 'd> Reader<'a, 'd> {
         let place = children.iter().position(|child| child.name() == Some(name))?;
         self.child_read[place] = true;
         self.index.resolve(&children[place])
-    }
-
-    /// Whether a reference of this object leads to nothing, which has been reported where the file was read.
-    pub fn has_lost_reference(&self) -> bool {
-        let mut children = self.object.children.iter();
-        children.any(|child| self.index.resolve(child).is_none())
     }
 
     /// Reads another object with the same index and diagnostics, and finishes with it.

@@ -44,7 +44,7 @@ pub struct RenderControl {
     pub view_size: Option<UVec2>,
     /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it when the scene or the view has changed otherwise.
     pub full_until_change: bool,
-    /// The exact size of the picture in pixels, whatever the film and `view_size` say: that of a picture that is gone on with. The engine resets it
+    /// The exact size of the picture in pixels, whatever the film and `view_size` say: it is the size of a saved picture that rendering resumes. The engine resets it
     /// when the scene or the view has changed otherwise.
     pub size_until_change: Option<UVec2>,
     /// The meaning of a pixel's value.

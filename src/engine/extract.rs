@@ -37,7 +37,6 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
-use crate::medium::MediumTable;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
@@ -285,7 +284,7 @@ impl Extracted {
         self.errors.media.clear();
         let packed = authored.pack_media(&mut self.errors.media);
         if self.packed_media.sources != packed.sources {
-            self.scene.media = Arc::new(MediumTable::new(packed.sources.clone()));
+            self.scene.media = Arc::new(self.scene.media.with(packed.sources.clone()));
         }
         self.packed_media = packed;
     }

@@ -45,14 +45,16 @@ impl Material {
     /// The absorption coefficient inside, per unit of length; None if nothing is absorbed. After the attenuation distance light has the attenuation colour
     /// (KHR_materials_volume).
     pub(super) fn absorption(&self) -> Option<Vec3> {
-        /// The darkest colour: less is left of no light that is seen.
+        /// The least share of light that is left: black would absorb infinitely much.
         const DARKEST: f32 = 1e-10;
+        /// The most absorption, which is also the most that a scene file may have.
+        const MOST: f32 = 1e9;
         let is_thick = self.transmission().is_some() && self.has_volume() && self.extensions.unlit.is_none();
         let volume = self.extensions.volume.as_ref().filter(|_| is_thick)?;
         let distance = volume.attenuation_distance.filter(|distance| *distance > 0.0)?;
         let color = Vec3::from(volume.attenuation_color.unwrap_or([1.0; 3]));
         let left = color.clamp(Vec3::splat(DARKEST), Vec3::ONE);
-        let sigma_a = left.map(|left| -left.ln() / distance);
+        let sigma_a = left.map(|left| (-left.ln() / distance).min(MOST));
         (sigma_a.is_finite() && sigma_a.max_element() > 0.0).then_some(sigma_a)
     }
 

@@ -118,8 +118,17 @@ pub struct MediumTable {
 impl MediumTable {
     /// The media with these sources, in the same order. The grids of majorants take a while for large volumes.
     pub fn new(sources: Vec<MediumSource>) -> Self {
+        Self::default().with(sources)
+    }
+
+    /// The media with these sources, of which those that are as they were before are not prepared again.
+    pub fn with(&self, sources: Vec<MediumSource>) -> Self {
+        let prepare = |(index, source): (usize, MediumSource)| match self.media.get(index) {
+            Some(before) => before.with(source),
+            None => Medium::new(source),
+        };
         Self {
-            media: sources.into_iter().map(Medium::new).collect(),
+            media: sources.into_iter().enumerate().map(prepare).collect(),
         }
     }
 
@@ -171,6 +180,18 @@ impl Medium {
             _ => Distances::Tracked(MajorantGrid::new(&source)),
         };
         Self { source, distances }
+    }
+
+    /// The medium with another source. What distances depend on is only prepared again if it has changed.
+    fn with(&self, source: MediumSource) -> Self {
+        let before = &self.source;
+        if before.sigma_t != source.sigma_t || before.scale != source.scale || before.emission != source.emission {
+            return Self::new(source);
+        }
+        Self {
+            source,
+            distances: self.distances.clone(),
+        }
     }
 
     /// The phase function.

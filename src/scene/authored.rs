@@ -47,6 +47,18 @@ impl Authored {
     pub(crate) fn leave_out(&mut self, child: usize) {
         Arc::make_mut(&mut self.0).child_categories[child] = None;
     }
+
+    /// The media inside became nothing but those that `is_read` says, by their names and numbers. Saving leaves the others as they are written.
+    pub(crate) fn leave_out_media(&mut self, is_read: impl Fn(Option<&str>, usize) -> bool) {
+        let categories = self.child_categories.iter().enumerate();
+        let media = categories.filter(|(_, category)| **category == Some(Category::Medium));
+        let places: Vec<usize> = media.map(|(place, _)| place).collect();
+        for (number, place) in places.into_iter().enumerate() {
+            if !is_read(self.object.children[place].name(), number) {
+                self.leave_out(place);
+            }
+        }
+    }
 }
 
 impl Deref for Authored {

@@ -71,6 +71,17 @@ impl SceneDescription {
         others.copied().chain(of_meshes)
     }
 
+    /// The indices of the media that something is in, once for each use.
+    pub(super) fn media_in_use(&self) -> impl Iterator<Item = usize> {
+        let of_shapes = self
+            .shapes
+            .iter()
+            .flat_map(|shape| shape.interior.into_iter().chain(shape.exterior));
+        let of_emitters = self.emitters.iter().filter_map(|emitter| emitter.medium);
+        let of_sensors = self.sensors.iter().filter_map(|sensor| sensor.medium);
+        of_shapes.chain(of_emitters).chain(of_sensors)
+    }
+
     /// The description of a new scene: a camera that looks at the origin from some units away, and a grey sky.
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {

@@ -10,8 +10,8 @@ use super::names::{TakenNames, each_name};
 use super::write::gather::describe_entities;
 use super::write::identities;
 use super::{
-    DeclaredIn, DocumentOrder, ExteriorMedium, FirstNested, InMedium, InstanceOf, InteriorMedium, Material, MemberOf,
-    SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
+    DeclaredIn, DocumentOrder, ExteriorMedium, FirstNested, InMedium, InstanceOf, InteriorMedium, Material, Medium,
+    MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// The entities that [`insert`] has made.
@@ -39,9 +39,10 @@ pub fn names(world: &mut World) -> HashSet<String> {
 }
 
 /// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders of groups with everything in
-/// them. A material is not added again if the scene has an equal one of the same id: shapes use that one then.
+/// them. A material or medium is not added again if the scene has an equal one of the same id: that one is used then.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
+    let shared_media = shared_media(world, scene);
     let mut order = next_order(world);
     let mut inserted = Inserted::default();
     let mut folders = FreeFolders::default();
@@ -75,9 +76,11 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         entity
     };
     let mut media = Vec::with_capacity(scene.media.len());
-    for medium in &scene.media {
-        let entity = spawn(world, &medium.identity);
-        world.entity_mut(entity).insert(medium.medium.clone());
+    for (medium, shared) in scene.media.iter().zip(&shared_media) {
+        let entity = shared.unwrap_or_else(|| spawn(world, &medium.identity));
+        if shared.is_none() {
+            world.entity_mut(entity).insert(medium.medium.clone());
+        }
         media.push(entity);
     }
     let mut materials = Vec::with_capacity(scene.materials.len());
@@ -182,7 +185,8 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         sensors.push(entity);
     }
     objects.extend(&sensors);
-    for (medium, &entity) in scene.media.iter().zip(&media) {
+    let added = scene.media.iter().zip(&media).zip(&shared_media);
+    for ((medium, &entity), _) in added.filter(|(_, shared)| shared.is_none()) {
         let owner = match medium.declared_in {
             DeclarationPlace::Shape(index) => shapes.get(index),
             DeclarationPlace::Sensor(index) => sensors.get(index),
@@ -227,6 +231,22 @@ fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<E
                     .for_each(|(place, entity)| shared[place] = Some(entity));
             }
         }
+    }
+    shared
+}
+
+/// Finds for each medium of the scene the one in the world that it would duplicate: something is in it, and it has the same id and content.
+fn shared_media(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
+    let mut known = world.query::<(&SceneId, &Medium, Entity)>();
+    let known: HashMap<&str, (&Medium, Entity)> = (known
+        .iter(world)
+        .map(|(id, medium, entity)| (id.0.as_str(), (medium, entity))))
+    .collect();
+    let mut shared = vec![None; scene.media.len()];
+    for used in scene.media_in_use() {
+        let (identity, medium) = (&scene.media[used].identity, &scene.media[used].medium);
+        let same = identity.id.as_deref().and_then(|id| known.get(id));
+        shared[used] = same.filter(|(known, _)| *known == medium).map(|(_, entity)| *entity);
     }
     shared
 }

@@ -8,7 +8,7 @@ use super::encode::{lights, objects};
 use super::keys::{KeyEdit, KeyPath, Keys, value_at};
 use super::moment::shown_time;
 use super::read::millimetres;
-use super::write::patch::{Draft, superseded_by};
+use super::write::patch::{Draft, superseded_by, unwritten_value};
 use super::write::{folder, home_of, steps};
 use super::{Authored, AuthoredScene, IntegratorKeys, IntegratorSettings, ObjectState};
 use crate::document::{Category, Interpolation, Key, Object, Track, Value};
@@ -72,7 +72,7 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
     };
     for (path, track) in keys.tracks() {
         let (before, value) = (value_at(&old, path.as_str()), value_at(&new, path.as_str()));
-        // At other times than that of the file's values, the file's words may not say the value.
+        // The file may give the value by another parameter at this moment (`fov` for `focal_length`).
         let is_said_otherwise = before.is_none()
             && superseded_by(path.as_str())
                 .iter()
@@ -170,11 +170,7 @@ fn unwritten(plugin: &Object, path: &KeyPath, track: &Track) -> Option<Value> {
     if path.as_str().contains('.') || plugin.children.iter().any(|child| child.name() == Some(path.as_str())) {
         return None;
     }
-    match track.keys[0].value {
-        Value::Transform(_) => Some(Value::Transform(Vec::new())),
-        Value::Float(_) => Some(Value::Float(0.0)),
-        _ => None,
-    }
+    unwritten_value(path.as_str(), &track.keys[0].value)
 }
 
 impl Keys {

@@ -54,7 +54,7 @@ pub struct Keys {
     follows: bool,
 }
 
-/// The tracks of the settings that move of the integrator, which is no thing: [`super::IntegratorSettings`] has their values of the moment that is shown.
+/// The tracks of the integrator's settings. The integrator is no entity; [`super::IntegratorSettings`] has the values of the moment that is shown.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct IntegratorKeys(pub Keys);
 
@@ -170,7 +170,7 @@ pub(super) fn value_at<'o>(object: &'o Object, path: &str) -> Option<&'o Value> 
     if let Some(property) = object.properties.iter().find(|property| property.name == path) {
         return Some(&property.value);
     }
-    let (place, rest) = inner(object, path)?;
+    let (place, rest) = inner(object, path).or_else(|| constant_volume(object, path))?;
     match &object.children[place] {
         Child::Object(inner) => value_at(inner, rest),
         Child::Reference { .. } => None,
@@ -182,7 +182,7 @@ fn property_at<'o>(object: &'o mut Object, path: &str) -> Option<&'o mut Propert
     if let Some(place) = object.properties.iter().position(|property| property.name == path) {
         return Some(&mut object.properties[place]);
     }
-    if let Some((place, rest)) = inner(object, path) {
+    if let Some((place, rest)) = inner(object, path).or_else(|| constant_volume(object, path)) {
         return match &mut object.children[place] {
             Child::Object(inner) => property_at(Arc::make_mut(inner), rest),
             Child::Reference { .. } => None,
@@ -205,6 +205,15 @@ fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
     Some((place, rest))
 }
 
+/// The place of the constant volume that has the value of a parameter, and its own parameter. A colour is written in such a volume as soon as it is above
+/// one, and its track goes with it.
+fn constant_volume<'p>(object: &Object, path: &str) -> Option<(usize, &'p str)> {
+    let is_one = |child: &Child| matches!(child, Child::Object(inner) if inner.plugin == "constvolume");
+    let mut children = object.children.iter();
+    let place = children.position(|child| child.name() == Some(path) && is_one(child))?;
+    Some((place, "value"))
+}
+
 /// The step of a path into a plugin inside another: the parameter that it is for, or else its tag. Several of one name are numbered.
 fn step(object: &Object, place: usize) -> SmolStr {
     let base = |child: &Child| match child {
@@ -224,7 +233,7 @@ fn step(object: &Object, place: usize) -> SmolStr {
 
 /// Whether a plugin inside that of a thing is a part of the thing, and no thing of its own.
 fn is_part(inner: &Object) -> bool {
-    !matches!(inner.category, Category::Bsdf | Category::Shape)
+    !matches!(inner.category, Category::Bsdf | Category::Shape | Category::Medium)
 }
 
 /// A change of the track of a value.

@@ -15,6 +15,7 @@ pub mod encode;
 mod file_base;
 mod file_moment;
 mod file_value;
+mod files_in_use;
 pub mod film_storage;
 pub(crate) mod folders;
 mod framing;

@@ -1,33 +1,20 @@
-//! Loads the picture files that textures and environments name. Each is loaded once however often it is used, and released when it is no longer
-//! used.
+//! Loads the picture files that textures and environments name.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
 
-use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
+use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::assets::{cause, is_refused_picture};
 use super::changes::Changes;
+use super::files_in_use::FilesInUse;
 use super::scene_file::SceneFile;
 use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
 
 /// The pictures in use, by absolute path.
-#[derive(Resource, Debug, Default)]
-pub struct Pictures(BTreeMap<PathBuf, Handle<TextureMap>>);
-
-impl Pictures {
-    /// The picture's asset, which may still be loading; None for a path that nothing names.
-    pub fn get(&self, path: &Path) -> Option<&Handle<TextureMap>> {
-        self.0.get(path)
-    }
-
-    /// The absolute paths of all pictures that something in the scene names, sorted.
-    pub fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.0.keys().map(PathBuf::as_path)
-    }
-}
+pub type Pictures = FilesInUse<TextureMap>;
 
 /// The things that name pictures, with their changes.
 #[derive(SystemParam)]
@@ -87,17 +74,7 @@ pub(super) fn follow_pictures(
         let maps = materials.flat_map(|material| material.maps.iter());
         wanted.extend(maps.map(|map| map.file.clone()));
     }
-    let same = wanted.iter().eq(pictures.0.keys());
-    if same {
-        return;
-    }
-    let mut old = std::mem::take(&mut pictures.0);
-    for path in wanted {
-        let handle = old
-            .remove(&path)
-            .unwrap_or_else(|| server.load(AssetPath::from_path_buf(path.clone())));
-        pictures.0.insert(path, handle);
-    }
+    Pictures::keep(&mut pictures, wanted, &server);
 }
 
 /// Updates the messages about pictures.
@@ -121,7 +98,7 @@ pub(super) fn report_pictures(
     let (mut missing, mut damaged, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     let mut loading = 0;
     let shining = pictures_of_lights(lights.iter(), emitters.iter());
-    for (path, handle) in &pictures.0 {
+    for (path, handle) in pictures.iter() {
         let say = |what: String| file.picture_problem(path, &what);
         match server.load_state(handle) {
             // If the scene may not read the picture, the message is the same as for one that does not exist.

@@ -84,8 +84,8 @@ fn pose_from(world: &mut World, things: &[Entity], before: f64) {
     let shapes = scene.shapes.iter_mut().map(|it| &mut it.identity);
     let emitters = scene.emitters.iter_mut().map(|it| &mut it.identity);
     let sensors = scene.sensors.iter_mut().map(|it| &mut it.identity);
-    let surfaces = media.chain(materials).chain(groups).chain(shapes);
-    let identities = surfaces.chain(emitters).chain(sensors);
+    let first = media.chain(materials).chain(groups).chain(shapes);
+    let identities = first.chain(emitters).chain(sensors);
     for (identity, entity) in identities.zip(of.all()) {
         let id = format!("entity-{}", entity.to_bits());
         entities.insert(id.clone(), entity);

@@ -49,18 +49,20 @@ impl Pairing {
                     && a.instance_of.is_some() == b.instance_of.is_some()
             },
         );
+        let sensors = pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true);
+        let emitters = pairs(
+            &scene.emitters,
+            &written.emitters,
+            |it| &it.identity,
+            |a, b| a.emitter.plugin() == b.emitter.plugin(),
+        );
         let recognised = Recognised {
-            media: pairs(&scene.media, &written.media, |it| &it.identity, |_, _| true),
+            media: media_pairs(&scene, &written, [&shapes, &emitters, &sensors]),
             materials: material_pairs(&scene, &written, &shapes),
             shapes,
-            sensors: pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
+            sensors,
             groups: pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
-            emitters: pairs(
-                &scene.emitters,
-                &written.emitters,
-                |it| &it.identity,
-                |a, b| a.emitter.plugin() == b.emitter.plugin(),
-            ),
+            emitters,
         };
         Self {
             scene,
@@ -258,7 +260,47 @@ fn material_pairs(
         |it| &it.identity,
         |a, b| a.material.plugin() == b.material.plugin(),
     );
-    for (pair, other) in pairs.iter_mut().zip(by_order) {
+    fill_in(&mut pairs, &mut is_taken, by_order);
+    pairs
+}
+
+/// The known medium that each written one is: the same things are in it, or else it is what [`pairs`] finds. The pairs of shapes, emitters and sensors are
+/// given.
+fn media_pairs(
+    scene: &SceneDescription,
+    written: &SceneDescription,
+    [shapes, emitters, sensors]: [&Vec<Option<usize>>; 3],
+) -> Vec<Option<usize>> {
+    let mut found = vec![None; written.media.len()];
+    let mut is_taken = vec![false; scene.media.len()];
+    let mut note = |new: Option<usize>, known: Option<usize>| {
+        if let Some((new, known)) = new.zip(known)
+            && found[new].is_none()
+            && !is_taken[known]
+        {
+            found[new] = Some(known);
+            is_taken[known] = true;
+        }
+    };
+    for (new, known) in written.shapes.iter().zip(shapes) {
+        let known = known.map(|known| &scene.shapes[known]);
+        note(new.interior, known.and_then(|known| known.interior));
+        note(new.exterior, known.and_then(|known| known.exterior));
+    }
+    for (new, known) in written.emitters.iter().zip(emitters) {
+        note(new.medium, known.and_then(|known| scene.emitters[known].medium));
+    }
+    for (new, known) in written.sensors.iter().zip(sensors) {
+        note(new.medium, known.and_then(|known| scene.sensors[known].medium));
+    }
+    let by_order = pairs(&scene.media, &written.media, |it| &it.identity, |_, _| true);
+    fill_in(&mut found, &mut is_taken, by_order);
+    found
+}
+
+/// Adds other pairs where there is none yet, of things that are not taken.
+fn fill_in(pairs: &mut [Option<usize>], is_taken: &mut [bool], others: Vec<Option<usize>>) {
+    for (pair, other) in pairs.iter_mut().zip(others) {
         if pair.is_none()
             && let Some(other) = other.filter(|other| !is_taken[*other])
         {
@@ -266,5 +308,4 @@ fn material_pairs(
             *pair = Some(other);
         }
     }
-    pairs
 }

@@ -23,7 +23,7 @@ pub struct SceneFile {
     pub(super) good_diagnostics: Arc<Diagnostics>,
     /// The places of pictures in the same texts.
     pub(super) picture_places: PicturePlaces,
-    /// The places of volumes.
+    /// The places of volumes in the same texts.
     pub(super) volume_places: PicturePlaces,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
@@ -67,7 +67,7 @@ impl SceneFile {
         FileProblem::new(path, span, what, &self.good_diagnostics)
     }
 
-    /// A problem with the file of a volume, likewise.
+    /// A problem with the file of a volume, at the place where it is named first.
     pub(super) fn volume_problem(&self, path: &Path, what: &str) -> FileProblem {
         let what = format!("volume {}: {what}", path.display());
         let span = self.volume_places.get(path).copied();

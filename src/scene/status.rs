@@ -151,8 +151,8 @@ impl SceneStatus {
 
     /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
-        let has_all = self.mesh_errors.is_empty() && self.volume_errors.is_empty();
-        self.state == SceneState::Failed || self.diagnostics.has_errors() || !has_all
+        let has_files = self.mesh_errors.is_empty() && self.volume_errors.is_empty();
+        self.state == SceneState::Failed || self.diagnostics.has_errors() || !has_files
     }
 }
 

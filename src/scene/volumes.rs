@@ -1,31 +1,19 @@
-//! Loads the volume files that media name. Each is loaded once however often it is used, and released when it is no longer used.
+//! Loads the volume files that media name.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
 
-use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
+use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::prelude::*;
 
 use super::assets::{VolumeMap, cause};
+use super::files_in_use::FilesInUse;
 use super::scene_file::SceneFile;
 use super::{Medium, SceneStatus};
 
 /// The volume files in use, by absolute path.
-#[derive(Resource, Debug, Default)]
-pub struct Volumes(BTreeMap<PathBuf, Handle<VolumeMap>>);
+pub type Volumes = FilesInUse<VolumeMap>;
 
-impl Volumes {
-    /// The asset of a file, which may still be loading; None for a path that nothing names.
-    pub fn get(&self, path: &Path) -> Option<&Handle<VolumeMap>> {
-        self.0.get(path)
-    }
-
-    /// The absolute paths of all volume files that something in the scene names, sorted.
-    pub fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.0.keys().map(PathBuf::as_path)
-    }
-}
-
+/// Loads the volumes that media name now.
 pub(super) fn follow_volumes(
     mut volumes: ResMut<Volumes>,
     server: Res<AssetServer>,
@@ -42,16 +30,7 @@ pub(super) fn follow_volumes(
             wanted.insert(grid.path.clone());
         });
     }
-    if wanted.iter().eq(volumes.0.keys()) {
-        return;
-    }
-    let mut old = std::mem::take(&mut volumes.0);
-    for path in wanted {
-        let handle = old
-            .remove(&path)
-            .unwrap_or_else(|| server.load(AssetPath::from_path_buf(path.clone())));
-        volumes.0.insert(path, handle);
-    }
+    Volumes::keep(&mut volumes, wanted, &server);
 }
 
 /// Updates the messages about volumes.
@@ -69,7 +48,7 @@ pub(super) fn report_volumes(
         return;
     }
     let (mut errors, mut warnings, mut loading) = (Vec::new(), Vec::new(), 0);
-    for (path, handle) in &volumes.0 {
+    for (path, handle) in volumes.iter() {
         match server.load_state(handle) {
             LoadState::Failed(error) => errors.push(file.volume_problem(path, &cause(&error))),
             LoadState::Loaded => {}

@@ -436,6 +436,74 @@ fn edited(edit: impl FnOnce(&mut SceneDescription)) -> String {
     text
 }
 
+/// The text of a scene of this body after an edit. The body may have faults.
+fn edited_body(body: &str, edit: impl FnOnce(&mut SceneDescription)) -> String {
+    let path = Path::new("/nowhere/scene.xml");
+    let text =
+        format!("<scene version='3.0.0'>\n{body}\n<integrator type='volpath'/><sensor type='perspective'/></scene>");
+    let mut document = document::parse_str(&*text, path, &[]);
+    let mut scene = read(&mut document);
+    edit(&mut scene);
+    files(&scene, path).unwrap().remove(0).1
+}
+
+#[test]
+fn a_colour_above_one_takes_the_place_of_one() {
+    let body = "<medium type='homogeneous' id='m'><rgb name='sigma_t' value='5 2 1'/></medium>";
+    let text = edited_body(body, |scene| {
+        if let Coefficients::Extinction { sigma_t, .. } = &mut scene.media[0].medium.coefficients {
+            *sigma_t = Rgb::new(6.0, 2.0, 1.0).into();
+        }
+    });
+    assert!(text.contains("6, 2, 1") && !text.contains("5 2 1"), "{text}");
+}
+
+#[test]
+fn media_that_cannot_be_read_stay_in_the_file() {
+    let body = "<shape type='sphere' id='ball'><medium type='homogenous' name='interior'><float name='scale' value='3'/></medium></shape>
+        <emitter type='point' id='lamp'><medium type='smoke'/></emitter>";
+    // Something else is edited in both.
+    let move_both = |scene: &mut SceneDescription| {
+        scene.shapes[0].to_world = Affine3A::from_translation(Vec3::X);
+        scene.emitters[0].to_world = Affine3A::from_translation(Vec3::X);
+    };
+    let text = edited_body(body, move_both);
+    assert!(text.contains("type='homogenous' name='interior'"), "{text}");
+    assert!(text.contains("<medium type='smoke'/>"), "{text}");
+    // A medium that is given to the shape takes the place of that which could not be read.
+    let other = format!("{body}<medium type='homogeneous' id='fog'/>");
+    let text = edited_body(&other, |scene| scene.shapes[0].interior = Some(0));
+    assert!(!text.contains("homogenous'"), "{text}");
+    assert_eq!(text.matches("name=\"interior\"").count(), 1, "{text}");
+}
+
+#[test]
+fn keys_inside_a_medium_are_those_of_the_medium() {
+    let body = "<shape type='sphere' id='ball'><medium type='homogeneous' name='interior' id='fog'>
+        <animation name='scale'><float time='0' value='1'/><float time='1' value='3'/></animation></medium></shape>";
+    let (scene, diagnostics) = describe(body);
+    assert!(!diagnostics.has_errors(), "{diagnostics}");
+    let tracks = |identity: &description::Identity| {
+        let keys = identity.keys.iter().flat_map(|keys| keys.tracks());
+        keys.map(|(path, _)| path.as_str().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(tracks(&scene.media[0].identity), ["scale"]);
+    assert_eq!(tracks(&scene.shapes[0].identity), [""; 0]);
+}
+
+#[test]
+fn a_spectrum_in_a_constant_volume_means_what_it_means_without() {
+    let light = |inside: &str| medium("homogeneous", inside).emission;
+    let black_body = |name: &str| {
+        format!("<spectrum type='blackbody' name='{name}'><float name='temperature' value='2500'/></spectrum>")
+    };
+    let within = format!(
+        "<volume type='constvolume' name='emission'>{}</volume>",
+        black_body("value")
+    );
+    assert_eq!(light(&within), light(&black_body("emission")));
+}
+
 /// The lines that came with an edit.
 fn lines_of_edit(edit: impl FnOnce(&mut SceneDescription)) -> Vec<String> {
     let text = edited(edit);
@@ -543,11 +611,12 @@ fn a_new_file_means_the_same_and_a_portable_one_has_only_words_of_the_format() {
     let kept = again(&written(Extensions::Keep));
     assert_eq!(kept.shapes, meaning(&scene).shapes);
     assert_eq!(kept.media[..2], meaning(&scene).media[..2]);
+    let sigma_t_and_albedo = |scene: &SceneDescription| scene.media[2].medium.coefficients.sigma_t_and_albedo();
+    assert_eq!(sigma_t_and_albedo(&kept), sigma_t_and_albedo(&scene));
     let portable = written(Extensions::Approximate);
     for ours in ["sigma_s", "sigma_a", "emission"] {
         assert!(!portable.contains(ours), "{portable}");
     }
-    let sigma_t_and_albedo = |scene: &SceneDescription| scene.media[2].medium.coefficients.sigma_t_and_albedo();
     assert_eq!(sigma_t_and_albedo(&again(&portable)), sigma_t_and_albedo(&scene));
     assert!(
         portable.contains("<volume type=\"constvolume\" name=\"sigma_t\">"),

@@ -61,7 +61,9 @@ impl MediumPacker<'_, '_, '_> {
         MediumSource {
             sigma_t: match &sigma_t {
                 // A box is the only voxel of a grid: nothing is outside of it.
-                VolumeParameter::Box { value, to_world } => boxed(*value, *to_world),
+                VolumeParameter::Box { value, to_world } => {
+                    self.boxed(*value, *to_world).unwrap_or(Volume::Constant(Rgb::ZERO))
+                }
                 other => self.color(other, Rgb::ZERO),
             },
             scale: medium.scale,
@@ -93,12 +95,6 @@ impl MediumPacker<'_, '_, '_> {
             }
             _ => {}
         }
-        let is_good = crate::math::is_invertible(&world_from_local);
-        if !is_good {
-            self.check
-                .report("the transform of a volume cannot be inverted: it is left out");
-            return None;
-        }
         let filter = match file.filter {
             VolumeFilter::Nearest => medium::VolumeFilter::Nearest,
             VolumeFilter::Trilinear => medium::VolumeFilter::Trilinear,
@@ -108,12 +104,29 @@ impl MediumPacker<'_, '_, '_> {
             VolumeWrap::Repeat => medium::VolumeWrap::Repeat,
             VolumeWrap::Mirror => medium::VolumeWrap::Mirror,
         };
-        Some(Volume::Grid(GridVolume::new(
-            map.grid.clone(),
-            world_from_local,
-            filter,
-            wrap,
-        )))
+        self.placed(map.grid.clone(), world_from_local, filter, wrap)
+    }
+
+    /// The same value all over a box.
+    fn boxed(&mut self, value: Rgb, world_from_unit: Affine3A) -> Option<Volume> {
+        let voxel = VolumeGrid::new(UVec3::ONE, 3, Voxels::F32(value.to_array().to_vec())).ok()?;
+        let (filter, wrap) = (medium::VolumeFilter::Nearest, medium::VolumeWrap::Clamp);
+        self.placed(Arc::new(voxel), world_from_unit, filter, wrap)
+    }
+
+    fn placed(
+        &mut self,
+        grid: Arc<VolumeGrid>,
+        world_from_local: Affine3A,
+        filter: medium::VolumeFilter,
+        wrap: medium::VolumeWrap,
+    ) -> Option<Volume> {
+        if !crate::math::is_invertible(&world_from_local) {
+            self.check
+                .report("the transform of a volume cannot be inverted: it is left out");
+            return None;
+        }
+        Some(Volume::Grid(GridVolume::new(grid, world_from_local, filter, wrap)))
     }
 
     fn phase(&mut self, phase: &PhaseFunction) -> Phase {
@@ -136,19 +149,6 @@ impl MediumPacker<'_, '_, '_> {
                 Phase::Blend(Box::new(BlendedPhase { weight, of }))
             }
         }
-    }
-}
-
-/// A box that is full of a value.
-fn boxed(value: Rgb, world_from_unit: Affine3A) -> Volume {
-    match VolumeGrid::new(UVec3::ONE, 3, Voxels::F32(value.to_array().to_vec())) {
-        Ok(voxel) => Volume::Grid(GridVolume::new(
-            Arc::new(voxel),
-            world_from_unit,
-            medium::VolumeFilter::Nearest,
-            medium::VolumeWrap::Clamp,
-        )),
-        Err(_) => Volume::Constant(value),
     }
 }
 
@@ -251,7 +251,7 @@ mod tests {
         let world = source.sigma_t.bounds().expect("a box");
         assert_eq!((world.min, world.max), (2.0 * bounds.min, 2.0 * bounds.max));
         assert_eq!((source.sigma_t.at(Vec3::new(5.9, 0.0, 0.0)).x, errors.len()), (3.0, 0));
-        // The box of the file is flat.
+        // The file names no box.
         let (source, errors) = packed(&grid, Some(&smoke(None)));
         assert!(errors[0].contains("names no box"), "{errors:?}");
         assert_eq!(source.sigma_t.bounds().expect("a box").max, Vec3::splat(2.0));

@@ -173,7 +173,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A table of a phase function; one that is of no use becomes that of the same light in all directions.
+    /// Checks the table of a phase function. An unusable one is replaced by one that scatters equally in all directions.
     fn table(&mut self, info: &ParameterInfo, values: &mut Vec<f32>) {
         let is_good = |value: &f32| (0.0..=BRIGHTEST).contains(value);
         let sums_up = values.iter().any(|value| *value > 0.0);

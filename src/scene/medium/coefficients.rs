@@ -52,8 +52,8 @@ impl Coefficients {
     }
 }
 
-/// The largest coefficient per unit of length, and factor on light: products along a path stay finite.
-pub(crate) const MOST_EXTINCTION: f32 = 1e9;
+/// The largest coefficient per unit of length: products along a path stay finite.
+const MOST_EXTINCTION: f32 = 1e9;
 
 pub(crate) const SIGMA_T: ParameterInfo = ParameterInfo::new(
     "sigma_t",

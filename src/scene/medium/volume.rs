@@ -86,8 +86,8 @@ pub enum VolumeFilter {
 }
 
 impl VolumeFilter {
-    /// All filters, with their names in the file.
-    pub const NAMES: [(&'static str, Self); 2] = [("nearest", Self::Nearest), ("trilinear", Self::Trilinear)];
+    /// All filters.
+    pub const ALL: [Self; 2] = [Self::Nearest, Self::Trilinear];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {
@@ -111,12 +111,8 @@ pub enum VolumeWrap {
 }
 
 impl VolumeWrap {
-    /// All ways to go on, with their names in the file.
-    pub const NAMES: [(&'static str, Self); 3] = [
-        ("clamp", Self::Clamp),
-        ("repeat", Self::Repeat),
-        ("mirror", Self::Mirror),
-    ];
+    /// All continuations.
+    pub const ALL: [Self; 3] = [Self::Clamp, Self::Repeat, Self::Mirror];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {

@@ -90,7 +90,7 @@ fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Objec
         .into_iter()
         .map(|(_, object)| object)
         .collect();
-    if !expected.contains(&inside.len()) && !reader.has_lost_reference() {
+    if !expected.contains(&inside.len()) && !reader.refers_to_nothing() {
         let wanted = match (expected.start(), expected.end()) {
             (1, 1) => "one bsdf",
             (2, 2) => "two bsdfs",

@@ -35,7 +35,10 @@ impl<'a> SceneReader<'a> {
             return false;
         };
         let as_read = || lights::emitter(&emitter, &to_world, &self.folder);
-        let identity = self.identity(object, as_read);
+        let mut identity = self.identity(object, as_read);
+        if let Some(authored) = &mut identity.authored {
+            authored.leave_out_media(|_, number| number == 0 && medium.is_some());
+        }
         self.description.emitters.push(EmitterDescription {
             identity,
             emitter,

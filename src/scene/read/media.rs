@@ -151,10 +151,11 @@ impl FromFile<'_, '_, '_> {
 
     /// A colour that may vary in space. None if the file does not give it, or if it is unusable, which has been reported.
     pub(super) fn volume_color(&mut self, info: &ParameterInfo) -> Option<VolumeParameter<Rgb>> {
-        read_volume(self.reader, info.name, &info.range, self.pictures)
+        let role = Role::of(self.reader.object().category, info.name);
+        read_volume(self.reader, info.name, role, &info.range, self.pictures)
     }
 
-    /// As [`Self::volume_color`]; a number is the mean of a colour.
+    /// Reads a number that may vary in space, like [`Self::volume_color`]. A colour counts as its mean.
     pub(super) fn volume_number(&mut self, info: &ParameterInfo) -> Option<VolumeParameter<f32>> {
         let mean = |color: Rgb| color.element_sum() / 3.0;
         Some(match self.volume_color(info)? {
@@ -171,7 +172,7 @@ impl FromFile<'_, '_, '_> {
         let is_given = self.reader.has(info.name) || self.reader.child(info.name).is_some();
         if let Some(given) = self.volume_number(info) {
             *value = given;
-        } else if !is_given && !self.reader.has_lost_reference() {
+        } else if !is_given && !self.reader.refers_to_nothing() {
             let message = format!("{} needs a `{}`", self.reader.object().title(), info.name);
             self.reader.error_at(info.name, message);
         }
@@ -253,7 +254,7 @@ fn read_phase(mut reader: Reader, files: &mut PictureSearch) -> PhaseFunction {
             [(_, first), (_, second)] => {
                 blend.of = [first, second].map(|part| reader.apart(part, |reader| read_phase(reader, files)));
             }
-            _ if reader.has_lost_reference() => {}
+            _ if reader.refers_to_nothing() => {}
             _ => {
                 let message = format!("`blendphase` takes two phase functions, found {}", inside.len());
                 let span = reader.object().span;
@@ -269,10 +270,10 @@ fn read_phase(mut reader: Reader, files: &mut PictureSearch) -> PhaseFunction {
 fn read_volume(
     reader: &mut Reader,
     name: &str,
+    role: Role,
     range: &RangeInclusive<f32>,
     files: &mut PictureSearch,
 ) -> Option<VolumeParameter<Rgb>> {
-    let role = Role::of(reader.object().category, name);
     let Some(object) = reader.child(name) else {
         // The range has been checked by then.
         let color = reader.rgb_in(name, range.clone())?;
@@ -303,7 +304,9 @@ fn read_volume(
                 }
             }
         }
-        (Category::Volume, "constvolume") => reader.nested(object, |reader| constant_volume(reader, range, files)),
+        (Category::Volume, "constvolume") => {
+            reader.nested(object, |reader| constant_volume(reader, role, range, files))
+        }
         (Category::Volume, "gridvolume") => reader.nested(object, |reader| grid_volume(reader, files)),
         (Category::Volume, plugin) => {
             let message = format!("volume `{plugin}` is not supported");
@@ -323,6 +326,7 @@ fn read_volume(
 
 fn constant_volume(
     reader: &mut Reader,
+    role: Role,
     range: &RangeInclusive<f32>,
     files: &mut PictureSearch,
 ) -> Option<VolumeParameter<Rgb>> {
@@ -331,7 +335,7 @@ fn constant_volume(
         // The format's default.
         return Some(boxed(Rgb::ONE, to_world?));
     }
-    let value = read_volume(reader, "value", range, files)?;
+    let value = read_volume(reader, "value", role, range, files)?;
     match value.constant() {
         Some(value) => Some(boxed(value, to_world?)),
         None => {
@@ -354,8 +358,8 @@ fn boxed(value: Rgb, to_world: Affine3A) -> VolumeParameter<Rgb> {
 fn grid_volume(reader: &mut Reader, files: &mut PictureSearch) -> Option<VolumeParameter<Rgb>> {
     // This program decides how the grid is stored in memory, and takes its numbers as they are.
     reader.ignore(&["accel", "raw"]);
-    let filter = named(reader, "filter_type", &VolumeFilter::NAMES).unwrap_or_default();
-    let wrap = named(reader, "wrap_mode", &VolumeWrap::NAMES).unwrap_or_default();
+    let filter = named(reader, "filter_type", &VolumeFilter::ALL, VolumeFilter::name).unwrap_or_default();
+    let wrap = named(reader, "wrap_mode", &VolumeWrap::ALL, VolumeWrap::name).unwrap_or_default();
     let use_grid_bbox = reader.boolean_or(USE_GRID_BBOX, false);
     let to_world = reader.to_world();
     let Some(name) = reader.string("filename") else {
@@ -375,11 +379,11 @@ fn grid_volume(reader: &mut Reader, files: &mut PictureSearch) -> Option<VolumeP
 }
 
 /// The value of this name; an unknown one is an error, as in Mitsuba.
-fn named<T: Copy>(reader: &mut Reader, parameter: &str, all: &[(&'static str, T)]) -> Option<T> {
+fn named<T: Copy>(reader: &mut Reader, parameter: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
     let text = reader.string(parameter)?;
-    let found = all.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
+    let found = all.iter().copied().find(|&value| name(value) == text);
     if found.is_none() {
-        let names: Vec<String> = all.iter().map(|(name, _)| format!("`{name}`")).collect();
+        let names: Vec<String> = all.iter().map(|&value| format!("`{}`", name(value))).collect();
         let message = format!("expected {} for `{parameter}`, found `{text}`", names.join(" or "));
         reader.error_at(parameter, message);
     }

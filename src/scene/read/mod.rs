@@ -123,15 +123,21 @@ pub(crate) fn is_frame(object: &Object) -> bool {
     object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
 }
 
+/// Where the things of a sorted list were before, and where those of the list are afterwards.
+fn by_order<T, Order: Ord>(list: &[T], order: impl Fn(&T) -> Order) -> (Vec<usize>, Vec<usize>) {
+    let mut old_place: Vec<usize> = (0..list.len()).collect();
+    old_place.sort_by_key(|&old| order(&list[old]));
+    let mut new_place = vec![0; list.len()];
+    for (new, &old) in old_place.iter().enumerate() {
+        new_place[old] = new;
+    }
+    (old_place, new_place)
+}
+
 /// Sorts the media, which are found in the order of references as well.
 fn sort_media(description: &mut SceneDescription) {
     let media = &mut description.media;
-    let mut by_order: Vec<usize> = (0..media.len()).collect();
-    by_order.sort_by_key(|&old| media[old].identity.order);
-    let mut new_place = vec![0; media.len()];
-    for (new, &old) in by_order.iter().enumerate() {
-        new_place[old] = new;
-    }
+    let (_, new_place) = by_order(media, |medium| medium.identity.order);
     media.sort_by_key(|medium| medium.identity.order);
     let moved = |medium: &mut Option<usize>| *medium = medium.map(|old| new_place[old]);
     for shape in &mut description.shapes {
@@ -146,14 +152,9 @@ fn sort_media(description: &mut SceneDescription) {
 /// Sorts the materials, which are found in the order of references, into the order of the file.
 fn sort_materials(description: &mut SceneDescription) {
     let materials = std::mem::take(&mut description.materials);
-    let mut by_order: Vec<usize> = (0..materials.len()).collect();
-    by_order.sort_by_key(|&old| materials[old].identity.order);
-    let mut new_place = vec![0; materials.len()];
-    for (new, &old) in by_order.iter().enumerate() {
-        new_place[old] = new;
-    }
+    let (old_place, new_place) = by_order(&materials, |material| material.identity.order);
     let mut slots: Vec<_> = materials.into_iter().map(Some).collect();
-    for &old in &by_order {
+    for old in old_place {
         if let Some(mut material) = slots[old].take() {
             material.first = material.first.map(|old| new_place[old]);
             material.second = material.second.map(|old| new_place[old]);

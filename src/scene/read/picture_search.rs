@@ -22,7 +22,7 @@ impl PictureSearch {
         path
     }
 
-    /// The volume's file, likewise.
+    /// The file of a volume, found as a picture is.
     pub fn find_volume(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
         let (path, span) = self.look(name, reader);
         self.volume_places.entry(path.clone()).or_insert(span);

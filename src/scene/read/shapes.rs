@@ -12,6 +12,7 @@ use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
+use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::solid::{file_range, parse_openings};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
 
@@ -155,6 +156,14 @@ impl<'a> SceneReader<'a> {
         };
         let as_read = || objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
         let mut identity = self.identity(object, as_read);
+        if let Some(authored) = &mut identity.authored {
+            let sides = [(INTERIOR, interior), (EXTERIOR, exterior)];
+            authored.leave_out_media(|name, _| {
+                sides
+                    .iter()
+                    .any(|(side, medium)| name == Some(*side) && medium.is_some())
+            });
+        }
         if identity.id.is_none()
             && let ShapeKind::Mesh(mesh) = &shape.kind
             && let Some(stem) = mesh.path.file_stem()

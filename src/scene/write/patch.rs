@@ -4,6 +4,7 @@ use bevy::math::Affine3A;
 use smol_str::SmolStr;
 
 use super::steps;
+use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::Authored;
 use crate::scene::emitter::frame_along;
@@ -23,6 +24,9 @@ const SUPERSEDES: [(&str, &[&str]); 9] = [
     ("to_world", &["position", "direction"]),
 ];
 
+/// Factors, which are not written where they are 1.
+const FACTORS: [&str; 2] = ["emission_scale", "sampling_weight"];
+
 /// Parameters that depend on each other: writing one writes the other, if the file does not have it.
 const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
 
@@ -30,6 +34,17 @@ const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"),
 pub(in crate::scene) fn superseded_by(name: &str) -> &'static [&'static str] {
     let found = SUPERSEDES.iter().find(|(winner, _)| *winner == name);
     found.map_or(&[], |(_, others)| others)
+}
+
+/// The value that a parameter has where it is not written, if it has keys and can be left out. `value` is one that it had.
+pub(in crate::scene) fn unwritten_value(name: &str, value: &Value) -> Option<Value> {
+    match value {
+        Value::Transform(_) => Some(Value::Transform(Vec::new())),
+        Value::Float(_) if FACTORS.contains(&name) => Some(Value::Float(1.0)),
+        Value::Float(_) => Some(Value::Float(0.0)),
+        Value::Rgb(_) if name == "emission" => Some(Value::Rgb(Rgb::ZERO)),
+        _ => None,
+    }
 }
 
 /// A plugin on its way into the file. What each child is, references followed, is known.
@@ -158,11 +173,10 @@ impl Draft {
         let Some(known) = properties.find(|known| known.name == name && known.keys.is_some()) else {
             return false;
         };
-        known.value = match known.value {
-            Value::Transform(_) => Value::Transform(Vec::new()),
-            Value::Float(_) => Value::Float(0.0),
-            _ => return false,
+        let Some(default) = unwritten_value(name, &known.value) else {
+            return false;
         };
+        known.value = default;
         true
     }
 
@@ -240,6 +254,7 @@ impl Draft {
             }
         }
         if let Some(name) = name {
+            self.object.properties.retain(|property| property.name != name);
             self.remove_superseded(name);
         }
     }
@@ -287,6 +302,10 @@ impl Draft {
                 *child = in_place_of(child, medium);
             }
             (None, Some(mut medium)) => {
+                // One that could not be read is in its place.
+                if let Some(name) = name {
+                    self.remove_children_named(name);
+                }
                 medium.set_name(name.map(SmolStr::new_static));
                 self.object.children.push(medium);
                 self.categories.push(Some(Category::Medium));

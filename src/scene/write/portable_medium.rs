@@ -17,8 +17,13 @@ pub(super) fn medium(object: &mut Object, is_approximate: bool) {
     wrap_colors(object);
 }
 
-/// Turns scattering and absorption into extinction and albedo.
+/// Turns scattering and absorption into extinction and albedo. Those with keys stay: the quotient of two tracks is none.
 fn join_coefficients(object: &mut Object) {
+    let is_joined = |name: &str| [&SIGMA_S, &SIGMA_A].iter().any(|info| info.name == name);
+    let mut properties = object.properties.iter();
+    if properties.any(|property| is_joined(&property.name) && property.keys.is_some()) {
+        return;
+    }
     let [sigma_s, sigma_a] = [SIGMA_S.name, SIGMA_A.name].map(|name| value_of(object, name).and_then(color));
     if sigma_s.is_none() && sigma_a.is_none() {
         return;
@@ -27,7 +32,6 @@ fn join_coefficients(object: &mut Object) {
         sigma_s: sigma_s.unwrap_or_default(),
         sigma_a: sigma_a.unwrap_or_default(),
     };
-    let is_joined = |name: &str| [&SIGMA_S, &SIGMA_A].iter().any(|info| info.name == name);
     object.properties.retain(|property| !is_joined(&property.name));
     let (sigma_t, albedo) = separate.sigma_t_and_albedo();
     let mut joined = object.clone();
@@ -41,10 +45,11 @@ fn join_coefficients(object: &mut Object) {
 fn wrap_colors(object: &mut Object) {
     let is_large = |value: &Value| matches!(value, Value::Rgb(color) if color.max_element() > 1.0);
     while let Some(place) = object.properties.iter().position(|property| is_large(&property.value)) {
-        let property = object.properties.remove(place);
-        let mut volume = Object::new(Category::Volume, "constvolume").with("value", property.value);
-        volume.name = Some(property.name);
-        *object = object.clone().with_child(volume);
+        let mut property = object.properties.remove(place);
+        let mut volume = Object::new(Category::Volume, "constvolume");
+        volume.name = Some(std::mem::replace(&mut property.name, "value".into()));
+        volume.properties.push(property);
+        object.children.push(volume.into());
     }
 }
 

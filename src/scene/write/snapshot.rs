@@ -134,7 +134,7 @@ impl Snapshot {
         snapshot
     }
 
-    /// These things alone, without their materials, but with the groups and materials that they cannot be read without.
+    /// These things alone, without their materials and media, but with the groups and materials that they cannot be read without.
     pub fn of_things(world: &World, things: &[Entity]) -> Self {
         let mut wanted: Vec<Entity> = Vec::new();
         let mut known = EntityHashSet::default();

@@ -25,7 +25,7 @@ pub(in crate::scene) struct Writer<'s> {
     ids: Vec<Option<String>>,
     /// The place where each material is written; None for those that are no longer needed.
     places: Vec<Option<DeclarationPlace>>,
-    /// The same of each medium.
+    /// The id of each medium, and below the place where it is written, as of materials.
     medium_ids: Vec<Option<String>>,
     medium_places: Vec<Option<DeclarationPlace>>,
     defaults: Defaults,
@@ -420,8 +420,8 @@ pub(in crate::scene) fn identities(scene: &SceneDescription) -> impl Iterator<It
     let groups = scene.groups.iter().map(|group| &group.identity);
     let shapes = scene.shapes.iter().map(|shape| &shape.identity);
     let emitters = scene.emitters.iter().map(|emitter| &emitter.identity);
-    let surfaces = media.chain(materials).chain(groups).chain(shapes);
-    sensors.chain(surfaces).chain(emitters)
+    let first = media.chain(materials).chain(groups).chain(shapes);
+    sensors.chain(first).chain(emitters)
 }
 
 fn collect_ids(child: &Child, ids: &mut HashSet<String>) {
