@@ -96,7 +96,7 @@ fn check(parts: &[(String, PartFile)], force: bool) -> Result<(), Failure> {
     for (name, file) in parts {
         let header = file.header();
         if !header.is_finished {
-            return Err(format!("{name} is not finished: `sunroom render --resume` goes on with it").into());
+            return Err(format!("{name} is not finished: resume it by `sunroom render --resume`").into());
         }
         if !SensorFilm::is_possible(header.width, header.height) {
             let (width, height, most) = (header.width, header.height, SensorFilm::MOST_PIXELS);

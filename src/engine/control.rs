@@ -92,6 +92,18 @@ impl Default for RenderControl {
     }
 }
 
+impl RenderControl {
+    /// Takes back the demands for a size that hold until the scene or the view changes.
+    pub fn forget_size_until_change(&mut self) {
+        (self.full_until_change, self.size_until_change) = (false, None);
+    }
+
+    /// Demands all pixels of the film until the scene or the view changes.
+    pub fn demand_full_until_change(&mut self) {
+        (self.full_until_change, self.size_until_change) = (true, None);
+    }
+}
+
 /// The meaning of a pixel's value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ViewMode {

@@ -250,7 +250,7 @@ pub(super) fn extract_scene(
     let same_scene = old.is_same(&extracted.scene);
     let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
     if has_size_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
-        (control.full_until_change, control.size_until_change) = (false, None);
+        control.forget_size_until_change();
         extracted.update_view(&authored, &control);
         extracted.update_layers(keeps_groups);
         extracted.update_sight(&control.sight);

@@ -10,7 +10,7 @@ use crate::render::film::Film;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
-/// The picture that the next job goes on with; None if it begins anew.
+/// The picture that the next job resumes; None if it begins anew.
 #[derive(Resource, Default)]
 pub(super) struct Resumed(pub Option<Saved>);
 

@@ -205,7 +205,7 @@ mod tests {
         assert_eq!(file.grid, colors);
     }
 
-    /// As Mitsuba writes `VolumeGrid(numpy.array([[[0.5, 1]]], float32))`: x grows fastest.
+    /// The file that Mitsuba writes for `VolumeGrid(numpy.array([[[0.5, 1]]], float32))`: x grows fastest.
     #[test]
     fn a_file_of_mitsuba_is_read() {
         let mut bytes = b"VOL\x03".to_vec();

@@ -98,7 +98,7 @@ impl Keys {
     }
 
     /// An estimate of the memory that it has allocated. Tracks count as if nothing else held them.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         /// The size of the steps of a transform.
         const VALUE: usize = 128;
         let tracks = self.tracks.values();

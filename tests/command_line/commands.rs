@@ -1002,7 +1002,7 @@ const COMMANDS: [&str; 12] = [
 fn the_page_about_the_command_line_has_the_options_of_the_program() {
     let page = include_str!("../../docs/command-line.md");
     let help = COMMANDS.map(help).concat();
-    // That of cargo, which starts the program.
+    // It is an option of cargo, which starts the program.
     let mut described = options(page);
     assert!(described.remove("--release"), "{described:?}");
     assert_eq!(described, options(&help));

@@ -397,7 +397,7 @@ fn keys_between_frames_are_removed_where_they_are() {
         keys.track(&KeyPath::new("to_world")).expect("a track").keys.len()
     };
     assert_eq!(times(&world), 1);
-    // That of a frame is shown as the frame.
+    // The key at the first frame is shown as that frame.
     do_all(&mut world, &["frame 1", "key ball", "time 0", "next-key"]);
     assert_eq!(shown_time(&world), 1.0 / 24.0);
 }

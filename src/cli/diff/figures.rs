@@ -147,7 +147,7 @@ fn scores(pair: &Pair) -> Option<ZScores> {
     let in_red = |value: f32| Rgb::new(value, 0.0, 0.0);
     let luminances = |pixels: &[Rgb]| pixels.iter().map(|&rgb| in_red(luminance(rgb))).collect::<Vec<Rgb>>();
     let variances = pair.variances.each_ref().map(|variance| {
-        // Those of components do not tell that of the luminance.
+        // Variances of components do not tell the variance of the luminance.
         let variance = variance.as_ref().filter(|variance| variance.is_of_luminance)?;
         Some(
             variance

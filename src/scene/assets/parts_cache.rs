@@ -237,7 +237,7 @@ fn is_hash(name: &OsStr) -> bool {
     name.len() == 16 && name.as_encoded_bytes().iter().all(is_digit)
 }
 
-/// Whether a file was made here, and may be gone another day.
+/// Whether a file was made here, and may be gone later.
 pub fn is_part(path: &Path) -> bool {
     cache_folders(NAME).any(|folder| path.starts_with(folder))
 }

@@ -72,7 +72,7 @@ fn grid(columns: u32, rows: u32, at: impl Fn(Vec2) -> (Vec3, Vec3)) -> MeshData 
             for mut triangle in [[a, b, c], [a, c, d]] {
                 let [p, q, r] = triangle.map(|corner| mesh.positions[corner as usize]);
                 let facing = (q - p).cross(r - p);
-                // Those at the poles of a sphere and in the middle of a disk have no area.
+                // The triangles at the poles of a sphere and in the middle of a disk have no area.
                 if facing.length_squared() <= 1e-12 * (q - p).length_squared().max((r - p).length_squared()).powi(2) {
                     continue;
                 }

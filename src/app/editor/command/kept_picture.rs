@@ -7,7 +7,7 @@ pub enum KeptPicture {
     Keep,
     /// Does `Keep`, and closes the window unless that fails.
     KeepAndQuit,
-    /// Goes on with the picture that was kept.
+    /// Resumes the picture that was kept.
     Continue,
     /// Removes the picture that was kept.
     Discard,

@@ -99,7 +99,7 @@ pub enum Command {
     SaveChanged(PathBuf, OnChange),
     /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
-    /// Keeps the picture beside the scene, to render it later, or goes on with one that was kept.
+    /// Keeps the picture beside the scene, to render it later, or resumes one that was kept.
     KeptPicture(KeptPicture),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),

@@ -18,8 +18,8 @@ pub enum Walls {
     /// They are seen.
     #[default]
     Shown,
-    /// They are not seen, since the user looks along an axis, and until they look through a camera: one that turns away from the axis still looks into the
-    /// room.
+    /// They are not seen because the user looks along an axis. This holds until the user looks through a camera: a view that turns away from the axis still
+    /// looks into the room.
     HiddenForAxis,
     /// They are not seen.
     Hidden,

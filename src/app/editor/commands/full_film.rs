@@ -24,9 +24,7 @@ pub fn set_resolution(world: &mut World, resolution: Resolution) {
     world.resource_mut::<ViewSettings>().resolution = resolution;
     // The demand of an image that is waited for stays as it is, because it notices changes of the scene.
     if resolution != Resolution::Full || !world.contains_resource::<AwaitedImage>() {
-        control(world, |control| {
-            (control.full_until_change, control.size_until_change) = (false, None)
-        });
+        control(world, RenderControl::forget_size_until_change);
     }
 }
 
@@ -94,9 +92,7 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         control(world, |control| control.exact_samples = Some(samples));
         world.insert_resource(image);
     }
-    control(world, |control| {
-        (control.full_until_change, control.size_until_change) = (true, None)
-    });
+    control(world, RenderControl::demand_full_until_change);
     Ok(())
 }
 

@@ -1,7 +1,7 @@
-//! Keeps a picture that is not finished beside its scene, and goes on with it another day.
+//! Keeps a picture that is not finished beside its scene, and resumes it later.
 //!
 //! The file is a checkpoint like those of the command line, which also says how the window showed the scene. What the picture is of is compared before it
-//! is gone on with: a picture of a scene that was changed begins anew, and the file stays.
+//! is resumed: a picture of a scene that was changed begins anew, and the file stays.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::origin::origin_of_open;
 use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
 use crate::render::layered_image::{Attribute, LayeredImage};
-use crate::render::part::{Crop, Origin, PartFile};
+use crate::render::part::{Crop, FileDigest, Origin, PartFile};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Film, FreeView, Hidden, SceneState, SceneStatus, Sensor, show_moment,
     shown_time,
@@ -73,7 +73,7 @@ fn keep(world: &mut World) -> Result<(), CommandError> {
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.forget(Topic::Saving);
     toasts.info(format!(
-        "Kept the picture with {samples} samples in {}: it goes on when the scene is opened again",
+        "Kept the picture with {samples} samples in {}: rendering resumes when the scene is opened again",
         name_of(&path)
     ));
     Ok(())
@@ -223,10 +223,26 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
     let text = texts.find(|(name, _)| name == SHOWN).map(|(_, text)| text.as_str());
     let shown: Shown = text.and_then(|text| serde_json::from_str(text).ok()).ok_or_else(|| {
         CommandError::file(format!(
-            "{name} was not kept by the window: `sunroom render --resume` goes on with it"
+            "{name} was not kept by the window: resume it by `sunroom render --resume`"
         ))
     })?;
+    // A scene that was edited since keeps the view that it has. Settings follow from what is shown, so they are compared later.
+    let (now, then) = (
+        origin(world, &scene).map_err(CommandError::file)?,
+        &file.header().origin,
+    );
+    let has_changed = |file: &&FileDigest| {
+        then.files
+            .iter()
+            .any(|old| old.path == file.path && old.digest != file.digest)
+    };
+    if let Some(changed) = now.files.iter().find(has_changed) {
+        let text = another_scene(&format!("{} has another content", changed.path));
+        return Err(CommandError::file(format!("{name}: {text}")));
+    }
     show(world, &shown);
+    // The view that is shown now is not packed before the end of this frame.
+    world.resource_mut::<RenderStatus>().is_up_to_date = false;
     world.resource_mut::<KeptPictures>().failure = None;
     let is_sized = false;
     world.insert_resource(Returning { scene, file, is_sized });
@@ -247,7 +263,7 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Goes on with the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every frame after the commands.
+/// Resumes the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every frame after the commands.
 pub(crate) fn follow(world: &mut World) {
     let status = world.resource::<SceneStatus>();
     if status.is_opening {
@@ -280,17 +296,18 @@ fn go_on(world: &mut World, mut returning: Returning) {
     if path != Some(&*returning.scene) || !world.resource::<History>().is_saved() {
         return fail(
             world,
-            "The kept picture is not gone on with: the scene was changed meanwhile.".to_owned(),
+            "The kept picture is not resumed: the scene was changed meanwhile.".to_owned(),
         );
     }
     let status = world.resource::<RenderStatus>();
     if status.state == RenderState::Failed {
         return fail(
             world,
-            "The kept picture is not gone on with: rendering has failed.".to_owned(),
+            "The kept picture is not resumed: rendering has failed.".to_owned(),
         );
     }
-    if !status.is_up_to_date {
+    // While the view moves, the picture has fewer pixels.
+    if !status.is_up_to_date || world.resource::<RenderControl>().motion_scale < 1.0 {
         return world.insert_resource(returning);
     }
     let header = returning.file.header();
@@ -309,10 +326,10 @@ fn go_on(world: &mut World, mut returning: Returning) {
     control(world, |control| control.restart_requested = true);
     world
         .resource_mut::<Toasts>()
-        .info(format!("Goes on with the picture in {name}"));
+        .info(format!("Resumed the picture in {name}"));
 }
 
-/// Lets the picture go on, if it is of the scene as it is now. The error says what differs.
+/// Resumes the picture, if it is of the scene as it is now. The error says what differs.
 fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<(), String> {
     let view = world.resource::<PackedScene>().view.as_ref();
     if view.is_none_or(|view| [view.width, view.height] != size) {
@@ -322,8 +339,7 @@ fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<(
     let origin = origin(world, &returning.scene)?;
     let differences = origin.differences(&header.origin);
     if !differences.is_empty() {
-        let text = differences.join("; ");
-        return Err(format!("the picture is of another scene and begins anew: {text}"));
+        return Err(another_scene(&differences.join("; ")));
     }
     let piece = Piece {
         origin,
@@ -332,6 +348,10 @@ fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<(
         samples: [0, header.samples[1]],
     };
     piece.take_up(world, &returning.file)
+}
+
+fn another_scene(difference: &str) -> String {
+    format!("the picture is of another scene and begins anew: {difference}")
 }
 
 fn fail(world: &mut World, text: String) {

@@ -68,25 +68,17 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     }
     let in_medium: Vec<Entity> = users_of_medium(edit.world, entity).collect();
     for user in in_medium {
-        if edit
-            .world
-            .get::<InteriorMedium>(user)
-            .is_some_and(|medium| medium.0 == entity)
-        {
+        let world = &edit.world;
+        let is_inside = world.get::<InteriorMedium>(user).is_some_and(|it| it.0 == entity);
+        let is_outside = world.get::<ExteriorMedium>(user).is_some_and(|it| it.0 == entity);
+        let is_around = world.get::<InMedium>(user).is_some_and(|it| it.0 == entity);
+        if is_inside {
             edit.remove::<InteriorMedium>(user);
         }
-        if edit
-            .world
-            .get::<ExteriorMedium>(user)
-            .is_some_and(|medium| medium.0 == entity)
-        {
+        if is_outside {
             edit.remove::<ExteriorMedium>(user);
         }
-        if edit
-            .world
-            .get::<InMedium>(user)
-            .is_some_and(|medium| medium.0 == entity)
-        {
+        if is_around {
             edit.remove::<InMedium>(user);
         }
     }

@@ -210,7 +210,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     changed |= fields::choice(
         ui,
         caption.explained(
-            "How EXR files are made smaller. With loss, floats or halves lose bits, and cryptomattes cannot be saved",
+            "How EXR files are made smaller. The methods with loss change values a little; pxr24, dwaa and dwab cannot save cryptomattes",
         ),
         &mut film.storage.compression,
         &COMPRESSIONS,

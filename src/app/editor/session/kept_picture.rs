@@ -41,7 +41,7 @@ pub struct Shown {
     pub keeps_lights_apart: bool,
 }
 
-/// A kept picture that is gone on with as soon as the scene is as it was then.
+/// A kept picture that is resumed as soon as the scene is as it was then.
 #[derive(Resource)]
 pub struct Returning {
     /// The scene.
@@ -55,7 +55,7 @@ pub struct Returning {
 /// What is known of the kept picture, and of the samples that no file has.
 #[derive(Resource, Debug, Default)]
 pub struct KeptPictures {
-    /// Whether a scene that is opened goes on with its picture.
+    /// Whether rendering resumes from the kept picture when a scene is opened.
     returns: bool,
     /// The last load of the scene that was looked at.
     seen: u64,
@@ -65,7 +65,7 @@ pub struct KeptPictures {
     resumes: bool,
     /// Whether the user is asked before the picture is lost.
     pub is_offered: bool,
-    /// The reason why the kept picture was not gone on with when that was last asked for.
+    /// The reason why the kept picture was not resumed when that was last asked for.
     pub failure: Option<String>,
 }
 

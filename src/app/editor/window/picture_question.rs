@@ -39,7 +39,7 @@ impl PictureQuestion {
             ui.label(format!("It was rendered for {} and is not finished.", clock(seconds)));
             ui.add_space(6.0);
             let kept =
-                "it is written beside the scene, and goes on with all its samples when the scene is opened again.";
+                "it is written beside the scene, and resumed with all its samples when the scene is opened again.";
             dialog::consequence(ui, "Keep", kept);
             dialog::consequence(ui, "Don't keep", "the window closes, and the samples are lost.");
             dialog::consequence(ui, "Cancel", "everything stays as it is.");

@@ -27,7 +27,7 @@ pub enum Act {
     /// The window's content, as shares of its first width and height.
     Resize(Vec2),
     CloseSheet,
-    /// The next act waits until the picture is one of the scene as it is.
+    /// The next act waits until the engine has packed all edits, and the picture is of the scene as it is.
     AwaitPicture,
     /// Nothing happens for this many frames.
     Rest(usize),

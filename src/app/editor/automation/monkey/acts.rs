@@ -67,7 +67,30 @@ pub fn next_acts(world: &mut World, random: &mut Random, folder: &Folder, own: O
         "saving" => saving(world, random, folder),
         _ => vec![Act::Rest(1 + random.below(20))],
     };
-    (kind, acts)
+    (kind, after_packing(acts))
+}
+
+/// What depends on the scene as the engine has packed it last, which may be older than the last edit: places of things, and the picture.
+const FROM_PACKED: [&str; 9] = [
+    "align ",
+    "bake-lights",
+    "camera-to-view",
+    "distribute ",
+    "frame-",
+    "pick ",
+    "switch-projection",
+    "use-file ",
+    "view-",
+];
+
+/// Lets such acts wait until the engine has packed all edits, so that a run can be repeated.
+fn after_packing(acts: Vec<Act>) -> Vec<Act> {
+    let depends = |line: &String| FROM_PACKED.iter().any(|start| line.starts_with(start));
+    let depends = |act: &Act| matches!(act, Act::Say(lines) if lines.iter().any(depends));
+    match acts.iter().any(depends) {
+        true => [vec![Act::AwaitPicture], acts].concat(),
+        false => acts,
+    }
 }
 
 fn say(line: impl Into<String>) -> Vec<Act> {
@@ -98,17 +121,7 @@ fn edit(world: &mut World, random: &mut Random, folder: &Folder) -> Vec<Act> {
             ];
             say(lines[random.below(lines.len())].clone())
         }
-        _ => {
-            let lines = random_edit(world, random, &folder.part());
-            match lines {
-                // The lights of the picture are baked.
-                Some(lines) if lines.iter().any(|line| line == "bake-lights") => {
-                    vec![Act::AwaitPicture, Act::Say(lines)]
-                }
-                Some(lines) => vec![Act::Say(lines)],
-                None => Vec::new(),
-            }
-        }
+        _ => random_edit(world, random, &folder.part()).map_or(Vec::new(), |lines| vec![Act::Say(lines)]),
     }
 }
 

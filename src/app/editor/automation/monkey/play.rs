@@ -98,7 +98,7 @@ impl Monkey {
                     engine.state,
                     RenderState::Loading | RenderState::Building | RenderState::Rendering
                 );
-                engine.samples > 0 || !is_coming
+                engine.is_up_to_date && (engine.samples > 0 || !is_coming)
             }
             Waiting::Text(text) => {
                 let source = status.diagnostics.sources.first();
@@ -314,6 +314,8 @@ impl Monkey {
         match act {
             Act::Say(lines) => {
                 self.doing = lines.join("; ");
+                let (done, undone) = world.resource::<History>().len();
+                self.write_log(&format!("# {done} steps done, {undone} undone"));
                 for line in lines {
                     self.write_log(&line);
                     match parse::line(world, &line) {

@@ -1,4 +1,4 @@
-//! Pictures that are kept beside their scene, and gone on with.
+//! Pictures that are kept beside their scene, and resumed.
 
 use std::num::NonZeroUsize;
 
@@ -10,7 +10,7 @@ use crate::app::editor::session::kept_picture::{KeptPictures, Returning, kept_fi
 use crate::app::editor::session::options::SceneDefines;
 use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
 use crate::files::{LARGEST_DATA, read};
-use crate::scene::{FileSourcePlugin, OpenScene, ScenePlugin, SceneState, SceneStatus, asset_plugin};
+use crate::scene::{FileSourcePlugin, FreeView, OpenScene, ScenePlugin, SceneState, SceneStatus, asset_plugin};
 
 const SCENE: &str = r#"<scene version="3.0.0">
   <sensor type="perspective">
@@ -147,6 +147,7 @@ fn a_kept_picture_goes_on_to_the_same_bits() {
         drop(first);
         // The window has another size this time.
         let mut second = desk.open(true, [100, 100]);
+        assert!(samples(second.world()) >= 8, "{:?}", texts(&second));
         update_until(&mut second, is_done);
         assert_eq!(second.world().resource::<KeptPictures>().failure, None);
         assert_eq!(samples(second.world()), samples(whole.world()));
@@ -177,12 +178,32 @@ fn all_samples_are_there_at_once() {
     // Without a user it goes on only when that is asked for.
     let mut second = desk.open(false, [8, 8]);
     assert!(samples(second.world()) < MANY);
+    // From wherever the user looks now.
+    apply(
+        second.world_mut(),
+        Command::MoveView(Affine3A::from_translation(Vec3::Z)),
+    )
+    .expect("moved");
     tell(&mut second, KeptPicture::Continue).expect("it is begun");
     update_until(&mut second, |world| !world.contains_resource::<Returning>());
+    assert_eq!(second.world().resource::<KeptPictures>().failure, None);
     assert!(samples(second.world()) >= MANY, "{:?}", texts(&second));
     tell(&mut second, KeptPicture::Discard).expect("it is removed");
     assert!(!desk.kept().exists());
     assert!(tell(&mut second, KeptPicture::Discard).is_err());
+}
+
+#[test]
+fn keeping_it_on_quitting_quits_only_if_that_succeeds() {
+    let desk = Desk::new();
+    let mut app = desk.open(true, [8, 8]);
+    let quits = |app: &App| !app.world().resource::<Messages<AppExit>>().is_empty();
+    std::fs::create_dir(desk.kept()).expect("a folder in its place");
+    update_until(&mut app, |world| samples(world) >= 8);
+    assert!(tell(&mut app, KeptPicture::KeepAndQuit).is_err() && !quits(&app));
+    std::fs::remove_dir(desk.kept()).expect("it is empty");
+    tell(&mut app, KeptPicture::KeepAndQuit).expect("it is kept");
+    assert!(quits(&app) && desk.kept().is_file());
 }
 
 #[test]
@@ -193,7 +214,12 @@ fn a_picture_of_a_changed_scene_begins_anew_and_says_why() {
     tell(&mut first, KeptPicture::Keep).expect("it is kept");
     std::fs::write(desk.scene(), endless().replace("diffuse", "conductor")).expect("a file");
     let kept = read(&desk.kept(), LARGEST_DATA).expect("a file");
-    let second = desk.open(true, [50, 50]);
+    let mut second = desk.open(true, [50, 50]);
+    // What the user looks at stays.
+    let pose = Affine3A::from_translation(Vec3::Z);
+    apply(second.world_mut(), Command::MoveView(pose)).expect("moved");
+    assert!(tell(&mut second, KeptPicture::Continue).is_err_and(|error| error.contains("another content")));
+    assert_eq!(second.world().resource::<FreeView>().pose, Some(pose));
     let texts = texts(&second);
     assert!(
         texts.iter().any(|text| text.contains("room.xml has another content")),

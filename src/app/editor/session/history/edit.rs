@@ -125,6 +125,7 @@ impl<'w> Edit<'w> {
             }
             moving.push(*entity);
         }
+        lost.sort();
         lost.dedup();
         if !lost.is_empty() {
             let names: Vec<String> = lost.iter().map(|path| format!("`{path}`")).collect();

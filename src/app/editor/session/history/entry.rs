@@ -31,6 +31,11 @@ impl SettingsState {
         }
     }
 
+    /// An estimate of the memory that it has allocated.
+    fn bytes(&self) -> usize {
+        self.integrator_keys.0.bytes()
+    }
+
     /// Writes the components that differ from `from`; what others changed in the meantime stays.
     pub(super) fn write(&self, world: &mut World, from: &Self) {
         if from.integrator != self.integrator {
@@ -126,10 +131,12 @@ impl Entry {
 
     pub(super) fn count_bytes(&mut self) {
         let changes = self.changes.iter().map(|change| change.change.bytes());
+        let keys = self.settings.iter().map(SettingsState::bytes);
         let selected = self.selection.iter().map(|selection| selection.entities().len());
         self.bytes = size_of::<Self>()
             + self.label.len()
             + changes.sum::<usize>()
+            + keys.sum::<usize>()
             + selected.sum::<usize>() * size_of::<Entity>();
     }
 
