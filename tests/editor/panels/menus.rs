@@ -100,6 +100,26 @@ fn menus_say_commands() {
 }
 
 #[test]
+fn an_open_menu_gives_way_to_the_one_that_is_pointed_at() {
+    let mut harness = menus(DenoiserState::Off);
+    let shows = |harness: &Harness<Shown<Model>>, entry: &str| harness.query_by_label_contains(entry).is_some();
+    harness.get_by_label("Edit").hover();
+    harness.run_steps(3);
+    assert!(!shows(&harness, "Undo"), "a menu opens by a click");
+    click(&mut harness, "File");
+    assert!(shows(&harness, "Reload"));
+    harness.get_by_label("Edit").hover();
+    harness.run_steps(3);
+    assert!(shows(&harness, "Undo") && !shows(&harness, "Reload"));
+    // The same place shuts it.
+    click(&mut harness, "Edit");
+    assert!(!shows(&harness, "Undo"));
+    harness.get_by_label("File").hover();
+    harness.run_steps(3);
+    assert!(!shows(&harness, "Reload"));
+}
+
+#[test]
 fn without_a_denoiser_there_is_nothing_to_press() {
     let mut harness = menus(DenoiserState::Unavailable);
     click(&mut harness, "Denoise");

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Atom, Button, Id, RichText, Ui, vec2};
+use bevy_egui::egui::containers::menu::MenuButton;
+use bevy_egui::egui::{self, Atom, Button, Id, Popup, RichText, Ui, vec2};
 
 use super::outliner::marks;
 use crate::app::editor::command::Command;
@@ -29,21 +30,44 @@ pub struct MenuState<'a> {
     pub recent: &'a [PathBuf],
 }
 
+/// The id under which egui keeps whether a menu of the bar is open.
+fn open_id() -> Id {
+    Id::new("a menu of the bar is open")
+}
+
+/// A menu of the bar. It opens by a click, and by pointing at it while another menu of the bar is open. Returns whether it is open.
+fn top_menu(ui: &mut Ui, title: &str, is_one_open: bool, content: &mut dyn FnMut(&mut Ui)) -> bool {
+    let (button, _) = MenuButton::new(title).ui(ui, content);
+    let popup = Popup::default_response_id(&button);
+    let is_open = Popup::is_id_open(ui.ctx(), popup);
+    if is_one_open && !is_open && button.hovered() && !button.clicked() {
+        Popup::open_id(ui.ctx(), popup);
+        return true;
+    }
+    is_open
+}
+
 /// The menus of the window, in one row.
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     let widgets = ui.visuals().widgets.clone();
     egui::MenuBar::new().ui(ui, |ui| {
         let context = &state.context;
-        ui.menu_button("File", |ui| file_menu(ui, model, &state, commands));
-        ui.menu_button("Edit", |ui| edit_menu(ui, model, context, commands));
-        ui.menu_button("Add", |ui| add_menu(ui, context, commands));
-        ui.menu_button("Arrange", |ui| arrange_menu(ui, context, commands));
-        ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
-        ui.menu_button("Time", |ui| {
+        let was_open = ui.data(|data| data.get_temp(open_id()).unwrap_or(false));
+        let mut is_open = false;
+        let mut menu = |ui: &mut Ui, title: &str, content: &mut dyn FnMut(&mut Ui)| {
+            is_open |= top_menu(ui, title, was_open, content);
+        };
+        menu(ui, "File", &mut |ui| file_menu(ui, model, &state, commands));
+        menu(ui, "Edit", &mut |ui| edit_menu(ui, model, context, commands));
+        menu(ui, "Add", &mut |ui| add_menu(ui, context, commands));
+        menu(ui, "Arrange", &mut |ui| arrange_menu(ui, context, commands));
+        menu(ui, "View", &mut |ui| view_menu(ui, model, &state, commands));
+        menu(ui, "Time", &mut |ui| {
             group(ui, Group::Time, &["first-frame", "set-key"], context, commands)
         });
-        ui.menu_button("Render", |ui| render_menu(ui, context, commands));
-        ui.menu_button("Window", |ui| window_menu(ui, &state, commands));
+        menu(ui, "Render", &mut |ui| render_menu(ui, context, commands));
+        menu(ui, "Window", &mut |ui| window_menu(ui, &state, commands));
+        ui.data_mut(|data| data.insert_temp(open_id(), is_open));
         ui.separator();
         // What acts at once looks like buttons, unlike the menus beside it.
         ui.scope(|ui| {

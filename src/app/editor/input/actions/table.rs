@@ -77,13 +77,9 @@ pub const FILE: &[Action] = &[
     action(Group::File, "keep-picture", "Keep rendering later", &[], |_| {
         Some(Command::KeptPicture(KeptPicture::Keep))
     }),
-    action(
-        Group::File,
-        "continue-picture",
-        "Go on with the kept picture",
-        &[],
-        |_| Some(Command::KeptPicture(KeptPicture::Continue)),
-    ),
+    action(Group::File, "continue-picture", "Resume the kept picture", &[], |_| {
+        Some(Command::KeptPicture(KeptPicture::Continue))
+    }),
     action(Group::File, "discard-picture", "Remove the kept picture", &[], |_| {
         Some(Command::KeptPicture(KeptPicture::Discard))
     }),
