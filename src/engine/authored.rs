@@ -1,7 +1,5 @@
 //! The queries by which extraction reads the world, and the order of the file for lists of it.
 
-use std::path::Path;
-
 use bevy::asset::AssetServer;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -15,10 +13,10 @@ use super::pack::medium::{AuthoredMedium, PackedMedia, pack_media};
 use super::pack::texture::TexturePacker;
 use crate::light::WeightedSource;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView, Hidden,
-    InMedium, InstanceOf, IntegratorSettings, InteriorMedium, Material, Medium, MemberOf, MeshHandle, Pictures,
-    Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, TextureMap, ToWorld,
-    TriangleMesh, UsesMaterial, VolumeMap, Volumes,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView,
+    GridFile, Hidden, InMedium, InstanceOf, IntegratorSettings, InteriorMedium, Material, Medium, MemberOf, MeshHandle,
+    Pictures, Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, TextureMap,
+    ToWorld, TriangleMesh, UsesMaterial, VolumeMap, Volumes,
 };
 use crate::shading::DielectricModel;
 
@@ -189,7 +187,7 @@ impl Authored<'_, '_> {
                 medium,
             })
             .collect();
-        let volumes = |path: &Path| self.volume_maps.get(self.volumes.get(path)?);
+        let volumes = |file: &GridFile| self.volume_maps.get(self.volumes.get(&file.asset_path())?);
         pack_media(&authored, &volumes, errors)
     }
 

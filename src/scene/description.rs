@@ -51,7 +51,7 @@ pub struct SceneDescription {
     pub missing: Vec<PathBuf>,
     /// The place where each picture is named first.
     pub picture_places: PicturePlaces,
-    /// The place where each grid of a volume is named first.
+    /// The place where each grid of a volume is named first, by the paths of their assets.
     pub volume_places: PicturePlaces,
 }
 

@@ -1,4 +1,5 @@
-//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when it is no longer used.
+//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when it is no longer used. Paths are
+//! those of assets, which for a grid of a `.vdb` file is not that of the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -88,7 +88,7 @@ pub use material::{
 };
 pub use medium::{
     Coefficients, ExteriorMedium, GridFile, InMedium, InteriorMedium, Medium, PhaseBlend, PhaseFunction, VolumeFilter,
-    VolumeParameter, VolumeWrap,
+    VolumeFormat, VolumeParameter, VolumeWrap,
 };
 pub use moment::shown_time;
 pub(crate) use object_change::{ObjectChange, Side};

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::FileProblem;
 use super::assets::SceneAsset;
 use super::description::PicturePlaces;
+use super::{FileProblem, VolumeFormat};
 use crate::document::Diagnostics;
 
 /// The file that the entities are from, and the one that was requested since.
@@ -23,7 +23,7 @@ pub struct SceneFile {
     pub(super) good_diagnostics: Arc<Diagnostics>,
     /// The places of pictures in the same texts.
     pub(super) picture_places: PicturePlaces,
-    /// The places of volumes in the same texts.
+    /// The places of volumes in the same texts, by the paths of their assets.
     pub(super) volume_places: PicturePlaces,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
@@ -67,10 +67,11 @@ impl SceneFile {
         FileProblem::new(path, span, what, &self.good_diagnostics)
     }
 
-    /// A problem with the file of a volume, at the place where it is named first.
-    pub(super) fn volume_problem(&self, path: &Path, what: &str) -> FileProblem {
+    /// A problem with the file of a volume, whose asset has this path, at the place where it is named first.
+    pub(super) fn volume_problem(&self, asset: &Path, what: &str) -> FileProblem {
+        let (path, _) = VolumeFormat::of_asset(asset);
         let what = format!("volume {}: {what}", path.display());
-        let span = self.volume_places.get(path).copied();
+        let span = self.volume_places.get(asset).copied();
         FileProblem::new(path, span, what, &self.good_diagnostics)
     }
 }

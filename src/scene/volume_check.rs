@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::SceneDescription;
 use super::assets::volume_map::{VolumeMapError, load_volume};
+use super::{SceneDescription, VolumeFormat};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
@@ -12,13 +12,14 @@ use crate::files::Access;
 pub fn check_volumes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
     let mut places: Vec<(&PathBuf, &Span)> = scene.volume_places.iter().collect();
     places.sort_by_key(|(_, span)| (span.source.0, span.start));
-    for (path, span) in places {
-        let what = match load_volume(path, access) {
+    for (asset, span) in places {
+        let what = match load_volume(asset, access) {
             Err(VolumeMapError::File(error)) if error.is_not_found() => Some("no such file".to_owned()),
             Err(error) => Some(error.to_string()),
             Ok(volume) => volume.warning(),
         };
         if let Some(what) = what {
+            let (path, _) = VolumeFormat::of_asset(asset);
             let message = format!("volume {}: {what}", path.display());
             diagnostics.push(Severity::Warning, Some(*span), message, None);
         }

@@ -10,7 +10,7 @@ use super::files_in_use::FilesInUse;
 use super::scene_file::SceneFile;
 use super::{Medium, SceneStatus};
 
-/// The volume files in use, by absolute path.
+/// The grids in use, by the paths of their assets.
 pub type Volumes = FilesInUse<VolumeMap>;
 
 /// Loads the volumes that media name now.
@@ -27,7 +27,7 @@ pub(super) fn follow_volumes(
     let mut wanted = BTreeSet::new();
     for medium in &media {
         medium.for_each_grid(&mut |grid| {
-            wanted.insert(grid.path.clone());
+            wanted.insert(grid.asset_path());
         });
     }
     Volumes::keep(&mut volumes, wanted, &server);

@@ -21,7 +21,10 @@ use super::pictures::Pictures;
 use super::presence::Presence;
 use super::read::settle;
 use super::scene_file::SceneFile;
-use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh, VolumeMap, Volumes};
+use super::{
+    FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh, VolumeFormat, VolumeMap,
+    Volumes,
+};
 
 /// The time for which events are held back, so that one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
@@ -154,8 +157,11 @@ pub(super) fn list_files(
             add(&settle(library), &mesh.path);
         }
     }
-    for file in pictures.paths().chain(volumes.paths()) {
+    for file in pictures.paths() {
         add(file, file);
+    }
+    for grid in volumes.paths() {
+        add(VolumeFormat::of_asset(grid).0, grid);
     }
     if watch.reloads != reloads {
         watch.reloads = reloads;
@@ -212,6 +218,9 @@ pub(super) fn reload_changed_files(
     let meshes = meshes.take_in(&mut watch, &server);
     let pictures = pictures.take_in(&mut watch, &server);
     let volumes = volumes.take_in(&mut watch, &server);
+    let volumes = volumes
+        .into_iter()
+        .map(|grid| VolumeFormat::of_asset(&grid).0.to_owned());
     read_again.write_batch(meshes.into_iter().chain(pictures).chain(volumes).map(FileReadAgain));
 
     take_events(&mut watch);

@@ -10,4 +10,5 @@ mod pictures;
 mod sequences;
 mod shares;
 mod submit;
+mod volumes;
 mod workshop;

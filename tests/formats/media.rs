@@ -817,3 +817,111 @@ fn what_is_wrong_with_a_volume_file_is_said_where_it_is_named() {
         );
     }
 }
+
+/// The body of a scene whose density is in a `.vdb` file.
+const VDB: &str = "<medium type='heterogeneous' id='smoke'>
+<volume type='vdbvolume' name='sigma_t'><string name='filename' value='smoke.vdb'/><string name='grid' value='density'/></volume></medium>";
+
+#[test]
+fn vdb_files_have_a_plugin_of_their_own() {
+    let smoke = medium(
+        "heterogeneous",
+        "<volume type='vdbvolume' name='sigma_t'><string name='filename' value='smoke.vdb'/></volume>
+        <volume type='vdbvolume' name='emission'><string name='filename' value='smoke.vdb'/><string name='grid' value='flames'/>
+            <string name='filter_type' value='nearest'/><transform name='to_world'><scale value='2'/></transform></volume>",
+    );
+    let vdb = |name: Option<&str>| GridFile {
+        format: VolumeFormat::Vdb {
+            grid: name.map(str::to_owned),
+        },
+        ..grid("/somewhere/smoke.vdb")
+    };
+    assert_eq!(extinction(&smoke).0, VolumeParameter::Grid(vdb(None)));
+    let flames = GridFile {
+        filter: VolumeFilter::Nearest,
+        to_world: Affine3A::from_scale(Vec3::splat(2.0)),
+        ..vdb(Some("flames"))
+    };
+    assert_eq!(smoke.emission, VolumeParameter::Grid(flames));
+    let wrapped = VDB.replace("name='grid'", "name='wrap_mode'");
+    let found = messages(&wrapped);
+    assert!(
+        found.len() == 1
+            && found[0].contains("scene.xml:3:84: warning: `wrap_mode` is not a parameter of volume `vdbvolume`"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn an_edit_of_a_vdb_volume_changes_nothing_else_in_the_text() {
+    let change = |edit: &dyn Fn(&mut GridFile)| {
+        edited_body(VDB, |scene| {
+            if let Coefficients::Extinction {
+                sigma_t: VolumeParameter::Grid(grid),
+                ..
+            } = &mut scene.media[0].medium.coefficients
+            {
+                edit(grid);
+            }
+        })
+    };
+    let unchanged = change(&|_| ());
+    assert!(unchanged.contains(VDB), "{unchanged}");
+    let named = |name: Option<&str>| {
+        let name = name.map(str::to_owned);
+        change(&move |grid| grid.format = VolumeFormat::Vdb { grid: name.clone() })
+    };
+    let other = named(Some("flames"));
+    assert!(
+        other.contains(&VDB.replace("'density'", "\"flames\"")) || other.contains(&VDB.replace("density", "flames")),
+        "{other}"
+    );
+    let usual = named(None);
+    assert!(usual.contains("smoke.vdb") && !usual.contains("density"), "{usual}");
+    let vol = change(&|other| {
+        *other = GridFile {
+            wrap: VolumeWrap::Repeat,
+            ..grid("/nowhere/smoke.vol")
+        };
+    });
+    assert!(
+        vol.contains("gridvolume") && vol.contains("repeat") && !vol.contains("density"),
+        "{vol}"
+    );
+    let text = change(&|grid| grid.to_world = Affine3A::from_translation(Vec3::X));
+    let again = read_text(&text, Path::new("/nowhere/scene.xml"));
+    let moved = GridFile {
+        format: VolumeFormat::Vdb {
+            grid: Some("density".to_owned()),
+        },
+        to_world: Affine3A::from_translation(Vec3::X),
+        ..grid("/nowhere/smoke.vdb")
+    };
+    assert_eq!(extinction(&again.media[0].medium).0, VolumeParameter::Grid(moved));
+}
+
+#[test]
+fn vdb_files_are_read_again_when_they_change() {
+    let smoke = include_bytes!("../corpus/vdb/smoke-blosc.vdb");
+    let turned = include_bytes!("../corpus/vdb/turned-mask.vdb");
+    let size = |open: &Open| {
+        let world = open.app.world();
+        let volumes = world.resource::<Volumes>();
+        let asset = volumes.paths().next()?.to_owned();
+        let map = world.resource::<Assets<VolumeMap>>().get(volumes.get(&asset)?)?;
+        Some(map.grid.resolution())
+    };
+    let mut open = Open::new(VDB, &[("smoke.vdb", smoke)]);
+    assert_eq!(size(&open), Some(UVec3::new(21, 15, 21)));
+    (0..5).for_each(|_| open.app.update());
+    let path = open.folder.path().join("smoke.vdb");
+    std::fs::write(&path, turned).unwrap();
+    open.until("the file is read again", |open| {
+        size(open) == Some(UVec3::new(11, 7, 11))
+    });
+    std::fs::write(&path, b"VDB").unwrap();
+    open.until("the file is broken", |open| !open.status().volume_errors.is_empty());
+    let error = &open.status().volume_errors[0].message;
+    assert!(error.contains("smoke.vdb: this is not a .vdb file"), "{error}");
+    assert_eq!(size(&open), Some(UVec3::new(11, 7, 11)));
+}

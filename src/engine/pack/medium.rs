@@ -1,6 +1,5 @@
 //! The list of the scene's media as that of the renderer: references become ids, and files become grids.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use bevy::ecs::entity::EntityHashMap;
@@ -33,7 +32,7 @@ pub(in crate::engine) struct PackedMedia {
 /// Packs all media of a scene. `volumes` looks up files that have been loaded.
 pub(in crate::engine) fn pack_media<'v>(
     authored: &[AuthoredMedium],
-    volumes: &dyn Fn(&Path) -> Option<&'v VolumeMap>,
+    volumes: &dyn Fn(&GridFile) -> Option<&'v VolumeMap>,
     errors: &mut Vec<String>,
 ) -> PackedMedia {
     let mut packed = PackedMedia::default();
@@ -49,7 +48,7 @@ pub(in crate::engine) fn pack_media<'v>(
 }
 
 struct MediumPacker<'v, 'e, 'f> {
-    volumes: &'f dyn Fn(&Path) -> Option<&'v VolumeMap>,
+    volumes: &'f dyn Fn(&GridFile) -> Option<&'v VolumeMap>,
     check: Checker<'e>,
 }
 
@@ -82,8 +81,8 @@ impl MediumPacker<'_, '_, '_> {
     }
 
     fn grid(&mut self, file: &GridFile) -> Option<Volume> {
-        let map = (self.volumes)(&file.path)?;
-        let mut world_from_local = file.to_world;
+        let map = (self.volumes)(file)?;
+        let mut world_from_local = file.to_world * map.world_from_local;
         match map.bounds {
             Some(Aabb { min, max }) if file.use_grid_bbox => {
                 world_from_local = world_from_local * Affine3A::from_translation(min) * Affine3A::from_scale(max - min);
@@ -186,6 +185,7 @@ mod tests {
         VolumeMap {
             grid: Arc::new(grid),
             bounds,
+            world_from_local: Affine3A::IDENTITY,
         }
     }
 
@@ -255,6 +255,17 @@ mod tests {
         let (source, errors) = packed(&grid, Some(&smoke(None)));
         assert!(errors[0].contains("names no box"), "{errors:?}");
         assert_eq!(source.sigma_t.bounds().expect("a box").max, Vec3::splat(2.0));
+        // The file says itself where it is.
+        let moved = VolumeMap {
+            world_from_local: Affine3A::from_translation(Vec3::X),
+            ..smoke(None)
+        };
+        let by_itself = of_density(VolumeParameter::Grid(GridFile {
+            to_world,
+            ..GridFile::default()
+        }));
+        let bounds = packed(&by_itself, Some(&moved)).0.sigma_t.bounds().expect("a box");
+        assert_eq!((bounds.min, bounds.max), (2.0 * Vec3::X, Vec3::new(4.0, 2.0, 2.0)));
         // While the file is not there, there is nothing.
         assert_eq!(packed(&grid, None).0.sigma_t, Volume::ZERO);
     }

@@ -3,7 +3,8 @@
 //!
 //! Read are trees of the usual form (5, 4, 3) whose values are one or three numbers in half, single or double precision, packed by zlib, by
 //! Blosc with LZ4, or not at all, of the versions 222 to 224, which are those of OpenVDB 1.2 to 12. A grid becomes a dense one over the box
-//! of its active voxels; the values there are those of the file, active or not. Not read are grids of integers, masks, points and
+//! of its active voxels and one layer of voxels around it; the values there are those of the file, active or not. With that layer, most often of the
+//! background, values between voxels and beyond the box are those that OpenVDB finds. Not read are grids of integers, masks, points and
 //! level sets, frustums, files that were written as streams, and Blosc with other packers than LZ4, which OpenVDB does not use.
 
 mod blosc;
@@ -23,6 +24,7 @@ use self::header::{Entry, NEWEST, OLDEST, read_entries, read_grid_header};
 use self::tree::{Dense, Extent, visit_nodes};
 use self::values::{Component, Form, Number, ValueReader};
 use super::{GridError, VolumeGrid};
+use crate::memory::{self, Shortage};
 
 /// The grid that is read where no name is given and there are several.
 const USUAL_NAME: &str = "density";
@@ -107,6 +109,16 @@ pub enum VdbError {
         /// The most bytes that are allowed.
         limit: u64,
     },
+    /// The budget of memory has no room for the voxels.
+    #[error("the grid `{name}` has {} x {} x {} voxels, which need {shortage}", .size.x, .size.y, .size.z)]
+    Memory {
+        /// The name of the grid.
+        name: String,
+        /// The number of voxels along each axis.
+        size: I64Vec3,
+        /// What is missing.
+        shortage: Shortage,
+    },
     /// A grid of this size cannot be.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -122,7 +134,7 @@ fn listed(names: &[String]) -> String {
 /// A grid that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VdbVolume {
-    /// The voxels in the box of those that are active. Values are in half precision if the file has them so, otherwise in single precision.
+    /// The voxels in the box of those that are active, and one layer around it. Values are in half precision if the file has them so, otherwise in single precision.
     pub grid: VolumeGrid,
     /// World from local space, in which the grid fills the unit cube, [0, 1]^3. Invertible. The world is that of the file: its units of length and its
     /// axes.
@@ -147,7 +159,8 @@ impl<'a> VdbFile<'a> {
         self.entries.iter().map(|entry| entry.name.clone()).collect()
     }
 
-    /// Reads the grid of this name; without a name `density`, or else the only one. Its voxels may take up `limit` bytes of memory.
+    /// Reads the grid of this name; without a name `density`, or else the only one. Its voxels may take up `limit` bytes of
+    /// memory, and what the budget of memory has left.
     pub fn read(&self, name: Option<&str>, limit: u64) -> Result<VdbVolume, VdbError> {
         let entry = self.choose(name)?;
         let damaged = VdbError::Damaged {
@@ -236,7 +249,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The voxels in the box of what is active, and the first of them in index space. The root of the tree is next in the file.
+    /// The voxels in the box of what is active and around it, and the first of them in index space. The root of the tree is next in the file.
     fn fill<T: Component, const C: usize>(
         &self,
         mut reader: ValueReader<'a, T, C>,
@@ -245,7 +258,7 @@ impl<'a> Source<'a> {
         let mut extent = Extent::default();
         visit_nodes(&mut reader, &mut extent)?;
         let name = &self.entry.name;
-        let (first, size) = extent.active_box().ok_or_else(|| VdbError::Empty(name.clone()))?;
+        let (first, size) = extent.bordered_box().ok_or_else(|| VdbError::Empty(name.clone()))?;
         let voxels = size.to_array().iter().map(|along| *along as u128).product::<u128>();
         let bytes = voxels * size_of::<[T; C]>() as u128;
         if bytes > u128::from(self.limit) {
@@ -256,13 +269,18 @@ impl<'a> Source<'a> {
                 limit: self.limit,
             });
         }
+        let reserved = memory::reserve(bytes as u64).map_err(|shortage| VdbError::Memory {
+            name: name.clone(),
+            size,
+            shortage,
+        })?;
         let size = size.as_uvec3();
         let mut dense = Dense::new(first, size, reader.background);
         reader.bytes = root;
         visit_nodes(&mut reader, &mut dense)?;
         dense.fill_leaves(&extent, &mut reader)?;
         let voxels = T::voxels(dense.voxels.into_flattened());
-        Ok((VolumeGrid::new(size, C as u32, voxels)?, first))
+        Ok((VolumeGrid::new(size, C as u32, voxels)?.holding(reserved), first))
     }
 
     fn map_error(&self, map: &str) -> VdbError {

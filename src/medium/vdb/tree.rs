@@ -122,10 +122,12 @@ impl Extent {
         self.bounds = Some([lowest.min(first), highest.max(last)]);
     }
 
-    /// The first voxel of the box, and the numbers of voxels along its edges.
-    pub(super) fn active_box(&self) -> Option<(IVec3, I64Vec3)> {
+    /// The box with one layer of voxels around it: its first voxel, and the numbers of voxels along its edges.
+    pub(super) fn bordered_box(&self) -> Option<(IVec3, I64Vec3)> {
         let [first, last] = self.bounds?;
-        Some((first, last.as_i64vec3() - first.as_i64vec3() + 1))
+        // There is nothing before the first place of index space.
+        let first = first.saturating_sub(IVec3::ONE);
+        Some((first, last.as_i64vec3() - first.as_i64vec3() + 2))
     }
 }
 

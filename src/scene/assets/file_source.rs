@@ -14,7 +14,7 @@ use bevy::prelude::*;
 
 use crate::files::FileError;
 use crate::memory;
-use crate::scene::SceneAccess;
+use crate::scene::{SceneAccess, VolumeFormat};
 
 /// Makes files the asset server's default source. It must be added before [`AssetPlugin`].
 pub struct FileSourcePlugin;
@@ -33,6 +33,7 @@ struct FileSource {
 
 impl AssetReader for FileSource {
     async fn read<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
+        let (path, _) = VolumeFormat::of_asset(path);
         // Loaders refuse what a scene may not read, whether it exists or not.
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));

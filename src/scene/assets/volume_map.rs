@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use crate::files::{Access, FileError};
 use crate::math::Aabb;
+use crate::medium::vdb::{VdbError, VdbFile};
 use crate::medium::{VolError, VolumeGrid, read_vol};
 use crate::memory;
-use crate::scene::SceneAccess;
+use crate::scene::{SceneAccess, VolumeFormat};
 
 /// A grid as an asset. `grid` is a new `Arc` after each reload.
 #[derive(Asset, TypePath, Clone, Debug)]
@@ -20,9 +22,11 @@ pub struct VolumeMap {
     pub grid: Arc<VolumeGrid>,
     /// The box that the file names for them; None if it names none.
     pub bounds: Option<Aabb>,
+    /// The space of the file from that in which the grid fills the unit cube, [0, 1]^3. Invertible.
+    pub world_from_local: Affine3A,
 }
 
-/// Reads `.vol` files.
+/// Reads `.vol` files, and grids of `.vdb` files, whose paths are those of [`VolumeFormat::asset_path`].
 #[derive(Default, TypePath)]
 pub(crate) struct VolumeMapLoader {
     pub access: SceneAccess,
@@ -34,6 +38,10 @@ pub(crate) enum VolumeMapError {
     File(#[from] FileError),
     #[error(transparent)]
     Vol(#[from] VolError),
+    #[error(transparent)]
+    Vdb(#[from] VdbError),
+    #[error("this is a .{0} file: a `{1}` reads it")]
+    OtherKind(&'static str, &'static str),
 }
 
 impl AssetLoader for VolumeMapLoader {
@@ -55,13 +63,36 @@ impl AssetLoader for VolumeMapLoader {
     }
 }
 
-/// A volume file, read from the disk if `access` permits.
-pub(crate) fn load_volume(path: &Path, access: &Access) -> Result<VolumeMap, VolumeMapError> {
-    let file = read_vol(&memory::read_data(path, access)?)?;
-    Ok(VolumeMap {
-        grid: Arc::new(file.grid),
-        bounds: file.bounds,
-    })
+/// The grid that the path of an asset means, read from the disk if `access` permits.
+pub(crate) fn load_volume(asset: &Path, access: &Access) -> Result<VolumeMap, VolumeMapError> {
+    let (path, format) = VolumeFormat::of_asset(asset);
+    let bytes = memory::read_data(path, access)?;
+    let vdb = VdbFile::open(&bytes);
+    match format {
+        VolumeFormat::Vol => match (read_vol(&bytes), vdb) {
+            (Err(VolError::Magic), Ok(_)) => Err(VolumeMapError::OtherKind("vdb", "vdbvolume")),
+            (file, _) => {
+                let file = file?;
+                Ok(VolumeMap {
+                    grid: Arc::new(file.grid),
+                    bounds: file.bounds,
+                    world_from_local: Affine3A::IDENTITY,
+                })
+            }
+        },
+        VolumeFormat::Vdb { grid } => {
+            if vdb.as_ref().is_err_and(|error| *error == VdbError::NotVdb) && bytes.starts_with(b"VOL") {
+                return Err(VolumeMapError::OtherKind("vol", "gridvolume"));
+            }
+            // The reader asks the budget of memory before it makes the grid.
+            let volume = vdb?.read(grid.as_deref(), u64::MAX)?;
+            Ok(VolumeMap {
+                grid: Arc::new(volume.grid),
+                bounds: None,
+                world_from_local: volume.world_from_local,
+            })
+        }
+    }
 }
 
 impl VolumeMap {

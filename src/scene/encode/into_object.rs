@@ -10,10 +10,12 @@ use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::value::format_float;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
-use crate::scene::medium::USE_GRID_BBOX;
+use crate::scene::medium::{GRID, USE_GRID_BBOX};
 use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
-use crate::scene::{Bitmap, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeParameter};
+use crate::scene::{
+    Bitmap, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeFormat, VolumeParameter,
+};
 
 /// Writes every parameter it meets.
 pub struct IntoObject<'f> {
@@ -132,14 +134,18 @@ impl IntoObject<'_> {
             },
             VolumeParameter::Box { value, to_world } => with_to_world(constant_volume(color(value)), to_world),
             VolumeParameter::Grid(grid) => {
-                let object = Object::new(Category::Volume, "gridvolume");
-                let object = with_string(object, FILENAME.name, &file_name(&grid.path, self.folder));
-                let object = with_string(object, FILTER_TYPE.name, grid.filter.name());
-                let object = with_string(object, WRAP_MODE.name, grid.wrap.name());
-                let object = match grid.use_grid_bbox {
-                    true => with_flag(object, USE_GRID_BBOX, true),
-                    false => object,
-                };
+                let object = Object::new(Category::Volume, grid.format.plugin());
+                let mut object = with_string(object, FILENAME.name, &file_name(&grid.path, self.folder));
+                if let VolumeFormat::Vdb { grid: Some(name) } = &grid.format {
+                    object = with_string(object, GRID, name);
+                }
+                object = with_string(object, FILTER_TYPE.name, grid.filter.name());
+                if grid.format == VolumeFormat::Vol {
+                    object = with_string(object, WRAP_MODE.name, grid.wrap.name());
+                    if grid.use_grid_bbox {
+                        object = with_flag(object, USE_GRID_BBOX, true);
+                    }
+                }
                 with_to_world(object, &grid.to_world)
             }
         };

@@ -11,6 +11,7 @@ const USUAL_ALBEDO: Rgb = Rgb::splat(0.75);
 
 /// How much light a medium takes out of a ray, and what becomes of it.
 #[derive(Reflect, Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "scenes have few media")]
 pub enum Coefficients {
     /// By the light that is taken out, and the share of it that is scattered.
     Extinction {

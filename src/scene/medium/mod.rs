@@ -11,8 +11,8 @@ pub use coefficients::Coefficients;
 pub(crate) use coefficients::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 pub use models::Medium;
 pub use phase::{PhaseBlend, PhaseFunction};
-pub(crate) use volume::USE_GRID_BBOX;
-pub use volume::{GridFile, VolumeFilter, VolumeParameter, VolumeWrap};
+pub(crate) use volume::{GRID, USE_GRID_BBOX};
+pub use volume::{GridFile, VolumeFilter, VolumeFormat, VolumeParameter, VolumeWrap};
 
 /// The name in the file of the medium on the inner side of a shape, and on the outer side.
 pub(crate) const INTERIOR: &str = "interior";

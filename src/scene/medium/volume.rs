@@ -1,6 +1,6 @@
 //! Values that vary in space, as the user knows them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -9,6 +9,9 @@ use crate::color::Rgb;
 
 /// The name in the file of [`GridFile::use_grid_bbox`].
 pub(crate) const USE_GRID_BBOX: &str = "use_grid_bbox";
+
+/// The name in the file of the grid of a `.vdb` file.
+pub(crate) const GRID: &str = "grid";
 
 /// A parameter of a medium that is the same everywhere, or varies in space.
 #[derive(Reflect, Clone, Debug, PartialEq)]
@@ -65,7 +68,9 @@ impl From<f32> for VolumeParameter<f32> {
 pub struct GridFile {
     /// The absolute path.
     pub path: PathBuf,
-    /// World from the grid's own space, in which it fills the unit cube, [0, 1]^3. Invertible.
+    /// The kind of the file.
+    pub format: VolumeFormat,
+    /// World from the grid's own space, in which it fills the unit cube, [0, 1]^3, or is where a `.vdb` file says. Invertible.
     pub to_world: Affine3A,
     /// How values between the centres of voxels come about.
     pub filter: VolumeFilter,
@@ -73,6 +78,71 @@ pub struct GridFile {
     pub wrap: VolumeWrap,
     /// Whether the grid fills the box that its file names, in place of the unit cube.
     pub use_grid_bbox: bool,
+}
+
+impl GridFile {
+    /// The path of the asset with the voxels, see [`VolumeFormat::asset_path`].
+    pub fn asset_path(&self) -> PathBuf {
+        self.format.asset_path(&self.path)
+    }
+}
+
+/// The kind of a volume file, which the plugin says that names it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum VolumeFormat {
+    /// Mitsuba's `.vol`: one grid.
+    #[default]
+    Vol,
+    /// OpenVDB's `.vdb`: grids with names.
+    Vdb {
+        /// The name of the grid. None: `density`, or else the only one.
+        grid: Option<String>,
+    },
+}
+
+/// The end of the names of assets that are grids of `.vdb` files.
+const VDB_GRID: &str = ".vdb-grid";
+
+impl VolumeFormat {
+    /// The name of the plugin in the file.
+    pub fn plugin(&self) -> &'static str {
+        match self {
+            Self::Vol => "gridvolume",
+            Self::Vdb { .. } => "vdbvolume",
+        }
+    }
+
+    /// The path of the asset that a grid of this file is. Each grid of a `.vdb` file is an asset of its own, as if the file was a folder and the grid a
+    /// file in it.
+    pub fn asset_path(&self, file: &Path) -> PathBuf {
+        let Self::Vdb { grid } = self else {
+            return file.to_owned();
+        };
+        // Names of grids may have any characters, also such that part paths.
+        let escaped = grid.iter().flat_map(|name| name.bytes()).map(|byte| match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' => char::from(byte).to_string(),
+            other => format!("%{other:02x}"),
+        });
+        file.join(escaped.chain([VDB_GRID.to_owned()]).collect::<String>())
+    }
+
+    /// The file that an asset is read from, and the kind and the grid of it: the inverse of [`Self::asset_path`].
+    pub fn of_asset(asset: &Path) -> (&Path, Self) {
+        let name = asset.file_name().and_then(|name| name.to_str());
+        let (Some(file), Some(escaped)) = (asset.parent(), name.and_then(|name| name.strip_suffix(VDB_GRID))) else {
+            return (asset, Self::Vol);
+        };
+        let mut bytes = Vec::new();
+        let mut rest = escaped.as_bytes();
+        while let [first, after @ ..] = rest {
+            let code = after.get(..2).filter(|_| *first == b'%');
+            let code = code.and_then(|two| u8::from_str_radix(str::from_utf8(two).ok()?, 16).ok());
+            bytes.push(code.unwrap_or(*first));
+            rest = &after[if code.is_some() { 2 } else { 0 }..];
+        }
+        let grid = String::from_utf8(bytes).ok().filter(|name| !name.is_empty());
+        (file, Self::Vdb { grid })
+    }
 }
 
 /// How values between the centres of voxels come about.
@@ -120,6 +190,38 @@ impl VolumeWrap {
             Self::Clamp => "clamp",
             Self::Repeat => "repeat",
             Self::Mirror => "mirror",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_grid_is_an_asset_of_its_own_that_knows_its_file() {
+        let file = Path::new("/a/smoke.vdb");
+        let vdb = |grid: Option<&str>| VolumeFormat::Vdb {
+            grid: grid.map(str::to_owned),
+        };
+        let formats = [
+            None,
+            Some("density"),
+            Some("a/../b"),
+            Some("density[1]"),
+            Some("100%"),
+            Some("größe .vdb-grid"),
+        ];
+        let formats: Vec<VolumeFormat> = [VolumeFormat::Vol].into_iter().chain(formats.map(vdb)).collect();
+        let assets: Vec<PathBuf> = formats.iter().map(|format| format.asset_path(file)).collect();
+        for (format, asset) in formats.iter().zip(&assets) {
+            assert_eq!(
+                VolumeFormat::of_asset(asset),
+                (file, format.clone()),
+                "{}",
+                asset.display()
+            );
+            assert_eq!(assets.iter().filter(|other| *other == asset).count(), 1);
         }
     }
 }

@@ -16,9 +16,10 @@ use crate::document::value::{fields, parse_float};
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, MediumDescription};
 use crate::scene::encode::objects;
-use crate::scene::medium::{ALBEDO, EXTERIOR, INTERIOR, SIGMA_A, SIGMA_S, SIGMA_T, USE_GRID_BBOX};
+use crate::scene::medium::{ALBEDO, EXTERIOR, GRID, INTERIOR, SIGMA_A, SIGMA_S, SIGMA_T, USE_GRID_BBOX};
 use crate::scene::{
-    Coefficients, GridFile, Medium, Parameter, ParameterInfo, PhaseFunction, VolumeFilter, VolumeParameter, VolumeWrap,
+    Coefficients, GridFile, Medium, Parameter, ParameterInfo, PhaseFunction, VolumeFilter, VolumeFormat,
+    VolumeParameter, VolumeWrap,
 };
 
 impl<'a> SceneReader<'a> {
@@ -308,9 +309,10 @@ fn read_volume(
             reader.nested(object, |reader| constant_volume(reader, role, range, files))
         }
         (Category::Volume, "gridvolume") => reader.nested(object, |reader| grid_volume(reader, files)),
+        (Category::Volume, "vdbvolume") => reader.nested(object, |reader| vdb_volume(reader, files)),
         (Category::Volume, plugin) => {
             let message = format!("volume `{plugin}` is not supported");
-            let help = did_you_mean(plugin, ["constvolume", "gridvolume"]);
+            let help = did_you_mean(plugin, ["constvolume", "gridvolume", "vdbvolume"]);
             reader
                 .diagnostics()
                 .push(Severity::Error, Some(object.span), message, help);
@@ -361,21 +363,39 @@ fn grid_volume(reader: &mut Reader, files: &mut PictureSearch) -> Option<VolumeP
     let filter = named(reader, "filter_type", &VolumeFilter::ALL, VolumeFilter::name).unwrap_or_default();
     let wrap = named(reader, "wrap_mode", &VolumeWrap::ALL, VolumeWrap::name).unwrap_or_default();
     let use_grid_bbox = reader.boolean_or(USE_GRID_BBOX, false);
+    placed_file(reader, VolumeFormat::Vol, files).map(|placed| {
+        VolumeParameter::Grid(GridFile {
+            filter,
+            wrap,
+            use_grid_bbox,
+            ..placed
+        })
+    })
+}
+
+fn vdb_volume(reader: &mut Reader, files: &mut PictureSearch) -> Option<VolumeParameter<Rgb>> {
+    let filter = named(reader, "filter_type", &VolumeFilter::ALL, VolumeFilter::name).unwrap_or_default();
+    let grid = reader.string(GRID).filter(|name| !name.is_empty()).map(str::to_owned);
+    let placed = placed_file(reader, VolumeFormat::Vdb { grid }, files);
+    placed.map(|placed| VolumeParameter::Grid(GridFile { filter, ..placed }))
+}
+
+/// A file with its transform.
+fn placed_file(reader: &mut Reader, format: VolumeFormat, files: &mut PictureSearch) -> Option<GridFile> {
     let to_world = reader.to_world();
     let Some(name) = reader.string("filename") else {
         if !reader.has("filename") {
-            reader.error_at("filename", "a `gridvolume` needs a `filename`");
+            let message = format!("a `{}` needs a `filename`", format.plugin());
+            reader.error_at("filename", message);
         }
         return None;
     };
-    let path = files.find_volume(name, reader);
-    Some(VolumeParameter::Grid(GridFile {
-        path,
+    Some(GridFile {
+        path: files.find_volume(name, &format, reader),
+        format,
         to_world: to_world?,
-        filter,
-        wrap,
-        use_grid_bbox,
-    }))
+        ..GridFile::default()
+    })
 }
 
 /// The value of this name; an unknown one is an error, as in Mitsuba.

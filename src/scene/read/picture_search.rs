@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use super::mesh_search::{Found, MeshSearch};
 use crate::document::paths::settle;
 use crate::document::{Reader, Span};
+use crate::scene::VolumeFormat;
 use crate::scene::description::PicturePlaces;
 
 /// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
 pub struct PictureSearch {
     pub folders: MeshSearch,
     pub places: PicturePlaces,
+    /// The places of volumes by the paths of their assets.
     pub volume_places: PicturePlaces,
 }
 
@@ -23,9 +25,9 @@ impl PictureSearch {
     }
 
     /// The file of a volume, found as a picture is.
-    pub fn find_volume(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
+    pub fn find_volume(&mut self, name: &str, format: &VolumeFormat, reader: &mut Reader) -> PathBuf {
         let (path, span) = self.look(name, reader);
-        self.volume_places.entry(path.clone()).or_insert(span);
+        self.volume_places.entry(format.asset_path(&path)).or_insert(span);
         path
     }
 

@@ -18,6 +18,9 @@ pub enum SaveError {
     Foreign { path: PathBuf, proposal: PathBuf },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
+    /// The grid of a `.vdb` file cannot be written as a `.vol` file.
+    #[error("volume {}: {reason}", path.display())]
+    Volume { path: PathBuf, reason: String },
     /// Something else than a file is there, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),

@@ -14,6 +14,7 @@ mod parts;
 pub(in crate::scene) mod patch;
 mod portable;
 mod portable_medium;
+mod portable_volume;
 mod save;
 pub(crate) mod snapshot;
 mod spectra;
@@ -31,6 +32,7 @@ pub use self::known::KnownTexts;
 pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
 pub use self::portable::Extensions;
+use self::portable_volume::VolumeFiles;
 pub(crate) use self::save::{Following, MOST_ATTEMPTS, Save, Written};
 pub use self::save::{save, save_with};
 pub(in crate::scene) use self::writer::Writer;
@@ -84,7 +86,7 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
 }
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
-/// are such: single triangles and building parts become meshes in files beside it.
+/// are such: single triangles and building parts become meshes in files beside it, and for Mitsuba grids of `.vdb` files become `.vol` files.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
@@ -94,6 +96,13 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
         stand_still(Arc::make_mut(&mut document.root));
     }
     copy_parts(&moves)?;
+    if extensions == Extensions::Approximate {
+        let origin = scene.remains.origin.as_ref();
+        let access = origin.map_or_else(Access::everywhere, |origin| origin.access.clone());
+        let search = MeshSearch::of_format(folder(&target), &document.search_folders).within(access.clone());
+        let find = |name: &str| search.find_file(name, folder(&target));
+        VolumeFiles::new(&target, &find, access).translate(Arc::make_mut(&mut document.root))?;
+    }
     // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());
     spectra::as_colors(Arc::make_mut(&mut document.root));
@@ -104,7 +113,19 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
 }
 
 /// Extensions of other kinds of files, into which a scene is not meant to be written.
-const FOREIGN: [&str; 9] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "obj", "ply", "serialized"];
+const FOREIGN: [&str; 11] = [
+    "png",
+    "jpg",
+    "jpeg",
+    "exr",
+    "hdr",
+    "pfm",
+    "obj",
+    "ply",
+    "serialized",
+    "vol",
+    "vdb",
+];
 
 /// An error if this would replace a file of another format.
 fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError> {

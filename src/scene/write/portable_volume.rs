@@ -1,0 +1,102 @@
+//! Writes grids of `.vdb` files as `.vol` files beside the scene, which Mitsuba reads.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Mat4};
+use glam::Vec3;
+
+use super::error::SaveError;
+use super::patch::value_of;
+use super::write_file;
+use crate::document::{Category, Child, Object, TransformOp, Value};
+use crate::files::Access;
+use crate::math::Aabb;
+use crate::medium::write_vol;
+use crate::scene::VolumeFormat;
+use crate::scene::assets::volume_map::load_volume;
+use crate::scene::medium::GRID;
+use crate::scene::texture_parameters::FILENAME;
+
+/// The files that are written beside a scene.
+pub(super) struct VolumeFiles<'f> {
+    /// The scene's file, absolute.
+    target: &'f Path,
+    /// Finds a file by its name in the scene.
+    find: &'f dyn Fn(&str) -> Option<PathBuf>,
+    access: Access,
+    /// The grids that have been written, by their assets: the names of their files, and their own transforms.
+    written: Vec<(PathBuf, String, Affine3A)>,
+}
+
+impl<'f> VolumeFiles<'f> {
+    pub(super) fn new(target: &'f Path, find: &'f dyn Fn(&str) -> Option<PathBuf>, access: Access) -> Self {
+        Self {
+            target,
+            find,
+            access,
+            written: Vec::new(),
+        }
+    }
+
+    /// Turns every `vdbvolume` inside into a `gridvolume` at the same place. An error names a file that cannot be read or written.
+    pub(super) fn translate(&mut self, object: &mut Object) -> Result<(), SaveError> {
+        for child in &mut object.children {
+            if let Child::Object(inner) = child {
+                self.translate(Arc::make_mut(inner))?;
+            }
+        }
+        let format = VolumeFormat::Vdb {
+            grid: match value_of(object, GRID) {
+                Some(Value::String(name)) if !name.is_empty() => Some(name.clone()),
+                _ => None,
+            },
+        };
+        if object.category != Category::Volume || object.plugin != format.plugin() {
+            return Ok(());
+        }
+        let Some(Value::String(name)) = value_of(object, FILENAME.name) else {
+            return Ok(());
+        };
+        let path = (self.find)(name).unwrap_or_else(|| self.target.with_file_name(name));
+        let (name, world_from_local) = self.write(&path, &format)?;
+        let to_world = match value_of(object, "to_world") {
+            Some(Value::Transform(steps)) => TransformOp::compose(steps),
+            _ => Default::default(),
+        };
+        // The very product that this program has for the grid.
+        let to_world = Mat4::from(to_world * world_from_local);
+        object.plugin = VolumeFormat::Vol.plugin().into();
+        let replaced = [FILENAME.name, GRID, "to_world"];
+        object
+            .properties
+            .retain(|property| !replaced.contains(&property.name.as_str()));
+        *object = object
+            .clone()
+            .with(FILENAME.name, Value::String(name))
+            .with("to_world", Value::Transform(vec![TransformOp::Matrix(to_world)]));
+        Ok(())
+    }
+
+    /// Writes a grid once; the name of its file, and the space of the `.vdb` file from that in which the grid fills the unit cube.
+    fn write(&mut self, path: &Path, format: &VolumeFormat) -> Result<(String, Affine3A), SaveError> {
+        let asset = format.asset_path(path);
+        if let Some((_, name, world_from_local)) = self.written.iter().find(|(known, ..)| *known == asset) {
+            return Ok((name.clone(), *world_from_local));
+        }
+        let volume = load_volume(&asset, &self.access).map_err(|error| SaveError::Volume {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })?;
+        let unit = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
+        let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}.volume-{}.vol", self.written.len() + 1);
+        write_file(&self.target.with_file_name(&name), write_vol(&volume.grid, &unit))?;
+        let world_from_local = volume.world_from_local;
+        self.written.push((asset, name.clone(), world_from_local));
+        Ok((name, world_from_local))
+    }
+}
