@@ -60,6 +60,8 @@ pub struct MtlMaterial {
     pub ni: f32,
     /// The opacity in [0, 1].
     pub d: f32,
+    /// The share of the light, per colour and in [0, 1], that comes through the object.
+    pub tf: Vec3,
     /// The illumination model of the MTL specification, 0 to 10.
     pub illum: Option<u8>,
     /// The roughness of the PBR extension, in [0, 1], where given.

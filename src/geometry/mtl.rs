@@ -22,6 +22,7 @@ pub fn default_material(name: &str) -> MtlMaterial {
         ns: 1.0,
         ni: 1.5,
         d: 1.0,
+        tf: Vec3::ONE,
         illum: None,
         pr: None,
         pm: None,
@@ -31,7 +32,7 @@ pub fn default_material(name: &str) -> MtlMaterial {
 
 /// The materials of one library, in the order of the file. `library` names it in the warnings.
 ///
-/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1.
+/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
 pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
     let Statements { text, mut maps } = sound_statements(&decode(bytes), library, warnings);
     let library_name = library.replace('\\', "/");
@@ -94,6 +95,7 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> State
             .collect();
         let written = match keyword {
             "Kd" | "Ks" | "Ke" => color(&values).map(|[r, g, b]| writeln!(sound, "{keyword} {r} {g} {b}")),
+            "Tf" => filter(&values).map(|[r, g, b]| writeln!(sound, "Tf {r} {g} {b}")),
             "Ns" => number_in(&values, 0.0, f32::MAX).map(|value| writeln!(sound, "Ns {value}")),
             "Ni" => number_in(&values, f32::MIN_POSITIVE, f32::MAX).map(|value| writeln!(sound, "Ni {value}")),
             "d" if values.first() == Some(&"-halo") => {
@@ -101,7 +103,7 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> State
             }
             "d" | "Tr" | "Pr" | "Pm" => number_in(&values, 0.0, 1.0).map(|value| writeln!(sound, "{keyword} {value}")),
             "illum" => number_in(&values, 0.0, 10.0).map(|model| writeln!(sound, "illum {}", model as u8)),
-            // Ambient light, transmission filters and the like have no meaning for a path tracer.
+            // Ambient light and the like have no meaning for a path tracer.
             _ => continue,
         };
         if written.is_none() {
@@ -129,6 +131,11 @@ fn color(values: &[&str]) -> Option<[f32; 3]> {
     }
 }
 
+/// Reads a transmission filter, a colour that is at most white.
+fn filter(values: &[&str]) -> Option<[f32; 3]> {
+    color(values).filter(|color| color.iter().all(|channel| *channel <= 1.0))
+}
+
 fn number_in(values: &[&str], least: f32, most: f32) -> Option<f32> {
     let value: f32 = values.first()?.parse().ok()?;
     (least..=most).contains(&value).then_some(value)
@@ -136,12 +143,8 @@ fn number_in(values: &[&str], least: f32, most: f32) -> Option<f32> {
 
 fn convert(material: &tobj::Material, maps: MtlMaps) -> MtlMaterial {
     let absent = default_material(&material.name);
-    let extension = |name: &str| {
-        material
-            .unknown_param
-            .get(name)
-            .and_then(|text| text.parse::<f32>().ok())
-    };
+    let extra = |name: &str| material.unknown_param.get(name);
+    let extension = |name: &str| extra(name).and_then(|text| text.parse::<f32>().ok());
     let has_color = material.specular.is_some() || material.emissive.is_some();
     MtlMaterial {
         kd: match material.diffuse {
@@ -158,12 +161,20 @@ fn convert(material: &tobj::Material, maps: MtlMaps) -> MtlMaterial {
             .dissolve
             .or(extension("Tr").map(|tr| 1.0 - tr))
             .unwrap_or(absent.d),
+        tf: extra("Tf").and_then(|text| triple(text)).unwrap_or(absent.tf),
         illum: material.illumination_model,
         pr: extension("Pr"),
         pm: extension("Pm"),
         maps,
         ..absent
     }
+}
+
+/// The three numbers of a colour, as [`sound_statements`] writes them.
+fn triple(text: &str) -> Option<Vec3> {
+    let mut numbers = text.split_whitespace().map(|number| number.parse().ok());
+    let mut next = || numbers.next()?;
+    Some(Vec3::new(next()?, next()?, next()?))
 }
 
 #[cfg(test)]
@@ -179,7 +190,7 @@ mod tests {
     #[test]
     fn every_value_arrives() {
         let (materials, warnings) = read(
-            b"# one\nnewmtl red wall \r\nKa 1 1 1\n\tKd .5 0.25 1e-1 # inline\nKs 1 2 3\nKe 4 5 6\nNs 10\nNi 1.33\nd 0.75\nTr 0.5\nillum 2\nPr 0.3\nPm 1\n",
+            b"# one\nnewmtl red wall \r\nKa 1 1 1\n\tKd .5 0.25 1e-1 # inline\nKs 1 2 3\nKe 4 5 6\nNs 10\nNi 1.33\nd 0.75\nTr 0.5\nTf .9 0.5 0\nillum 2\nPr 0.3\nPm 1\n",
         );
         assert_eq!(warnings, [""; 0]);
         let expected = MtlMaterial {
@@ -190,6 +201,7 @@ mod tests {
             ns: 10.0,
             ni: 1.33,
             d: 0.75,
+            tf: Vec3::new(0.9, 0.5, 0.0),
             illum: Some(2),
             pr: Some(0.3),
             pm: Some(1.0),
@@ -209,7 +221,7 @@ mod tests {
     #[test]
     fn bad_statements_are_warnings_and_the_rest_is_kept() {
         let (materials, warnings) = read(
-            b"Kd 1 0 0\nnewmtl\nKd 1 0 0\nnewmtl a\nKd 0.5\nKs 1 2\nKe nan 0 0\nNs -1\nNi 0\nd 7\nillum many\nmap_Ks -s 1 a.png\nmap_Ks b.png\nmap_Kd -clamp on\nKd spectral x.rfl\nTf 1 1 1\n\xff\xfe\n",
+            b"Kd 1 0 0\nnewmtl\nKd 1 0 0\nnewmtl a\nKd 0.5\nKs 1 2\nKe nan 0 0\nNs -1\nNi 0\nd 7\nillum many\nmap_Ks -s 1 a.png\nmap_Ks b.png\nmap_Kd -clamp on\nKd spectral x.rfl\nTf 1.5\nTf xyz 1 1 1\n\xff\xfe\n",
         );
         assert_eq!(
             materials,
@@ -231,6 +243,8 @@ mod tests {
                 "a.mtl line 12: the texture statement `map_Ks` is ignored (and 1 times more)",
                 "a.mtl line 14: the texture statement `map_Kd` is ignored",
                 "a.mtl line 15: `Kd spectral x.rfl` is not understood and ignored",
+                "a.mtl line 16: `Tf 1.5` is not understood and ignored",
+                "a.mtl line 17: `Tf xyz 1 1 1` is not understood and ignored",
             ]
         );
     }

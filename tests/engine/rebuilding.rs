@@ -770,6 +770,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
         ns: 1.0,
         ni: 1.0,
         d: 1.0,
+        tf: Rgb::ONE,
         illum: None,
         pr: None,
         pm,

@@ -7,7 +7,9 @@ use sunroom::document::{self, Diagnostics, Severity};
 use sunroom::scene::description::MaterialDescription;
 use sunroom::scene::read::read;
 use sunroom::scene::write::{Extensions, SaveError, files, write_anew};
-use sunroom::scene::{EmitterKind, FovAxis, Ior, Material, ReconstructionFilter, SceneDescription, Shape, ShapeKind};
+use sunroom::scene::{
+    EmitterKind, FovAxis, Ior, Material, PathPlugin, ReconstructionFilter, SceneDescription, Shape, ShapeKind,
+};
 
 fn read_text(text: &str, path: &Path, defines: &[(String, String)]) -> (SceneDescription, Diagnostics) {
     let mut document = document::parse_str(text, path, defines);
@@ -464,4 +466,52 @@ fn metal_is_written_in_words_of_mitsuba_where_there_are_some() {
         portable.contains("<float name=\"alpha\" value=\"0.15811388\"/>"),
         "{portable}"
     );
+}
+
+/// Christensen and Burley 2015: the mean free path of a reflectance of 0.8 is 1.1 times the distance.
+#[test]
+fn light_goes_below_the_surface_of_closed_things() {
+    let wax = "<SSS name='wax'><Color r='0.8' g='0.8' b='0.8'/><ScatterColor r='1' g='0.5' b='0'/><ScatterDistance value='0.5'/></SSS>";
+    let objects = "<Sphere name='ball' material='wax'/><Quad name='sheet' material='wax'/>";
+    let scene = describe(wax, objects);
+    let [ball, sheet] = ["ball", "sheet"].map(|id| {
+        let mut shapes = scene.shapes.iter();
+        shapes
+            .find(|shape| shape.identity.id.as_deref() == Some(id))
+            .expect("a shape")
+    });
+    let (sigma_t, albedo) = scene.media[ball.interior.expect("a medium")]
+        .medium
+        .coefficients
+        .sigma_t_and_albedo();
+    let path = sigma_t.constant().expect("the same everywhere").recip();
+    let expected = Vec3::new(0.55, 0.275, 0.0055);
+    assert!(path.abs_diff_eq(expected, 1e-5), "{path}");
+    let albedo = albedo.constant().expect("the same everywhere");
+    assert!(albedo.abs_diff_eq(Vec3::splat(0.990_08), 1e-4), "{albedo}");
+    let of = |shape: &sunroom::scene::description::ShapeDescription| {
+        &scene.materials[shape.material.expect("a material")].material
+    };
+    assert_eq!((of(ball), of(sheet)), (&Material::Null, &Material::TwoSided));
+    assert_eq!(sheet.interior, None);
+    assert_eq!(
+        (scene.integrator.plugin, scene.integrator.max_depth),
+        (PathPlugin::VolPath, Some(256))
+    );
+    let (_, diagnostics) = messages_of(wax, objects);
+    for part in [
+        "light goes below the surface of <SSS>",
+        "a depth of 3 is too little",
+        "only closed objects have an inside",
+    ] {
+        assert!(says(&diagnostics, Severity::Note, part), "{diagnostics}");
+    }
+    // Without a distance it is what the original shows.
+    for scattered in ["", "<ScatterDistance value='0'/>", "<ScatterDistance value='-1'/>"] {
+        let wax = format!("<SSS name='wax'><Color r='0.8' g='0.1' b='0'/>{scattered}</SSS>");
+        let scene = describe(&wax, objects);
+        assert_eq!(scene.media.len(), 0);
+        assert_eq!(scene.integrator.plugin, PathPlugin::Path);
+        assert!(matches!(inner(&scene, "wax"), Material::Diffuse { .. }));
+    }
 }

@@ -22,6 +22,15 @@ pub enum Look {
     Bsdf(String),
     /// It shines, W/(m^2 sr), and reflects nothing.
     Light(Vec3),
+    /// Light goes below its surface.
+    Subsurface {
+        /// The id of the bsdf of closed objects.
+        border: String,
+        /// The id of the medium inside of these.
+        medium: String,
+        /// The id of the bsdf of objects that have no inside.
+        surface: String,
+    },
 }
 
 /// The materials by name.
@@ -31,6 +40,8 @@ pub struct Materials(HashMap<String, Look>);
 enum Recipe {
     Bsdf(Object),
     Light(Vec3),
+    /// The bsdf of objects without an inside, and the medium in others.
+    Subsurface(Object, Object),
 }
 
 impl Import<'_> {
@@ -65,15 +76,26 @@ impl Import<'_> {
     fn keep(&mut self, name: String, recipe: Recipe, materials: &mut Materials) -> Option<Look> {
         let look = match recipe {
             Recipe::Light(radiance) => Look::Light(radiance),
-            Recipe::Bsdf(mut object) => {
-                let id = self.free_id(Some(name.clone()))?;
-                object.id = Some(id.as_str().into());
-                self.add(object);
-                Look::Bsdf(id)
+            Recipe::Bsdf(object) => Look::Bsdf(self.add_called(&name, object)?),
+            Recipe::Subsurface(surface, medium) => {
+                let border = Object::new(Category::Bsdf, "null").at(surface.span);
+                Look::Subsurface {
+                    surface: self.add_called(&name, surface)?,
+                    border: self.add_called(&format!("{name}-border"), border)?,
+                    medium: self.add_called(&format!("{name}-inside"), medium)?,
+                }
             }
         };
         materials.0.insert(name, look.clone());
         Some(look)
+    }
+
+    /// Adds an object under an id like `name`, which is returned.
+    fn add_called(&mut self, name: &str, mut object: Object) -> Option<String> {
+        let id = self.free_id(Some(name.to_owned()))?;
+        object.id = Some(id.as_str().into());
+        self.add(object);
+        Some(id)
     }
 
     /// None if the type is not known, which has been said.
@@ -121,11 +143,12 @@ impl Import<'_> {
             }
             "SSS" => {
                 self.check_children(node, &["Color", "ScatterColor", "ScatterDistance"]);
-                self.note(
-                    span,
-                    "<SSS> is diffuse in its `Color`: light does not go below the surface in the original either",
-                );
-                diffuse(self.albedo(node), span)
+                let color = self.albedo(node);
+                let surface = diffuse(color, span);
+                if let Some(medium) = self.scattering_inside(node, color) {
+                    return Some(Recipe::Subsurface(two_sided(surface), medium));
+                }
+                surface
             }
             other => {
                 let known = ["Lambertian", "Metal", "Dielectric", "Emissive", "PBR", "GGX", "SSS"];

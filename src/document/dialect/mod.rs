@@ -10,6 +10,7 @@ mod mesh_files;
 mod numbers;
 mod objects;
 mod settings;
+mod subsurface;
 mod tree;
 
 use std::collections::{HashMap, HashSet};

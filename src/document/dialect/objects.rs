@@ -66,11 +66,22 @@ impl Import<'_> {
         }
         let look = named.and_then(|(name, span)| self.look(&name, span, materials));
         match look {
-            Some(Look::Bsdf(id)) => shape.children.push(Child::Reference {
-                name: None,
-                id: id.into(),
-                span: node.span(),
-            }),
+            Some(Look::Bsdf(id)) => shape.children.push(reference(None, id, node.span())),
+            Some(Look::Subsurface {
+                border,
+                medium,
+                surface,
+            }) => match has_inside(&shape) {
+                true => {
+                    shape.children.push(reference(None, border, node.span()));
+                    shape.children.push(reference(Some("interior"), medium, node.span()));
+                }
+                false => {
+                    let message = "only closed objects have an inside that light could scatter in: it is diffuse";
+                    self.note(node.span(), message);
+                    shape.children.push(reference(None, surface, node.span()));
+                }
+            },
             Some(Look::Light(radiance)) => {
                 let closed = shape.plugin == "sphere";
                 if !closed {
@@ -231,6 +242,19 @@ impl Import<'_> {
             steps.push(TransformOp::Translate(position));
         }
         Some(steps)
+    }
+}
+
+/// Whether a shape is closed, which meshes are thought to be.
+fn has_inside(shape: &Object) -> bool {
+    !matches!(&*shape.plugin, "rectangle" | "triangle")
+}
+
+fn reference(name: Option<&str>, id: String, span: Span) -> Child {
+    Child::Reference {
+        name: name.map(Into::into),
+        id: id.into(),
+        span,
     }
 }
 

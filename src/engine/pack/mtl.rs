@@ -2,7 +2,7 @@
 //!
 //! | the library says | becomes |
 //! |---|---|
-//! | `illum` 6 or 7; `illum` 4 or `d` < 1 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1) |
+//! | `illum` 6 or 7; `illum` 4, 9 or `d` < 1 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1), through which light comes out in the colour `Tf` |
 //! | `Pm` > 0.5 | rough metal in the colour `Kd`, alpha = max(`Pr`, 0.03)² |
 //! | `illum` 3 or 5 with a `Kd` as good as black | a mirror in the colour `Ks` |
 //! | anything else | diffuse `Kd` |
@@ -104,13 +104,14 @@ fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> 
         k: PERFECT_MIRROR.1,
         specular_reflectance: color,
     };
-    if matches!(mtl.illum, Some(6 | 7)) || (refracts && (mtl.illum == Some(4) || mtl.d < 1.0)) {
+    if matches!(mtl.illum, Some(6 | 7)) || (refracts && (matches!(mtl.illum, Some(4 | 9)) || mtl.d < 1.0)) {
         let index = if refracts { mtl.ni } else { 1.5 };
         return Bsdf::Dielectric(Dielectric {
             eta: check.number("Ni", index, *INDICES.start(), *INDICES.end(), PRINCIPLED_ETA.usual),
             model,
             specular_reflectance: Rgb::ONE,
-            specular_transmittance: Rgb::ONE,
+            // The filter is that of the whole object, whose surface light crosses twice.
+            specular_transmittance: check.reflectance("Tf", mtl.tf).powf(0.5),
         });
     }
     if mtl.pm.is_some_and(|metallic| metallic > 0.5) {
@@ -146,6 +147,7 @@ mod tests {
             ns: 10.0,
             ni: 1.0,
             d: 1.0,
+            tf: Rgb::ONE,
             illum: Some(2),
             pr: None,
             pm: None,
@@ -167,13 +169,16 @@ mod tests {
     #[test]
     fn table_of_the_interpretation() {
         let diffuse = |bsdf: &Bsdf| matches!(bsdf, Bsdf::Diffuse(d) if d.reflectance == Rgb::splat(0.6));
-        let glass = |ni: f32| move |bsdf: &Bsdf| matches!(bsdf, Bsdf::Dielectric(d) if d.eta == ni);
+        let glass = |ni: f32| move |bsdf: &Bsdf| matches!(bsdf, Bsdf::Dielectric(d) if d.eta == ni && d.specular_transmittance == Rgb::ONE);
+        let green =
+            |bsdf: &Bsdf| matches!(bsdf, Bsdf::Dielectric(d) if d.specular_transmittance == Rgb::new(0.5, 1.0, 0.0));
+        let filter = Rgb::new(0.25, 1.0, 0.0);
         let mirror =
             |bsdf: &Bsdf| matches!(bsdf, Bsdf::Conductor(c) if c.specular.specular_reflectance == Rgb::splat(0.9));
         let rough = |bsdf: &Bsdf| matches!(bsdf, Bsdf::RoughConductor(r) if r.distribution == Microfacet::new(MicrofacetKind::Ggx, 0.25, 0.25));
         type Expected<'a> = &'a dyn Fn(&Bsdf) -> bool;
         let plain = mtl();
-        let table: [(&str, MtlMaterial, Expected, bool); 8] = [
+        let table: [(&str, MtlMaterial, Expected, bool); 11] = [
             ("plain", plain.clone(), &diffuse, true),
             (
                 "opaque with an index",
@@ -211,6 +216,36 @@ mod tests {
                 },
                 &glass(1.5),
                 false,
+            ),
+            (
+                "illum 9",
+                MtlMaterial {
+                    ni: 1.4,
+                    illum: Some(9),
+                    ..plain.clone()
+                },
+                &glass(1.4),
+                false,
+            ),
+            (
+                "green glass",
+                MtlMaterial {
+                    tf: filter,
+                    illum: Some(7),
+                    ..plain.clone()
+                },
+                &green,
+                false,
+            ),
+            (
+                "a filter of what is opaque",
+                MtlMaterial {
+                    tf: filter,
+                    ni: 1.5,
+                    ..plain.clone()
+                },
+                &diffuse,
+                true,
             ),
             (
                 "metallic",
