@@ -17,8 +17,11 @@ use sunroom::render::scene::RenderScene;
 use sunroom::render::view::{Integrator, Strategy, View};
 use sunroom::sampling::hash::pcg3d;
 use sunroom::sampling::{SequenceKind, unit_float};
-use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse};
+use sunroom::shading::{
+    Bsdf, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind, Principled, RoughDielectric,
+};
 
+use crate::principled_cases::PRINCIPLED;
 use crate::statistics::{assert_all_plausible, sphere_integral, sphere_p};
 use crate::support::{SceneBuilder, assert_close, camera, mean_luminance, render, view};
 
@@ -427,6 +430,54 @@ fn milk_in_glass_in_an_even_sky_is_not_seen() {
     scene.between(filled(0));
     scene.light(sky(1.0));
     check("milk", &scene.build(), &look(UNBOUNDED, Strategy::Mis), 6000, 1.0);
+}
+
+/// What is seen of a filled ball in an even sky, with its error.
+fn filled_ball(boundary: Bsdf, source: MediumSource, samples: u32) -> (f32, f32) {
+    let mut scene = SceneBuilder::with_media(vec![source]);
+    scene.add(Primitive::Sphere, Affine3A::IDENTITY, boundary, None);
+    scene.between(filled(0));
+    scene.light(sky(1.0));
+    mean_luminance(&render(&scene.build(), &look(UNBOUNDED, Strategy::Mis), samples))
+}
+
+/// White glass of the principled model of this roughness.
+fn principled_glass(roughness: f32, eta: f32) -> Bsdf {
+    Bsdf::Principled(Principled {
+        base_color: Rgb::ONE,
+        roughness,
+        spec_trans: 1.0,
+        eta,
+        ..PRINCIPLED
+    })
+}
+
+/// The facets of this roughness, whose width is a thousandth, pass nearly nothing from one to another.
+#[test]
+fn milk_in_principled_glass_in_an_even_sky_is_not_seen() {
+    let milk = medium(Rgb::splat(4.0), Rgb::ONE, hg(0.6));
+    assert_close("milk", filled_ball(principled_glass(0.0, 1.33), milk, 6000), 1.0);
+}
+
+/// Rougher glass loses what single scattering by facets loses: as much as the rough dielectric with the same facets.
+#[test]
+fn milk_in_rough_principled_glass_is_milk_in_a_rough_dielectric() {
+    for (roughness, eta) in [(0.5, 1.5), (0.7, 1.33)] {
+        let milk = medium(Rgb::new(3.0, 4.0, 6.0), Rgb::new(1.0, 0.99, 0.9), hg(0.3));
+        let alpha = roughness * roughness;
+        let rough = Bsdf::RoughDielectric(RoughDielectric {
+            eta,
+            model: DielectricModel::Exact,
+            distribution: Microfacet::new(MicrofacetKind::Ggx, alpha, alpha),
+            specular_reflectance: Rgb::ONE,
+            specular_transmittance: Rgb::ONE,
+        });
+        let principled = filled_ball(principled_glass(roughness, eta), milk.clone(), 20_000);
+        let rough = filled_ball(rough, milk, 20_000);
+        assert!(rough.0 > 0.4 && rough.0 < 0.97, "{rough:?}");
+        let what = format!("roughness {roughness}");
+        assert_close(&what, (principled.0, principled.1.hypot(rough.1)), rough.0);
+    }
 }
 
 /// Surfaces that let light pass straight count for no segment: a lamp behind ten of them is seen directly, and lights what is in front of them.
