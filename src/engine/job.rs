@@ -1,6 +1,7 @@
 //! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
 //! done by ending the [`Run`] and starting another; the samples stay.
 
+mod rounds;
 mod state;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,6 +11,7 @@ use std::time::{Duration, Instant};
 use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
+use self::rounds::{JudgedNoise, Rounds};
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::deferred_drop::DeferredDrop;
@@ -50,19 +52,6 @@ impl Beginning {
         }
     }
 }
-
-/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
-type Rounds = (Option<f32>, bool);
-
-/// The relative noise with this number of samples; None where all is black.
-#[derive(Clone, Copy, Debug)]
-struct JudgedNoise {
-    samples: u32,
-    noise: Option<f32>,
-}
-
-/// The least samples at the end of a round in which blocks differ.
-const LEAST_ROUND: u32 = 32;
 
 /// The results that have been added to the film.
 #[derive(Default)]
@@ -214,16 +203,9 @@ impl Job {
     /// The limit of `stop` that is reached, if one is.
     pub fn reached(&self, stop: &StopCondition) -> Option<StopReason> {
         let samples = self.least_samples();
-        stop.reached(
-            samples,
-            self.seconds(),
-            self.judged_at(samples).map(|judged| judged.noise),
-        )
-    }
-
-    /// The noise that was judged when all pixels of the region had so many samples.
-    fn judged_at(&self, samples: u32) -> Option<JudgedNoise> {
-        self.judged.filter(|judged| judged.samples == samples)
+        // A limit that comes later than the judgement counts at the end of the pass that has been begun.
+        let judged = self.judged_at(samples).filter(|_| self.are_equal(samples));
+        stop.reached(samples, self.seconds(), judged.map(|judged| judged.noise))
     }
 
     /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if nothing else had been rendered
@@ -249,6 +231,7 @@ impl Job {
             self.adaptation.go_on_in(&self.active);
             self.noise = None;
             self.judged = None;
+            self.round = (Rounds::default(), 0);
         }
     }
 
@@ -303,49 +286,6 @@ impl Job {
             self.tiles.clone(),
         );
         self.run = Some(Run::start(backend, queue, self.preview_left, work, waker));
-    }
-
-    /// The work until the end of the next round, or of a pilot before it.
-    fn next_queue(&mut self, stop: &StopCondition, asked: Rounds, previews: &[usize], step: u32) -> WorkQueue {
-        let done = self.least_samples();
-        let under_way = self
-            .active
-            .iter()
-            .map(|&index| self.adaptation.on_the_way_to(index, self.done[index]));
-        let most = under_way.max().unwrap_or(0);
-        // Moments of a shutter are shared out evenly, so that sampling is uniform with one.
-        let can_differ = self.shutter.is_none() && !self.adaptation.is_uniform();
-        let is_adaptive = stop.is_adaptive && can_differ && done == most;
-        if is_adaptive
-            && previews.is_empty()
-            && let Some((number, samples)) = self.adaptation.due(done, stop.samples, &self.active)
-        {
-            return WorkQueue::of_pilot(&self.active, number, samples);
-        }
-        let noise = self.judged_at(done).and_then(|judged| judged.noise);
-        let has_differences = self.adaptation.has_differences(&self.active);
-        let end = match done < most {
-            // Where pixels differ in their samples, the first round makes them equal.
-            true => stop.samples.min(most),
-            false => stop.round_end(done, noise, is_adaptive),
-        };
-        // What has differences goes on by rounds, whatever is asked for.
-        let end = if has_differences {
-            end.min(most.max(LEAST_ROUND).saturating_mul(2))
-        } else {
-            end
-        };
-        let is_divided = asked.0.is_some() || is_adaptive || has_differences;
-        self.round = (asked, if is_divided { end } else { u32::MAX });
-        if is_divided {
-            self.adaptation.plan(&self.active, &self.done, end, is_adaptive);
-        }
-        let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
-        let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), previews, step);
-        let rounds = self.adaptation.rounds();
-        let with_rounds = |&index: &usize| Some((index, rounds[index].clone()?));
-        queue.set_rounds(self.active.iter().filter_map(with_rounds));
-        queue
     }
 
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
@@ -412,29 +352,7 @@ impl Job {
         let mut spent = Spent::default();
         while let Some(run) = &self.run {
             match run.results.try_recv() {
-                Ok(TileResult::Preview(preview)) => {
-                    spent.previews.extend(self.begin_in(film));
-                    self.rays += preview.rays;
-                    self.preview_left -= 1;
-                    film.mark(preview.tile);
-                    film.film.add_preview(preview);
-                    collected += 1;
-                }
-                Ok(TileResult::Pilot { index, pilot }) => {
-                    self.rays += pilot.rays();
-                    let done = self.least_samples();
-                    self.adaptation.add(index, pilot, done, &self.active, &film.film);
-                }
-                Ok(TileResult::Samples { index, samples }) => {
-                    spent.previews.extend(self.begin_in(film));
-                    self.early.insert((index, samples.samples.start), samples);
-                    self.add_in_order(index, film, &mut spent);
-                    collected += 1;
-                }
-                Ok(TileResult::Failed(text)) => {
-                    self.failure = Some(text);
-                    self.pause();
-                }
+                Ok(result) => collected += self.take(result, film, &mut spent),
                 Err(TryRecvError::Empty) => break,
                 Err(TryRecvError::Disconnected) => self.pause(),
             }
@@ -444,35 +362,50 @@ impl Job {
         }
         if collected > 0 {
             deferred.drop_later(spent);
-            film.samples = self.least_samples();
-            if film.film.settle_splats(film.samples) {
-                self.tiles.iter().for_each(|&tile| film.mark(tile));
-            }
-            self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
-            self.judge(film);
+            self.settle(film);
         }
         collected
     }
 
-    /// Judges the noise once all pixels of the region have the same number of samples. The tiles are read in a fixed order, so that the result does not
-    /// depend on the threads.
-    fn judge(&mut self, film: &RenderFilm) {
-        let samples = self.least_samples();
-        let are_equal = self.active.iter().all(|&index| self.done[index] == samples);
-        if !are_equal || samples == 0 || self.judged_at(samples).is_some() {
-            return;
+    /// Adds a result to the film. Returns the number of tiles that have changed.
+    fn take(&mut self, result: TileResult, film: &mut RenderFilm, spent: &mut Spent) -> usize {
+        match result {
+            TileResult::Preview(preview) => {
+                spent.previews.extend(self.begin_in(film));
+                self.rays += preview.rays;
+                self.preview_left -= 1;
+                film.mark(preview.tile);
+                film.film.add_preview(preview);
+                1
+            }
+            TileResult::Pilot { index, pilot } => {
+                self.rays += pilot.rays();
+                let done = self.least_samples();
+                self.adaptation.add(index, pilot, done, &self.active, &film.film);
+                0
+            }
+            TileResult::Samples { index, samples } => {
+                spent.previews.extend(self.begin_in(film));
+                self.early.insert((index, samples.samples.start), samples);
+                self.add_in_order(index, film, spent);
+                1
+            }
+            TileResult::Failed(text) => {
+                self.failure = Some(text);
+                self.pause();
+                0
+            }
         }
-        // Within a round it depends on the threads when tiles are equal, and a limit of noise must not.
-        let ((noise_asked, _), end) = self.round;
-        if noise_asked.is_some() && samples != end {
-            return;
+    }
+
+    /// Does what follows from new tiles for the picture as a whole.
+    fn settle(&mut self, film: &mut RenderFilm) {
+        film.samples = self.least_samples();
+        if film.film.settle_splats(film.samples) {
+            self.tiles.iter().for_each(|&tile| film.mark(tile));
         }
-        let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
-        self.noise = PictureNoise::of(&film.film, &tiles);
-        self.judged = Some(JudgedNoise {
-            samples,
-            noise: self.noise,
-        });
+        self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
+        self.judge(film);
     }
 
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {

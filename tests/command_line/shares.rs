@@ -1,9 +1,13 @@
 //! Shares of a picture and their merging, checkpoints, and what a render tells while it works.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
+
+use sunroom::render::image_io::exr::decode_exr;
+use sunroom::render::layered_image::{Channel, LayeredImage};
 
 use crate::workshop::{Workshop, sunroom};
 
@@ -66,8 +70,61 @@ fn fails(shop: &Workshop, code: i32, arguments: &[&str]) -> String {
 
 #[track_caller]
 fn same(shop: &Workshop, a: &str, b: &str) {
-    let [a, b] = [a, b].map(|name| std::fs::read(shop.path(name)).expect(name));
-    assert!(a == b, "the files differ");
+    same_after(shop, a, b, "");
+}
+
+/// Asserts that two files have the same bytes; if not, the message says what was done before, and what differs.
+#[track_caller]
+fn same_after(shop: &Workshop, a: &str, b: &str, before: &str) {
+    let bytes = [a, b].map(|name| std::fs::read(shop.path(name)).expect(name));
+    let [of_a, of_b] = &bytes;
+    if of_a != of_b {
+        panic!("{before}: {a} and {b} differ: {}", difference(of_a, of_b));
+    }
+}
+
+/// What differs in two files: attributes and channels if both are EXR files.
+fn difference(a: &[u8], b: &[u8]) -> String {
+    let mut found = Vec::new();
+    if let (Ok(a), Ok(b)) = (decode_exr(a), decode_exr(b)) {
+        let names: BTreeSet<&String> = a.attributes.iter().chain(&b.attributes).map(|(name, _)| name).collect();
+        for name in names {
+            let [of_a, of_b] = [&a, &b].map(|image| image.attributes.iter().find(|(own, _)| own == name));
+            if of_a != of_b {
+                found.push(format!("the attribute {name} is {of_a:?} and {of_b:?}"));
+            }
+        }
+        let names = |image: &LayeredImage| {
+            image
+                .channels
+                .iter()
+                .map(|channel| channel.name.clone())
+                .collect::<Vec<_>>()
+        };
+        if names(&a) != names(&b) || [a.width, a.height] != [b.width, b.height] {
+            found.push("the channels or the sizes are not the same".to_owned());
+        } else {
+            for (of_a, of_b) in a.channels.iter().zip(&b.channels) {
+                let value = |channel: &Channel, pixel: usize| channel.samples.value(pixel);
+                let mut others = (0..of_a.samples.len())
+                    .filter(|&pixel| value(of_a, pixel).to_bits() != value(of_b, pixel).to_bits());
+                if let Some(first) = others.next() {
+                    let [x, y] = [first % a.width as usize, first / a.width as usize];
+                    let (count, name) = (1 + others.count(), &of_a.name);
+                    let values = [of_a, of_b].map(|channel| value(channel, first));
+                    found.push(format!(
+                        "{name} differs in {count} pixels, first at {x},{y}: {values:?}"
+                    ));
+                }
+            }
+        }
+    }
+    if found.is_empty() {
+        let place = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+        let lengths = [a.len(), b.len()];
+        return format!("the first other byte is number {place}, the files have {lengths:?}");
+    }
+    found.join("; ")
 }
 
 fn shop() -> Workshop {
@@ -493,7 +550,7 @@ fn killed_renders_go_on_to_the_same_bits() {
             "--samples" => {
                 merge_after(&shop, samples);
             }
-            _ => same(&shop, "whole.exr", "a.exr"),
+            _ => same_after(&shop, "whole.exr", "a.exr", &format!("{samples:?}")),
         }
         std::fs::remove_file(shop.path("c.exr")).expect("it is there");
     }

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::{Job, JudgedNoise};
+use super::Job;
+use super::rounds::JudgedNoise;
 use crate::engine::film::RenderFilm;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
@@ -72,4 +73,198 @@ fn write_optional(number: Option<f32>, to: &mut Writer) {
 fn read_optional(from: &mut Reader) -> Result<Option<f32>, Damaged> {
     let (is_there, number) = (from.flag()?, from.f32()?);
     Ok(is_there.then_some(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+    use std::time::Instant;
+
+    use bevy::asset::AssetPlugin;
+    use bevy::prelude::*;
+
+    use super::*;
+    use crate::color::Rgb;
+    use crate::engine::backend::{Backend, Work};
+    use crate::engine::job::{Beginning, Spent};
+    use crate::engine::packed_scene::PackedScene;
+    use crate::engine::stop_condition::{FilmLimits, StopCondition};
+    use crate::engine::{EnginePlugin, RenderControl};
+    use crate::render::scene::RenderScene;
+    use crate::render::tile::Tile;
+    use crate::render::view::View;
+    use crate::scene::{
+        ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, IntegratorSettings, ScenePlugin, Sensor, Shape,
+        ShapeKind, Strategy, ToWorld,
+    };
+
+    /// A ball before an even sky, and a lamp that is found by chance, so that some pixels are much noisier than others. Two tiles by two, of which three are small.
+    fn scene_and_view() -> (RenderScene, View) {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
+        let world = app.world_mut();
+        let radiance = Rgb::splat(0.5);
+        world.spawn((DocumentOrder(0), Emitter::from(EmitterKind::Constant { radiance })));
+        let sphere = |center, radius| Shape {
+            kind: ShapeKind::Sphere { center, radius },
+            flip_normals: false,
+        };
+        world.spawn((DocumentOrder(1), sphere(Vec3::Z * 4.0, 1.0)));
+        let lamp = AreaLight {
+            radiance: Rgb::splat(40.0).into(),
+            ..default()
+        };
+        world.spawn((DocumentOrder(2), sphere(Vec3::new(0.8, 1.5, 2.6), 0.2), lamp));
+        let film = crate::scene::Film {
+            width: 40,
+            height: 36,
+            ..default()
+        };
+        let sensor = world.spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film));
+        let sensor = sensor.id();
+        world.insert_resource(ActiveSensor(Some(sensor)));
+        let mut integrator = world.resource_mut::<IntegratorSettings>();
+        (integrator.strategy, integrator.max_depth) = (Strategy::Bsdf, Some(2));
+        world.resource_mut::<RenderControl>().paused = true;
+        let begin = Instant::now();
+        loop {
+            app.update();
+            let PackedScene { scene, view, .. } = app.world().resource();
+            if let (Some(scene), Some(view)) = (scene, view) {
+                return (scene.clone(), view.clone());
+            }
+            assert!(begin.elapsed() < Duration::from_secs(600), "the scene is not packed");
+        }
+    }
+
+    struct Picture {
+        job: Job,
+        film: RenderFilm,
+        work: Box<Work>,
+    }
+
+    impl Picture {
+        fn new(scene: &RenderScene, view: &View) -> Self {
+            let (scene, view) = (scene.clone(), view.clone());
+            let backend = Backend::cpu(1, false).expect("a thread can be started");
+            let job = Job::new(scene, view, None, Default::default(), Beginning::Whole, false, None);
+            Self {
+                work: backend.work(job.scene.clone(), job.view.clone(), None, job.tiles.clone()),
+                job,
+                film: RenderFilm::default(),
+            }
+        }
+
+        /// Renders until a limit is reached, or `most` pieces of work. Returns their number.
+        fn render(&mut self, stop: &StopCondition, most: usize) -> usize {
+            let mut count = 0;
+            while self.job.reached(stop).is_none() {
+                let queue = self.job.next_queue(stop, (stop.noise, stop.is_adaptive), &[], 1);
+                while let Some(item) = queue.claim() {
+                    if count == most {
+                        return count;
+                    }
+                    count += 1;
+                    let result = (self.work)(&item, &AtomicBool::new(false)).expect("nothing cancels it");
+                    self.job.take(result, &mut self.film, &mut Spent::default());
+                    self.job.settle(&mut self.film);
+                }
+            }
+            count
+        }
+
+        /// What the film has of each tile with samples, as a checkpoint has it.
+        fn tiles(&self) -> Vec<(Tile, Vec<u8>)> {
+            let film = &self.film.film;
+            let begun = self.job.tiles.iter().filter(|tile| film.samples(tile.x, tile.y) > 0);
+            let content = |tile| {
+                let mut content = Writer::default();
+                film.write_tile(tile, &mut content);
+                content.0
+            };
+            begun.map(|&tile| (tile, content(tile))).collect()
+        }
+
+        /// The same picture from a checkpoint.
+        fn resumed(&self) -> Self {
+            let mut new = Self::new(&self.job.scene, &self.job.view);
+            let view = &self.job.view;
+            let mut saved = Film::with_layers(view.width, view.height, view.film_layers());
+            for (tile, content) in self.tiles() {
+                saved
+                    .read_tile(tile, &mut Reader(&content))
+                    .expect("it was just written");
+            }
+            let state = self.job.write();
+            let resumed = new.job.resume(&state, saved, &mut new.film);
+            resumed.expect("it was just written");
+            new
+        }
+    }
+
+    /// Whatever decides about samples has to be independent of the moments at which a picture was interrupted.
+    #[test]
+    fn checkpoints_at_any_moment_lead_to_the_same_picture() {
+        let (scene, view) = scene_and_view();
+        for (noise, is_adaptive, samples) in [
+            (None, false, 100),
+            (None, true, 300),
+            (Some(0.12), false, 1000),
+            (Some(0.12), true, 1000),
+        ] {
+            let limits = FilmLimits {
+                samples,
+                noise,
+                is_adaptive,
+            };
+            let stop = StopCondition::new(&RenderControl::default(), limits);
+            let mut whole = Picture::new(&scene, &view);
+            let count = whole.render(&stop, usize::MAX);
+            assert!(
+                noise.is_none() || whole.job.least_samples() < samples,
+                "the noise is not reached"
+            );
+            assert_eq!(whole.job.adaptation.has_differences(&whole.job.active), is_adaptive);
+            // A pilot of all four tiles fits between two interruptions: one that is broken off begins anew.
+            for between in [5, 7, 18, 50] {
+                let mut picture = Picture::new(&scene, &view);
+                let mut interruptions = 0;
+                while picture.render(&stop, between) == between {
+                    picture = picture.resumed();
+                    interruptions += 1;
+                }
+                let what = format!("{limits:?}, {interruptions} interruptions");
+                assert!(interruptions >= count / between, "{what}");
+                assert_eq!(picture.job.least_samples(), whole.job.least_samples(), "{what}");
+                assert!(picture.tiles() == whole.tiles(), "{what}: the films differ");
+            }
+        }
+    }
+
+    #[test]
+    fn a_limit_of_noise_that_comes_later_lets_the_pass_end() {
+        let (scene, view) = scene_and_view();
+        let stop = |noise| {
+            let (samples, is_adaptive) = (1000, false);
+            let limits = FilmLimits {
+                samples,
+                noise,
+                is_adaptive,
+            };
+            StopCondition::new(&RenderControl::default(), limits)
+        };
+        let mut picture = Picture::new(&scene, &view);
+        // Five passes of four tiles have 16 samples, with which the noise is judged; then the next pass begins.
+        picture.render(&stop(None), 5 * 4 + 1);
+        assert_eq!(
+            (
+                picture.job.least_samples(),
+                picture.job.judged.map(|judged| judged.samples)
+            ),
+            (16, Some(16))
+        );
+        assert_eq!(picture.job.reached(&stop(Some(100.0))), None);
+        assert_eq!(picture.render(&stop(Some(100.0)), usize::MAX), 3);
+        assert!(picture.job.are_equal(32));
+    }
 }

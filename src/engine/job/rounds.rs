@@ -1,0 +1,113 @@
+//! The rounds of a job: where they end, the pilots between them, and the noise that is judged at their ends.
+
+use super::Job;
+use crate::engine::film::RenderFilm;
+use crate::engine::schedule::WorkQueue;
+use crate::engine::stop_condition::StopCondition;
+use crate::render::noise::PictureNoise;
+use crate::render::tile::Tile;
+
+/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
+pub(super) type Rounds = (Option<f32>, bool);
+
+/// The relative noise with this number of samples; None where all is black.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JudgedNoise {
+    pub samples: u32,
+    pub noise: Option<f32>,
+}
+
+/// The least samples at the end of a round in which blocks differ.
+const LEAST_ROUND: u32 = 32;
+
+impl Job {
+    /// The noise that was judged when all pixels of the region had so many samples.
+    pub(super) fn judged_at(&self, samples: u32) -> Option<JudgedNoise> {
+        self.judged.filter(|judged| judged.samples == samples)
+    }
+
+    /// Whether all pixels of the region have so many samples.
+    pub(super) fn are_equal(&self, samples: u32) -> bool {
+        self.active.iter().all(|&index| self.done[index] == samples)
+    }
+
+    /// The work until the end of the present round, of the next one, or of a pilot before that.
+    pub(super) fn next_queue(
+        &mut self,
+        stop: &StopCondition,
+        asked: Rounds,
+        previews: &[usize],
+        step: u32,
+    ) -> WorkQueue {
+        let done = self.least_samples();
+        // An interrupted round goes on to its own end. Where else it ended would depend on the moment of the interruption, and so would the picture.
+        let (asked_then, end) = self.round;
+        let goes_on = asked_then == asked && end != u32::MAX && done < end;
+        if !goes_on && let Some(pilot) = self.begin_round(done, stop, asked, previews.is_empty()) {
+            return pilot;
+        }
+        let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
+        let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), previews, step);
+        let rounds = self.adaptation.rounds();
+        let with_rounds = |&index: &usize| Some((index, rounds[index].clone()?));
+        queue.set_rounds(self.active.iter().filter_map(with_rounds));
+        queue
+    }
+
+    /// Plans the round after `done` samples, unless a pilot is due before it, which is then returned.
+    fn begin_round(&mut self, done: u32, stop: &StopCondition, asked: Rounds, may_pilot: bool) -> Option<WorkQueue> {
+        let under_way = self
+            .active
+            .iter()
+            .map(|&index| self.adaptation.on_the_way_to(index, self.done[index]));
+        let most = under_way.max().unwrap_or(0);
+        // Moments of a shutter are shared out evenly, so that sampling is uniform with one.
+        let can_differ = self.shutter.is_none() && !self.adaptation.is_uniform();
+        let is_adaptive = stop.is_adaptive && can_differ && done == most;
+        if is_adaptive
+            && may_pilot
+            && let Some((number, samples)) = self.adaptation.due(done, stop.samples, &self.active)
+        {
+            return Some(WorkQueue::of_pilot(&self.active, number, samples));
+        }
+        let noise = self.judged_at(done).and_then(|judged| judged.noise);
+        let has_differences = self.adaptation.has_differences(&self.active);
+        let end = match done < most {
+            // Where pixels differ in their samples, the first round makes them equal.
+            true => stop.samples.min(most),
+            false => stop.round_end(done, noise, is_adaptive),
+        };
+        // What has differences goes on by rounds, whatever is asked for.
+        let end = if has_differences {
+            end.min(most.max(LEAST_ROUND).saturating_mul(2))
+        } else {
+            end
+        };
+        let is_divided = asked.0.is_some() || is_adaptive || has_differences;
+        self.round = (asked, if is_divided { end } else { u32::MAX });
+        if is_divided {
+            self.adaptation.plan(&self.active, &self.done, end, is_adaptive);
+        }
+        None
+    }
+
+    /// Judges the noise once all pixels of the region have the same number of samples. The tiles are read in a fixed order, so that the result does not
+    /// depend on the threads.
+    pub(super) fn judge(&mut self, film: &RenderFilm) {
+        let samples = self.least_samples();
+        if !self.are_equal(samples) || samples == 0 || self.judged_at(samples).is_some() {
+            return;
+        }
+        // Within a round it depends on the threads when tiles are equal, and a limit of noise must not.
+        let ((noise_asked, _), end) = self.round;
+        if noise_asked.is_some() && samples != end {
+            return;
+        }
+        let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
+        self.noise = PictureNoise::of(&film.film, &tiles);
+        self.judged = Some(JudgedNoise {
+            samples,
+            noise: self.noise,
+        });
+    }
+}
