@@ -25,8 +25,8 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error says why the picture is another one, or why the file
-    /// cannot be read, without its name.
+    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error is a sentence that says why the picture is another one, or why
+    /// the file cannot be read; it does not name the file.
     pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<(), String> {
         let header = file.header();
         let view = world.resource::<PackedScene>().view.as_ref();
@@ -34,13 +34,16 @@ impl Piece {
             return Ok(());
         };
         if [header.width, header.height] != self.size || header.film_layers() != kept {
-            return Err("has another size or other layers, and cannot be resumed".to_owned());
+            return Err(
+                "the checkpoint is of a picture that has another size or other layers, and this one cannot go on with it"
+                    .to_owned(),
+            );
         }
         if header.crop != self.crop || header.samples[0] != self.samples[0] {
             let Crop { x, y, width, height } = header.crop;
             let [start, end] = header.samples;
             return Err(format!(
-                "is of --samples {start}..{end} --crop {x},{y},{width},{height}"
+                "the checkpoint is of another part of the picture: --samples {start}..{end} --crop {x},{y},{width},{height}"
             ));
         }
         reserve_film(world)?;
