@@ -38,6 +38,15 @@ pub fn crop(text: &str) -> Result<Crop, String> {
     }
 }
 
+/// `4x2`, columns and rows
+pub fn grid(text: &str) -> Result<[u32; 2], String> {
+    let parts = text.split_once(['x', 'X']);
+    let numbers = parts.and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
+    numbers
+        .filter(|numbers| numbers.iter().all(|number| (1..=2048).contains(number)))
+        .ok_or_else(|| "expected COLUMNSxROWS, each from 1 to 2048".to_owned())
+}
+
 /// `1280x720`
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     sides(text, 64..=16384)

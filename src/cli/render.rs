@@ -27,9 +27,9 @@ use sunroom::scene::{
 };
 
 pub use self::args::RenderArgs;
+pub use self::overrides::apply_overrides;
 
 use self::args::Accel;
-use self::overrides::apply_overrides;
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
 use super::ending::{Ending, INTERRUPTED, TERMINATED};

@@ -96,6 +96,39 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn crops_of_a_job_make_the_picture_of_one_render() {
+    let shop = shop();
+    let scene = "scenes/still life.xml";
+    let options = ["--size", "100x70", "--aov", "normal"];
+    let submit = [
+        "submit", scene, "--to", "slurm", "-o", "job", "--shares", "2", "--crops", "3x2", "--",
+    ];
+    let output = run(&shop, &[&submit[..], &options].concat());
+    succeeds(&output);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        text.contains("12 tasks: 1 frames, each in 6 crops of its 100 x 70 pixels and 2 ranges of its 16 samples"),
+        "{text}"
+    );
+    let job = shop.path("job");
+    for task in ["7", "1", "5", "11", "3", "9", "0", "10", "2", "8", "4", "6"] {
+        script(&job, "task", &[task]);
+    }
+    assert_eq!(std::fs::read_dir(job.join("parts")).expect("parts").count(), 12);
+    script(&job, "merge", &["0"]);
+    succeeds(&run(
+        &shop,
+        &[&["render", scene, "-o", "whole.exr"][..], &options].concat(),
+    ));
+    let read = |name: &str| {
+        let bytes = std::fs::read(shop.path(name)).expect("a picture");
+        decode_exr(&bytes).expect("an EXR file").channels
+    };
+    assert!(read("job/pictures/still_life.exr") == read("whole.exr"));
+}
+
 /// A glTF file that shines, with a camera, and its mesh in another file.
 fn gltf(shop: &Workshop) {
     let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"parts/triangle.bin","byteLength":36}],
@@ -253,6 +286,43 @@ fn a_dry_run_writes_nothing_and_tells_all() {
         assert!(text.contains(part), "{part} in {text}");
     }
     assert!(!shop.path("job").exists());
+    // Each system starts all tasks, which crops make more of.
+    for (system, start) in [
+        ("openjd", "template.yaml"),
+        ("slurm", "slurm"),
+        ("parallel", "parallel"),
+    ] {
+        let submit = [
+            "submit",
+            "scenes/still life.xml",
+            "--to",
+            system,
+            "-o",
+            system,
+            "--shares",
+            "4",
+        ];
+        let output = run(
+            &shop,
+            &[
+                &submit[..],
+                &[
+                    "--spp", "64", "--crops", "2x3", "--frames", "5..6", "--", "--size", "64x96",
+                ],
+            ]
+            .concat(),
+        );
+        succeeds(&output);
+        assert!(String::from_utf8_lossy(&output.stdout).contains("48 tasks: 2 frames, each in 6 crops"));
+        let script = std::fs::read_to_string(shop.path(system).join(start)).expect("it is written");
+        let range = if system == "parallel" { "seq 0 47" } else { "0-47" };
+        assert!(script.contains(range), "{script}");
+        let merge = std::fs::read_to_string(shop.path(system).join("merge")).expect("it is written");
+        assert!(
+            merge.contains("crops=(0,0,32,32 32,0,32,32 0,32,32,32 32,32,32,32 0,64,32,32 32,64,32,32)"),
+            "{merge}"
+        );
+    }
 }
 
 #[test]
@@ -292,11 +362,15 @@ fn what_cannot_be_a_job_is_refused() {
     assert!(refused(&["submit", scene, "--to", "slurm", "-o", "full", "--shares", "1"], 2).contains("not empty"));
     assert!(refused(&["submit", scene, "--to", "pbs", "-o", "job"], 2).contains("openjd"));
     refused(&["submit", "scenes/missing.xml", "--to", "slurm", "-o", "job"], 1);
-    // Measuring shows what tasks would refuse.
-    refused(
-        &["submit", scene, "--to", "slurm", "-o", "job", "--", "--width", "0"],
-        1,
+    let submit = ["submit", scene, "--to", "slurm", "-o", "job", "--shares", "1"];
+    let more = |arguments: &[&'static str]| refused(&[&submit[..], arguments].concat(), 2);
+    assert!(more(&["--", "--width", "0"]).contains("the options after `--`: invalid value '0'"));
+    let message = more(&["--crops", "2x1"]);
+    assert!(
+        message.contains("a picture of 32 x 24 pixels can be cut into 1x1 at most"),
+        "{message}"
     );
+    assert!(more(&["--crops", "2x0"]).contains("expected COLUMNSxROWS"));
     let absolute = SCENE.replace("../meshes", &shop.path("meshes").display().to_string());
     shop.write("scenes/absolute.xml", absolute);
     let text = refused(

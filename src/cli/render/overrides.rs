@@ -10,7 +10,7 @@ use super::args::{RenderArgs, SamplerName, StrategyName};
 use crate::cli::report::Failure;
 
 /// Applies the options of the command line, which override the file.
-pub(super) fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
+pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();

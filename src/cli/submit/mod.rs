@@ -11,19 +11,21 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 use sunroom::app::headless::render_only;
 use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
-use sunroom::engine::{Limits, load_to_completion};
+use sunroom::engine::{Limits, RenderControl, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
+use sunroom::render::part;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
-use sunroom::scene::{ActiveSensor, Film, OpenScene, SceneStatus, Trust};
+use sunroom::scene::{ActiveSensor, Crop, Film, OpenScene, SceneStatus, Trust};
 
-use self::plan::Plan;
+use self::plan::{Plan, Whole};
 use super::args::{MemoryArgs, SceneArgs};
 use super::check::report_scene;
+use super::render::{RenderArgs, apply_overrides};
 use super::report::{self, Failure};
 use super::sequence::frames;
 use super::{outputs, parse};
@@ -53,6 +55,9 @@ pub struct SubmitArgs {
     /// Divide each frame into this number of tasks, and measure nothing
     #[arg(long, value_name = "COUNT", conflicts_with = "task_time", value_parser = clap::value_parser!(u32).range(1..))]
     shares: Option<u32>,
+    /// Cut each frame into columns and rows of crops as well, such as 4x2 [default: where ranges of samples alone would be longer than --task-time]
+    #[arg(long, value_name = "COLSxROWS", value_parser = parse::grid)]
+    crops: Option<[u32; 2]>,
     /// Remove the noise of the merged pictures
     #[arg(long)]
     denoise: bool,
@@ -119,16 +124,17 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     let Some(job) = gather(args)? else {
         return Ok(ExitCode::FAILURE);
     };
-    let frames = args.frames.clone().unwrap_or(0..=0);
-    let plan = match args.shares {
-        Some(shares) => Plan::of_shares(frames, job.spp, shares),
-        None => Plan::of_times(
-            frames,
-            job.spp,
-            frame_seconds(args, job.spp)?,
-            args.task_time.as_secs_f64(),
-        ),
+    let whole = Whole {
+        frames: args.frames.clone().unwrap_or(0..=0),
+        spp: job.spp,
+        size: job.size,
+        grid: args.crops,
     };
+    let plan = match args.shares {
+        Some(shares) => Plan::of_shares(whole, shares),
+        None => Plan::of_times(whole, frame_seconds(args, job.spp)?, args.task_time.as_secs_f64()),
+    };
+    let plan = plan.map_err(Failure::Usage)?;
     let scripts = scripts(args, &plan, &job);
     let mut text = String::new();
     for member in &job.members {
@@ -139,9 +145,12 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     }
     let _ = writeln!(
         text,
-        "{} tasks: {} frames, each in {} ranges of its {} samples, {} frames a task",
+        "{} tasks: {} frames, each in {} crops of its {} x {} pixels and {} ranges of its {} samples, {} frames a task",
         plan.tasks(),
         plan.frames.end() - plan.frames.start() + 1,
+        plan.crops.len(),
+        job.size[0],
+        job.size[1],
         plan.ranges(),
         job.spp,
         plan.frames_a_task,
@@ -168,11 +177,22 @@ struct Job {
     scene: PathBuf,
     /// Samples per pixel of a frame.
     spp: u32,
+    /// The width and the height of a frame in pixels.
+    size: [u32; 2],
+}
+
+/// The options of `sunroom render` for each task.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct TaskOptions {
+    #[command(flatten)]
+    render: RenderArgs,
 }
 
 /// Loads the scene to see which files it reads. None if it has errors, which have been reported.
 fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
     let path = settle(&args.scene.scene);
+    let options = task_options(args)?;
     record_reads();
     let mut app = render_only(
         OpenScene {
@@ -198,16 +218,46 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
         );
         return Err(message.into());
     }
+    apply_overrides(app.world_mut(), &options.render)?;
     let sensor = app.world().resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| app.world().get::<Film>(sensor));
     let spp = args.spp.or(film.map(|film| film.sample_count)).unwrap_or(1);
+    let size = app.world().resource::<RenderControl>().film_size_override;
+    let size = size.map(|size| size.to_array()).or(film.map(|film| {
+        let Crop { width, height, .. } = film.window();
+        [width, height]
+    }));
+    let size = size.ok_or_else(|| format!("{} has no camera", path.display()))?;
     let read = recorded_reads().into_iter().map(|file| settle(&file));
     let files: Vec<PathBuf> = read.filter(|file| !is_own_part(file)).collect();
     let assets = std::env::var_os("SUNROOM_ASSETS").unwrap_or_default();
     let assets = std::env::split_paths(&assets).filter(|folder| !folder.as_os_str().is_empty());
     let assets: Vec<PathBuf> = assets.map(|folder| settle(&folder)).collect();
     let (scene, members) = bundle::arrange(&path, &files, &assets);
-    Ok(Some(Job { members, scene, spp }))
+    Ok(Some(Job {
+        members,
+        scene,
+        spp,
+        size,
+    }))
+}
+
+/// What `sunroom render` understands by the options of a task.
+fn task_options(args: &SubmitArgs) -> Result<TaskOptions, Failure> {
+    let mut words = vec![args.scene.scene.clone().into_os_string()];
+    if let Some(frames) = &args.frames {
+        words.extend(["--frames".into(), frames.start().to_string().into()]);
+    }
+    words.extend(render_options(args).into_iter().map(Into::into));
+    TaskOptions::try_parse_from(words).map_err(|error| {
+        // The usage that follows would be that of another command.
+        let text = error.to_string();
+        let text = text.split("\n\n").next().unwrap_or_default();
+        Failure::Usage(format!(
+            "the options after `--`: {}",
+            text.trim_start_matches("error: ")
+        ))
+    })
 }
 
 /// A name of a file in the document that is absolute and not excepted, if there is one.
@@ -274,6 +324,11 @@ fn scripts(args: &SubmitArgs, plan: &Plan, job: &Job) -> [(&'static str, String)
     };
     let options: Vec<String> = render_options(args).iter().map(|option| quoted(option)).collect();
     let cuts: Vec<String> = plan.cuts.iter().map(u32::to_string).collect();
+    let crops = plan
+        .crops
+        .iter()
+        .map(|part::Crop { x, y, width, height }| format!("{x},{y},{width},{height}"));
+    let crops: Vec<String> = crops.collect();
     let values = [
         ("@NAME@", name),
         ("@SCENE@", quoted(&format!("{FILES}/{}", job.scene.display()))),
@@ -293,6 +348,7 @@ fn scripts(args: &SubmitArgs, plan: &Plan, job: &Job) -> [(&'static str, String)
         ),
         ("@SPP@", job.spp.to_string()),
         ("@CUTS@", cuts.join(" ")),
+        ("@CROPS@", crops.join(" ")),
         ("@FIRST_FRAME@", plan.frames.start().to_string()),
         ("@LAST_FRAME@", plan.frames.end().to_string()),
         ("@FRAMES_A_TASK@", plan.frames_a_task.to_string()),
