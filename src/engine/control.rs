@@ -112,6 +112,8 @@ pub enum ViewMode {
     Path,
     /// The number of nodes of the acceleration structure that the camera ray visits.
     BvhSteps,
+    /// The optical depth of the media before the first surface.
+    OpticalDepth,
     /// The first surface in its own colour, lit from the camera.
     Headlight,
     /// The first surface in grey, lit from the camera.

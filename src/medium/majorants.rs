@@ -198,7 +198,7 @@ impl Iterator for Walk<'_> {
 
 impl GridVolume {
     /// The shortest edge of a voxel in world space.
-    fn voxel_edge(&self) -> f32 {
+    pub(super) fn voxel_edge(&self) -> f32 {
         let size = self.grid.resolution().as_vec3();
         let axes = self.world_from_local.matrix3;
         let edges = [

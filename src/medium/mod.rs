@@ -12,6 +12,7 @@ mod equiangular;
 mod grid;
 pub(crate) mod lanes;
 mod majorants;
+mod optical_depth;
 mod phase;
 mod tabulated_phase;
 mod tracking;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::borders::{Met, behind_borders};
 use super::path_state::PathSample;
 use super::scene::RenderScene;
 use crate::color::Rgb;
@@ -15,17 +16,16 @@ const CLAY: f32 = 0.55;
 /// The colour where there is nothing.
 const NOTHING: f32 = 0.03;
 
-/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque.
+/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque; borders of media are not there.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSample {
-    let Some(hit) = scene.geometry.intersect(ray) else {
+    let (met, rays) = behind_borders(scene, ray, None, |_, _| {});
+    let Some(Met { hit, slot, point }) = met else {
         return PathSample {
             radiance: Rgb::splat(NOTHING),
-            rays: 1,
+            rays,
             ..PathSample::default()
         };
     };
-    let slot = scene.slot(&hit);
-    let point = scene.surface(ray, &hit, &slot);
     let albedo = match slot.light {
         Some(_) => Rgb::ONE,
         None => scene
@@ -42,6 +42,6 @@ pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSampl
         normal,
         depth: hit.t,
         first_hit: Some(hit),
-        rays: 1,
+        rays,
     }
 }

@@ -1,6 +1,7 @@
 //! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
 pub mod adaptive;
+mod borders;
 pub mod bytes;
 pub mod camera;
 pub mod denoise;
@@ -21,6 +22,7 @@ mod mis;
 pub mod motion;
 pub mod noise;
 pub mod observer;
+mod optical_depth;
 pub mod part;
 pub mod passes;
 pub mod path;

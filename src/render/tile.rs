@@ -12,6 +12,7 @@ use super::lanes::{self, Job};
 use super::layers::{LayerNotes, LayerSums, PixelLayers};
 use super::mean_error::block_of;
 use super::observer::PathObserver;
+use super::optical_depth;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
 use super::splats::Splat;
@@ -374,10 +375,10 @@ pub(super) fn render_sample(
 ) -> (PathSample, f32) {
     let camera = view.camera_sample(pixel, index);
     let ray = view.sight.narrow(&scene.geometry, camera.ray);
-    let sample = match view.path_settings(pixel) {
-        Some(settings) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
-        None if view.shown != Shown::BvhSteps => headlight::sample(scene, &ray, view.shown == Shown::Clay),
-        None => {
+    let sample = match (view.path_settings(pixel), view.shown) {
+        (Some(settings), _) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
+        (None, Shown::OpticalDepth) => optical_depth::sample(scene, &ray, view.medium),
+        (None, Shown::BvhSteps) => {
             let mut stats = TraversalStats::default();
             let hit = scene.geometry.intersect_counting(&ray, &mut stats);
             PathSample {
@@ -387,6 +388,7 @@ pub(super) fn render_sample(
                 ..PathSample::default()
             }
         }
+        (None, shown) => headlight::sample(scene, &ray, shown == Shown::Clay),
     };
     if let (None, Some(hit)) = (view.path_settings(pixel), &sample.first_hit) {
         observer.met(&ray, hit);

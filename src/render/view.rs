@@ -61,6 +61,8 @@ pub enum Shown {
     StrategyThirds,
     /// The work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
+    /// The optical depth of the media before the first surface, by colour.
+    OpticalDepth,
     /// The first surface in its own colour, lit from the camera alone.
     Headlight,
     /// The first surface in one grey for all, lit from the camera alone.
@@ -157,7 +159,7 @@ impl View {
                 },
                 ..settings
             }),
-            Shown::BvhSteps | Shown::Headlight | Shown::Clay => None,
+            Shown::BvhSteps | Shown::OpticalDepth | Shown::Headlight | Shown::Clay => None,
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, UVec3, Vec2, Vec3};
 use sunroom::accel::Primitive;
-use sunroom::color::Rgb;
+use sunroom::color::{Rgb, luminance};
 use sunroom::light::LightSource;
 use sunroom::material::Material;
 use sunroom::medium::{
@@ -14,7 +14,7 @@ use sunroom::medium::{
 };
 use sunroom::render::camera::Camera;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::view::{Integrator, Shown, Strategy, View};
 use sunroom::sampling::hash::pcg3d;
 use sunroom::sampling::{SequenceKind, unit_float};
 use sunroom::shading::{
@@ -521,4 +521,29 @@ fn a_camera_far_away_sees_the_same() {
     view.camera = Camera::new(pose, 0.001, 1.0, 1e-3, 1e6, None);
     let far = mean_luminance(&render(&scene, &view, 4000));
     assert_close("far", (far.0, far.1.hypot(near.1)), near.0);
+}
+
+#[test]
+fn the_optical_depth_counts_all_media_up_to_the_first_surface() {
+    let shown = |scene: SceneBuilder, medium: Option<MediumId>| {
+        let mut view = look(8, Strategy::Mis);
+        (view.shown, view.medium) = (Shown::OpticalDepth, medium);
+        mean_luminance(&render(&scene.build(), &view, 4)).0
+    };
+    let sigma_t = Rgb::new(0.8, 0.4, 0.2);
+    let source = medium(sigma_t, Rgb::splat(0.9), Phase::Isotropic);
+    for source in [source.clone(), as_grid(&source, false), as_grid(&source, true)] {
+        let (depth, expected) = (shown(ball(vec![source]), None), luminance(2.0 * sigma_t));
+        assert!((depth / expected - 1.0).abs() < 0.01, "{depth}, not {expected}");
+    }
+    // The camera is 4 before a wall.
+    let wall = || {
+        let mut scene = SceneBuilder::with_media(vec![medium(sigma_t, Rgb::splat(0.5), Phase::Isotropic)]);
+        let black = Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO });
+        scene.add(Primitive::Rectangle, placed(2.0, Vec3::ZERO), black, None);
+        scene
+    };
+    let (depth, expected) = (shown(wall(), Some(MediumId(0))), luminance(4.0 * sigma_t));
+    assert!((depth / expected - 1.0).abs() < 0.01, "{depth}, not {expected}");
+    assert_eq!(shown(wall(), None), 0.0);
 }

@@ -16,6 +16,7 @@ mod corpus;
 mod editing;
 mod gizmo;
 mod keys;
+mod media;
 mod orientation;
 mod panels;
 mod shell;

@@ -97,6 +97,7 @@ impl ViewportContent {
             boxes: &self.boxes,
             outline: &self.outline,
             wireframe: &self.wireframe,
+            volume_boxes: &[],
             icons: &[],
             gizmo: GizmoModel {
                 settings: GizmoSettings::default(),

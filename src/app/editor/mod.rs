@@ -131,6 +131,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<command::light_mix::FilmLights>()
             .init_resource::<picture::compare::Comparison>()
             .init_resource::<model::EditorModel>()
+            .init_resource::<model::leaks::Leaks>()
             .init_resource::<model::thumbnails::Thumbnails>()
             .init_resource::<window::preview::Previews>()
             .init_resource::<window::assets::AssetWork>()
@@ -212,6 +213,7 @@ impl Plugin for EditorPlugin {
                         commands::scene_watch::measure_scene,
                         commands::fitting::tell_sizes.run_if(resource_changed::<PackedScene>),
                         model::outline::gather_outline,
+                        model::leaks::find_leaks,
                         picture::paths::follow_paths,
                         model::inspection::gather_selection,
                         model::thumbnails::update_thumbnails,

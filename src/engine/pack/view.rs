@@ -98,6 +98,7 @@ pub(in crate::engine) fn pack_view(
         integrator: Integrator::Path(path_settings),
         shown: match control.view_mode {
             ViewMode::BvhSteps => Shown::BvhSteps,
+            ViewMode::OpticalDepth => Shown::OpticalDepth,
             ViewMode::Headlight => Shown::Headlight,
             ViewMode::Clay => Shown::Clay,
             ViewMode::Path if control.strategy_split => Shown::StrategyThirds,

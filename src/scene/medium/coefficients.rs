@@ -53,6 +53,34 @@ impl Coefficients {
     }
 }
 
+impl Coefficients {
+    /// The extinction per unit of length before the medium's `scale`, where it is the same everywhere that there is any; None for a grid.
+    pub fn uniform_extinction(&self) -> Option<Rgb> {
+        match self {
+            Self::Extinction { sigma_t, .. } => match sigma_t {
+                VolumeParameter::Constant(value) | VolumeParameter::Box { value, .. } => Some(*value),
+                VolumeParameter::Grid(_) => None,
+            },
+            Self::Separate { sigma_s, sigma_a } => Some(*sigma_s + *sigma_a),
+        }
+    }
+
+    /// Sets the extinction, with the albedo as it is. A grid stays as it is.
+    pub fn set_uniform_extinction(&mut self, extinction: Rgb) {
+        let (_, albedo) = self.sigma_t_and_albedo();
+        match self {
+            Self::Extinction { sigma_t, .. } => match sigma_t {
+                VolumeParameter::Constant(value) | VolumeParameter::Box { value, .. } => *value = extinction,
+                VolumeParameter::Grid(_) => {}
+            },
+            Self::Separate { sigma_s, sigma_a } => {
+                *sigma_s = extinction * albedo.constant().unwrap_or(Rgb::ZERO);
+                *sigma_a = extinction - *sigma_s;
+            }
+        }
+    }
+}
+
 /// The largest coefficient per unit of length: products along a path stay finite.
 const MOST_EXTINCTION: f32 = 1e9;
 
@@ -90,3 +118,28 @@ pub(crate) const SIGMA_A: ParameterInfo = ParameterInfo::new(
 )
 .within(0.0..=MOST_EXTINCTION)
 .offering(0.0..=10.0);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extinction_is_set_whichever_way_it_is_given() {
+        let mut separate = Coefficients::Separate {
+            sigma_s: Rgb::new(1.0, 3.0, 0.0),
+            sigma_a: Rgb::new(1.0, 1.0, 0.0),
+        };
+        assert_eq!(separate.uniform_extinction(), Some(Rgb::new(2.0, 4.0, 0.0)));
+        separate.set_uniform_extinction(Rgb::new(4.0, 8.0, 1.0));
+        assert_eq!(
+            separate,
+            Coefficients::Separate {
+                sigma_s: Rgb::new(2.0, 6.0, 0.0),
+                sigma_a: Rgb::new(2.0, 2.0, 1.0),
+            }
+        );
+        let mut whole = Coefficients::default();
+        whole.set_uniform_extinction(Rgb::splat(0.5));
+        assert_eq!(whole.sigma_t_and_albedo().0, Rgb::splat(0.5).into());
+    }
+}

@@ -101,6 +101,29 @@ impl Medium {
     }
 }
 
+impl Medium {
+    /// Shows `meet` the map from the unit cube to the world of every volume that has a place.
+    pub(crate) fn for_each_place(&mut self, meet: &mut dyn FnMut(&mut Affine3A)) {
+        if let Coefficients::Extinction { sigma_t, albedo } = &mut self.coefficients {
+            [sigma_t, albedo]
+                .into_iter()
+                .filter_map(VolumeParameter::place_mut)
+                .for_each(&mut *meet);
+        }
+        self.emission.place_mut().into_iter().for_each(&mut *meet);
+        self.phase.for_each_volume_mut(&mut |weight| {
+            weight.place_mut().into_iter().for_each(&mut *meet);
+        });
+    }
+
+    /// Whether any of its values has a place in the world.
+    pub(crate) fn has_place(&self) -> bool {
+        let mut found = false;
+        self.clone().for_each_place(&mut |_| found = true);
+        found
+    }
+}
+
 const HOMOGENEOUS: &str = "homogeneous";
 const HETEROGENEOUS: &str = "heterogeneous";
 

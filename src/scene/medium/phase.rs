@@ -56,6 +56,14 @@ impl PhaseFunction {
         }
     }
 
+    /// Does what [`Self::for_each_volume`] does, to change them.
+    pub(crate) fn for_each_volume_mut(&mut self, meet: &mut dyn FnMut(&mut VolumeParameter<f32>)) {
+        if let Self::Blend(blend) = self {
+            meet(&mut blend.weight);
+            blend.of.iter_mut().for_each(|inside| inside.for_each_volume_mut(meet));
+        }
+    }
+
     /// The phase functions inside.
     pub(crate) fn inside(&self) -> &[Self] {
         match self {

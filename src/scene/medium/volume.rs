@@ -39,6 +39,17 @@ impl<T> VolumeParameter<T> {
     }
 }
 
+impl<T> VolumeParameter<T> {
+    /// The map from the unit cube to the world, to be changed; None if it is the same everywhere.
+    pub(crate) fn place_mut(&mut self) -> Option<&mut Affine3A> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Box { to_world, .. } => Some(to_world),
+            Self::Grid(grid) => Some(&mut grid.to_world),
+        }
+    }
+}
+
 impl<T: Copy> VolumeParameter<T> {
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<T> {
@@ -104,6 +115,12 @@ pub enum VolumeFormat {
 const VDB_GRID: &str = ".vdb-grid";
 
 impl VolumeFormat {
+    /// The kind of a file by the end of its name; the usual grid of it.
+    pub fn of_file(file: &Path) -> Self {
+        let is_vdb = file.extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"));
+        if is_vdb { Self::Vdb { grid: None } } else { Self::Vol }
+    }
+
     /// The name of the plugin in the file.
     pub fn plugin(&self) -> &'static str {
         match self {

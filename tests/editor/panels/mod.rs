@@ -7,6 +7,7 @@ mod keys;
 mod lengths;
 mod lights;
 mod materials;
+mod media;
 mod menus;
 mod outliner;
 mod picture;

@@ -1,12 +1,14 @@
 //! What is given to the inspector: one of each kind, and values that no control can show exactly.
 
-use bevy::math::{Affine2, Affine3A, Mat3A, Vec3};
-use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace};
+use bevy::math::{Affine2, Affine3A, Mat3A, UVec3, Vec3};
+use sunroom::app::editor::command::media::MediumSide;
+use sunroom::app::editor::model::{Inspected, InspectedGrid, InspectedMaterial, InspectedMedium, MaterialPlace};
 use sunroom::color::Rgb;
+use sunroom::math::Aabb;
 use sunroom::scene::{
-    ConductorIor, Cone, Crop, Distribution, Emitter, EmitterKind, FieldOfView, Film, FovAxis, Ior, Lens, Material,
-    Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, SunPosition,
-    SunSky, Texture,
+    Coefficients, ConductorIor, Cone, Crop, Distribution, Emitter, EmitterKind, FieldOfView, Film, FovAxis, GridFile,
+    Ior, Lens, Material, Medium, Parameter, PhaseBlend, PhaseFunction, PlaceAndTime, ReconstructionFilter, Roughness,
+    Sensor, Shape, ShapeKind, SquarePath, SunPosition, SunSky, Texture, VolumeParameter,
 };
 
 use super::{entity, light};
@@ -120,6 +122,7 @@ pub fn awkward() -> Vec<Inspected> {
             ..nothing
         },
     ]);
+    cases.extend(media());
     cases.extend(awkward_lights().into_iter().map(|emitter| Inspected {
         to_world: Some(Affine3A::from_rotation_z(0.3)),
         emitter: Some(emitter),
@@ -233,10 +236,92 @@ pub fn every_inspected() -> Vec<Inspected> {
         emitter.set_picture(SquarePath::WHOLE, "/pictures/a-long-name-of-a-file.exr".into());
         cases.push(case(&emitter));
     }
+    cases.extend(media());
     cases.push(Inspected {
         shape: Some(Shape::default()),
         area_light: Some(light(Rgb::new(1234.5, 7.0, 0.125))),
         ..Inspected::new(entity(5), "lamp")
     });
     cases
+}
+
+pub fn with_medium(medium: Medium) -> Inspected {
+    let mut grids = Vec::new();
+    medium.for_each_grid(&mut |grid| {
+        let content = InspectedGrid {
+            resolution: UVec3::new(1234, 567, 8901),
+            channels: 3,
+            bounds: Some(Aabb {
+                min: Vec3::ZERO,
+                max: Vec3::ONE,
+            }),
+            world_from_local: Affine3A::IDENTITY,
+        };
+        grids.push((grid.path.clone(), Some(content)));
+    });
+    let mut media_at = [None; 3];
+    media_at[MediumSide::Interior as usize] = Some(entity(9));
+    Inspected {
+        shape: Some(Shape::default()),
+        media_at,
+        media: vec![InspectedMedium {
+            entity: entity(9),
+            name: "fog of a name that is too long for the panel".into(),
+            medium: medium.into(),
+            side: Some(MediumSide::Interior),
+            mixed: Default::default(),
+            users: 2,
+            boxes: Vec::new(),
+            grids,
+        }],
+        leak: Some("12345 edges of its mesh have no triangle on their other side.".to_owned()),
+        ..Inspected::new(entity(5), "box")
+    }
+}
+
+/// Media of all forms, with values that no control can show exactly.
+fn media() -> Vec<Inspected> {
+    let third = Rgb::new(1.0 / 3.0, 1e-7, 1e5 / 3.0);
+    let grid = VolumeParameter::Grid(GridFile {
+        path: "/volumes/a-file-whose-name-is-much-too-long-for-the-panel.vol".into(),
+        to_world: Affine3A::from_rotation_y(0.3) * Affine3A::from_scale(Vec3::new(1.0 / 3.0, 7e4, 1e-3)),
+        ..GridFile::default()
+    });
+    let boxed = VolumeParameter::Box {
+        value: third,
+        to_world: Affine3A::from_scale(Vec3::splat(1.0 / 3.0)),
+    };
+    let of = |sigma_t: VolumeParameter<Rgb>| Coefficients::Extinction {
+        sigma_t,
+        albedo: third.min(Rgb::ONE).into(),
+    };
+    let separate = Coefficients::Separate {
+        sigma_s: third,
+        sigma_a: Rgb::ZERO,
+    };
+    let coefficients = [of(third.into()), of(grid), of(boxed), separate];
+    let table = PhaseFunction::Tabulated {
+        values: vec![1.0 / 3.0; 77],
+    };
+    let blend = PhaseBlend {
+        of: [PhaseFunction::HenyeyGreenstein { g: 0.123_456_7 }, table.clone()],
+        ..PhaseBlend::default()
+    };
+    let phases = [
+        PhaseFunction::HenyeyGreenstein { g: -1.0 / 3.0 },
+        PhaseFunction::Rayleigh,
+        table,
+        PhaseFunction::Blend(blend.into()),
+    ];
+    let all = coefficients
+        .into_iter()
+        .zip(phases)
+        .map(|(coefficients, phase)| Medium {
+            coefficients,
+            phase,
+            scale: 1.234_567_8,
+            emission: third.into(),
+            emission_scale: 1.0 / 3.0,
+        });
+    all.map(with_medium).collect()
 }

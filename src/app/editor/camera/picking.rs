@@ -8,16 +8,80 @@ use bevy::prelude::Entity;
 
 use crate::accel::{Detail, Hit, RayLanes};
 use crate::engine::PackedScene;
+use crate::material::Material;
 use crate::math::lanes::LANES;
 use crate::math::{Aabb, Ray, offset_origin};
+use crate::medium::{MediumId, Way};
 use crate::render::camera::Camera;
+use crate::render::scene::RenderScene;
 
-/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
+/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right. A shape that is only the border of a medium is seen if the medium
+/// hides most of what is behind it, or nothing is there.
 pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref()?);
     let ray = view.camera.sharp().ray(film, Vec2::ZERO);
-    let hit = scene.geometry.intersect(&view.sight.narrow(&scene.geometry, ray))?;
-    packed.entity_of_instance.get(hit.instance as usize).copied()
+    let ray = view.sight.narrow(&scene.geometry, ray);
+    let mut medium = view.medium;
+    // The first border, and the optical depth behind it.
+    let mut border: Option<(Entity, f32)> = None;
+    let mut rest = ray;
+    for _ in 0..MOST_PASSED {
+        let hit = scene.geometry.intersect(&rest);
+        let end = hit.map_or(rest.t_max, |hit| hit.t);
+        if let (Some((entity, depth)), Some(medium)) = (&mut border, medium) {
+            *depth += depth_of(scene, medium, &rest, end);
+            if *depth > HIDING {
+                return Some(*entity);
+            }
+        }
+        let Some(hit) = hit else { break };
+        let entity = packed.entity_of_instance.get(hit.instance as usize).copied()?;
+        if !is_border(scene, &hit) {
+            return Some(entity);
+        }
+        border.get_or_insert((entity, 0.0));
+        let normal = scene.geometry.surface_in(&rest, &hit, Detail::Plain).geometric_normal;
+        medium = scene.slot(&hit).media.entered(medium, ray.dir, normal);
+        rest = behind(&rest, hit.t);
+    }
+    border.map(|(entity, _)| entity)
+}
+
+/// The optical depth of a medium behind which less than half of the light comes from.
+const HIDING: f32 = std::f32::consts::LN_2;
+
+/// The optical depth along a ray up to `t`, of the colour that passes best.
+fn depth_of(scene: &RenderScene, medium: MediumId, ray: &Ray, t: f32) -> f32 {
+    let length = ray.dir.length();
+    let way = Way {
+        origin: ray.at(ray.t_min),
+        dir: ray.dir / length,
+        length: (t - ray.t_min) * length,
+    };
+    scene.media.get(medium).optical_depth(&way).min_element()
+}
+
+/// Whether light does not notice the surface: it is only the border of a medium.
+fn is_border(scene: &RenderScene, hit: &Hit) -> bool {
+    if scene.media.is_empty() {
+        return false;
+    }
+    let slot = scene.slot(hit);
+    slot.light.is_none()
+        && slot.media.is_transition()
+        && matches!(scene.materials.get(slot.material), Some(Material::Null))
+}
+
+/// The part of a ray behind a surface at `t`.
+fn behind(ray: &Ray, t: f32) -> Ray {
+    let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
+    let passed = t + step + BEHIND * t;
+    Ray {
+        origin: ray.at(passed),
+        t_min: 0.0,
+        t_max: ray.t_max - passed,
+        ..*ray
+    }
 }
 
 /// The most rays along either side of a box.
@@ -48,7 +112,16 @@ pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Ve
         let hits = scene
             .geometry
             .intersect_packet(&RayLanes::of(&rays), (1 << rays.len()) - 1);
-        instances.extend(hits.iter().flatten().map(|hit| hit.instance));
+        for (ray, hit) in rays.iter().zip(&hits) {
+            let Some(hit) = hit else { continue };
+            instances.insert(hit.instance);
+            // What is seen through the border of a medium counts as well.
+            if is_border(scene, hit)
+                && let Some((_, hit, _)) = first_hit(packed, ray, |_| false)
+            {
+                instances.insert(hit.instance);
+            }
+        }
     }
     let entities = instances
         .iter()
@@ -128,9 +201,10 @@ pub fn mapped_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity
     })
 }
 
-/// The first hit of [`surface`], with the ray that it is a hit of.
+/// The first hit of [`surface`], with the ray that it is a hit of. Borders of media are passed.
 pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<(Ray, Hit, Entity)> {
-    let geometry = &packed.scene.as_ref()?.geometry;
+    let scene = packed.scene.as_ref()?;
+    let geometry = &scene.geometry;
     let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
     let mut passed = 0.0;
     for _ in 0..MOST_PASSED {
@@ -142,7 +216,7 @@ pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
         };
         let hit = geometry.intersect(&rest)?;
         let entity = *packed.entity_of_instance.get(hit.instance as usize)?;
-        if !is_passed(entity) {
+        if !is_passed(entity) && !is_border(scene, &hit) {
             return Some((rest, hit, entity));
         }
         passed += hit.t + step + BEHIND * (passed + hit.t);

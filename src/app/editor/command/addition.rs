@@ -33,6 +33,10 @@ pub enum AdditionKind {
     Cylinder,
     /// A building part: one of [`Solid::PLUGINS`].
     Solid(&'static str),
+    /// Fog in the whole scene: a box around everything.
+    Fog,
+    /// A cube of fog.
+    FogBox,
     /// A rectangle that shines downwards.
     AreaLight,
     /// One of [`Emitter::PLUGINS`].
@@ -72,6 +76,8 @@ impl AdditionKind {
             Self::Cube => "cube",
             Self::Disk => "disk",
             Self::Cylinder => "cylinder",
+            Self::Fog => "fog",
+            Self::FogBox => "fog-box",
             Self::AreaLight => "area",
             Self::Emitter(plugin) | Self::Solid(plugin) => plugin,
             Self::Camera => "camera",
@@ -86,9 +92,9 @@ impl AdditionKind {
         }
     }
 
-    /// Shapes, the area light, the camera, then all kinds of emitters.
+    /// Shapes, fog, the area light, the camera, then all kinds of emitters.
     pub fn all() -> impl Iterator<Item = Self> {
-        let plain = [Self::AreaLight, Self::Camera];
+        let plain = [Self::Fog, Self::FogBox, Self::AreaLight, Self::Camera];
         let emitters = Emitter::PLUGINS.map(Self::Emitter);
         Self::SHAPES.into_iter().chain(plain).chain(emitters)
     }

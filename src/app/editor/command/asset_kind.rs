@@ -13,16 +13,19 @@ pub enum AssetKind {
     Environment,
     /// Triangles: OBJ, PLY, serialized or glTF.
     Mesh,
+    /// A grid of voxels, for smoke and clouds.
+    Volume,
     /// A scene or materials in XML.
     Scene,
 }
 
 impl AssetKind {
     /// The kinds in the order in which they are offered, with their names.
-    pub const ALL: [(Self, &str); 4] = [
+    pub const ALL: [(Self, &str); 5] = [
         (Self::Picture, "Pictures"),
         (Self::Environment, "Environments"),
         (Self::Mesh, "Meshes"),
+        (Self::Volume, "Volumes"),
         (Self::Scene, "Scenes and materials"),
     ];
 
@@ -33,6 +36,7 @@ impl AssetKind {
             "png" | "jpg" | "jpeg" | "bmp" | "tga" | "ppm" | "pgm" | "pfm" => Some(Self::Picture),
             "hdr" | "exr" => Some(Self::Environment),
             "obj" | "ply" | "serialized" | "gltf" | "glb" => Some(Self::Mesh),
+            "vol" | "vdb" => Some(Self::Volume),
             "xml" => Some(Self::Scene),
             _ => None,
         }

@@ -65,6 +65,8 @@ pub enum DisplayMode {
     LightGroup(u8),
     /// The number of nodes of the acceleration structure that each camera ray visits, in false colour.
     BvhSteps,
+    /// The optical depth of the media before the first surface, in false colour.
+    OpticalDepth,
     /// Surfaces in their own colours, lit from the camera alone: there at once, whatever the lights are.
     Headlight,
     /// All surfaces in the same grey, lit from the camera alone.
@@ -73,7 +75,7 @@ pub enum DisplayMode {
 
 impl DisplayMode {
     /// The modes with their names, in the order of the menu.
-    pub const ALL: [(Self, &'static str); 12] = [
+    pub const ALL: [(Self, &'static str); 13] = [
         (Self::Shaded, "Shaded"),
         (Self::Albedo, "Albedo"),
         (Self::Normal, "Normal"),
@@ -83,6 +85,7 @@ impl DisplayMode {
         (Self::Object, "Objects"),
         (Self::Samples, "Samples"),
         (Self::Noise, "Noise"),
+        (Self::OpticalDepth, "Optical depth"),
         (Self::BvhSteps, "BVH steps"),
         (Self::Headlight, "Headlight"),
         (Self::Clay, "Clay"),
@@ -105,7 +108,7 @@ impl DisplayMode {
 
     /// The mode itself, if it needs a film of its own, because no film of light contains what it shows.
     pub(crate) fn with_own_film(self) -> Option<Self> {
-        matches!(self, Self::BvhSteps | Self::Headlight | Self::Clay).then_some(self)
+        matches!(self, Self::BvhSteps | Self::OpticalDepth | Self::Headlight | Self::Clay).then_some(self)
     }
 
     /// What its colours mean, as a tool tip.
@@ -122,6 +125,7 @@ impl DisplayMode {
             Self::Noise => "The error that is expected of each pixel, as a share of its brightness",
             Self::LightGroup(_) => "The light of one lamp alone",
             Self::BvhSteps => "The nodes of the acceleration structure that each ray visits",
+            Self::OpticalDepth => "The fog before each surface: the share exp(-depth) of its light comes through",
             Self::Headlight => "Surfaces in their own colours, lit from the camera alone",
             Self::Clay => "Surfaces in one grey, lit from the camera alone",
         }
@@ -135,6 +139,9 @@ impl DisplayMode {
 
 /// The steps that the heat map paints in its hottest colour.
 pub(crate) const HOTTEST_STEPS: f32 = 128.0;
+
+/// The optical depth that is painted in the hottest colour: one fiftieth of the light passes.
+pub(crate) const HOTTEST_DEPTH: f32 = 4.0;
 
 /// The relative noise that is painted in the hottest colour.
 pub(crate) const HOTTEST_NOISE: f32 = 0.25;

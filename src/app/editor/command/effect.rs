@@ -27,6 +27,7 @@ impl Command {
             Self::Transform(_)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
+            | Self::SetMedium(..)
             | Self::PlaceTextures { .. }
             | Self::SetAreaLight(..)
             | Self::SetEmitter(..)
@@ -66,6 +67,9 @@ impl Command {
             | Self::ProjectTextures { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
+            | Self::UseMedium { .. }
+            | Self::GiveMedium { .. }
+            | Self::Fill { .. }
             | Self::FocusAt(_)
             | Self::BuildMaterial { .. }
             | Self::DropMaterial { .. }

@@ -16,7 +16,7 @@ impl Command {
             Self::UseFile(file) => match AssetKind::of(&file.path) {
                 Some(AssetKind::Picture | AssetKind::Environment) => "Use picture",
                 Some(AssetKind::Scene) => "Use file",
-                Some(AssetKind::Mesh) | None => "Import",
+                Some(AssetKind::Mesh | AssetKind::Volume) | None => "Import",
             },
             Self::MoveCameraToView => "Move camera to view",
             Self::Add(_) => "Add",
@@ -57,6 +57,10 @@ impl Command {
             Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign material",
             Self::GiveMaterial { .. } => "New material",
             Self::BuildMaterial { .. } => "Make material",
+            Self::SetMedium(..) => "Edit medium",
+            Self::UseMedium { .. } => "Assign medium",
+            Self::GiveMedium { .. } => "New medium",
+            Self::Fill { .. } => "Fill",
             Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
             Self::SetSensor(..) => "Edit camera",
             Self::FocusAt(_) => "Focus",
@@ -89,6 +93,8 @@ impl Command {
             Self::SetShape(entity, _)
             | Self::Reshape(entity, ..)
             | Self::SetMaterial(entity, _)
+            | Self::SetMedium(entity, _)
+            | Self::GiveMedium { thing: entity, .. }
             | Self::SetAreaLight(entity, _)
             | Self::SetEmitter(entity, _)
             | Self::SetSensor(entity, _)
@@ -103,6 +109,8 @@ impl Command {
             | Self::UseMaterial { shapes: entities, .. }
             | Self::ProjectTextures { shapes: entities, .. }
             | Self::UsePreset { shapes: entities, .. }
+            | Self::UseMedium { things: entities, .. }
+            | Self::Fill { shapes: entities, .. }
             | Self::PutInto { things: entities, .. }
             | Self::FitToView(entities)
             | Self::BuildMaterial { targets: entities, .. }

@@ -23,6 +23,7 @@ mod label;
 mod lenient;
 pub mod light_mix;
 pub mod material_tree;
+pub mod media;
 pub mod navigation_preset;
 pub mod panel;
 pub mod preferences;
@@ -50,8 +51,8 @@ use bevy::prelude::{Entity, Rect, Vec2, Vec3};
 use self::uv_projection::Projection;
 use crate::scene::write::OnChange;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, KeyEdit, KeyPath, LengthUnit, Material, SamplerSettings,
-    Sensor, Shape, SquarePath,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, KeyEdit, KeyPath, LengthUnit, Material, Medium,
+    SamplerSettings, Sensor, Shape, SquarePath,
 };
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
@@ -70,6 +71,7 @@ use inspected_paths::InspectedPaths;
 use kept_picture::KeptPicture;
 use light_mix::LightMix;
 use material_tree::MaterialTree;
+use media::{Filling, MediumSide};
 use presets::Preset;
 use resolution::{Enlarging, FullFilm, Resolution};
 use ruler::Ruler;
@@ -284,6 +286,31 @@ pub enum Command {
         preset: Box<Preset>,
         /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
+    },
+    /// Sets the parameters of a medium.
+    SetMedium(Entity, Box<Medium>),
+    /// Puts a medium inside or outside of shapes, or cameras and lights into it; or takes it away.
+    UseMedium {
+        /// The shapes, cameras or lights.
+        things: Vec<Entity>,
+        /// The place of the medium.
+        side: MediumSide,
+        /// The medium. None is empty space.
+        medium: Option<Entity>,
+    },
+    /// Gives a thing a new medium of its own.
+    GiveMedium {
+        /// The shape, camera or light.
+        thing: Entity,
+        /// The place of the medium.
+        side: MediumSide,
+    },
+    /// Fills closed shapes; a surface that lets no light in becomes that of no material.
+    Fill {
+        /// The shapes.
+        shapes: Vec<Entity>,
+        /// The medium.
+        with: Filling,
     },
     /// Sets the emission of a shape; None for a shape that does not shine.
     SetAreaLight(Entity, Option<AreaLight>),

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
-use super::{fitting, view};
+use super::{fitting, media, view, volumes};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
@@ -16,14 +16,14 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::words::files::{PICTURES, extension};
+use crate::app::editor::words::files::{PICTURES, VOLUMES, extension};
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{insert, next_order};
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneAccess,
+    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, MeshFile, MeshFormat, SceneAccess,
     SceneDescription, SceneId, Sensor, Shape, ShapeKind, Solid, SquarePath, ToWorld, Trust, read,
 };
 
@@ -94,6 +94,12 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let pose = ToWorld(at(foot + up * size) * scale);
             edit.spawn((called, shape(ShapeKind::Cube), pose))
         }
+        AdditionKind::Fog => media::surround(edit, addition.name.as_deref().unwrap_or("fog")),
+        AdditionKind::FogBox => {
+            let name = addition.name.as_deref().unwrap_or("fog-box");
+            // Through its middle one seventh of the light passes.
+            media::bounded(edit, name, at(foot + up * size) * scale, media::fog(size))
+        }
         AdditionKind::Rectangle => {
             let pose = ToWorld(at(ground) * facing(up) * scale);
             edit.spawn((called, shape(ShapeKind::Rectangle), pose))
@@ -131,7 +137,13 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let (view, sensor, film) = camera(edit.world);
             // At another place it looks as the view does.
             let translation = addition.at.map_or(view.translation, Into::into);
-            edit.spawn((called, sensor, film, ToWorld(Affine3A { translation, ..view })))
+            let active = edit.world.resource::<ActiveSensor>().0;
+            let medium = active.and_then(|active| edit.world.get::<InMedium>(active)).copied();
+            let camera = edit.spawn((called, sensor, film, ToWorld(Affine3A { translation, ..view })));
+            if let Some(medium) = medium {
+                edit.set(camera, medium);
+            }
+            camera
         }
         AdditionKind::Emitter(plugin) => {
             let emitter = emitter(plugin, above.distance(foot).max(size))?;
@@ -183,11 +195,12 @@ fn solid_scale(part: &Solid, size: f32, is_given: bool) -> f32 {
 /// The height of a thing's position above its foot, in half sizes.
 fn lift(kind: AdditionKind) -> f32 {
     match kind {
-        AdditionKind::Sphere | AdditionKind::Cube => 1.0,
+        AdditionKind::Sphere | AdditionKind::Cube | AdditionKind::FogBox => 1.0,
         AdditionKind::Rectangle
         | AdditionKind::Disk
         | AdditionKind::Cylinder
         | AdditionKind::Solid(_)
+        | AdditionKind::Fog
         | AdditionKind::Camera => 0.0,
         AdditionKind::AreaLight | AdditionKind::Emitter(_) => ABOVE,
     }
@@ -196,7 +209,7 @@ fn lift(kind: AdditionKind) -> f32 {
 /// Whether a spot is looked for.
 fn has_spot(kind: AdditionKind) -> bool {
     match kind {
-        AdditionKind::Camera => false,
+        AdditionKind::Camera | AdditionKind::Fog => false,
         AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| emitter.has_place()),
         _ => true,
     }
@@ -272,6 +285,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         "obj" => add_mesh(edit, path, MeshFormat::Obj),
         "ply" => add_mesh(edit, path, MeshFormat::Ply),
         "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
+        volume if VOLUMES.contains(&volume) => volumes::import(edit, &path, None)?,
         picture if PICTURES.contains(&picture) => set_environment(edit, path),
         "xml" | "gltf" | "glb" => {
             let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
@@ -286,7 +300,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         }
         _ => {
             return Err(CommandError::file(format!(
-                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm)",
+                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm, vol, vdb)",
                 path.display()
             )));
         }

@@ -7,8 +7,8 @@ use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
 use super::{
-    adding, arranging, blocking, copying, fitting, grouping, materials, mixing, placing, several, texturing, timeline,
-    uv_projection, view,
+    adding, arranging, blocking, copying, fitting, grouping, materials, media, mixing, placing, several, texturing,
+    timeline, uv_projection, view,
 };
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
@@ -124,6 +124,10 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             let shape = materials::shape_at(edit, at)?;
             materials::use_preset(edit, &preset, &[shape])?;
         }
+        Command::SetMedium(entity, medium) => media::set(edit, entity, *medium)?,
+        Command::UseMedium { things, side, medium } => media::use_medium(edit, &things, side, medium)?,
+        Command::GiveMedium { thing, side } => media::give(edit, thing, side)?,
+        Command::Fill { shapes, with } => media::fill(edit, &shapes, with)?,
         Command::SetAreaLight(entity, light) => match light {
             Some(light) => {
                 need_surface(edit, entity)?;

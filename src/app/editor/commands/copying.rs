@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
-use super::{arranging, grouping, placing, things};
+use super::{arranging, grouping, media, placing, things};
 use crate::app::editor::camera::rounding;
 use crate::app::editor::command::Direction;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
@@ -18,7 +18,8 @@ use crate::scene::free_name::free_name;
 use crate::scene::insert::{names, next_order};
 use crate::scene::names::TakenNames;
 use crate::scene::{
-    AreaLight, DocumentOrder, InstanceOf, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind, ToWorld,
+    AreaLight, DocumentOrder, InstanceOf, InteriorMedium, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind,
+    ToWorld,
 };
 
 /// What a thing was copied from. It is no part of the scene.
@@ -266,6 +267,7 @@ impl Copier {
         state.name = Some(Name::new(name));
         state.order = Some(DocumentOrder(self.order));
         state.declared_in = None;
+        let before = state.to_world;
         if let Some(to_world) = &mut state.to_world {
             let by = pose * to_world.0.inverse();
             state.keys = state.keys.map(|keys| {
@@ -281,6 +283,15 @@ impl Copier {
         let copy = edit.spawn(());
         state.write(edit.world, copy);
         edit.world.entity_mut(copy).insert(CopyOf(original));
+        if let (Some(InteriorMedium(medium)), Some(before)) = (state.interior, before)
+            && let Some(own) = media::copied_with_place(edit, medium, &before.0, &pose)
+        {
+            edit.set(copy, InteriorMedium(own));
+            if let Some(name) = edit.world.get::<Name>(own) {
+                self.taken.note(name.as_str());
+            }
+            self.order = self.order.saturating_add(1);
+        }
         Ok(copy)
     }
 }

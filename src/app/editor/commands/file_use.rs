@@ -9,7 +9,7 @@ use super::adding::import_chosen;
 use super::pictures::set_picture;
 use super::spot::rounded_place;
 use super::things::need_surface;
-use super::{materials, things};
+use super::{materials, things, volumes};
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::error::CommandError;
@@ -55,6 +55,16 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
                 Some(at) => stand(edit, *at, bounds.or_else(|| bounds_of(path))),
                 None => Ok(()),
             }
+        }
+        Some(AssetKind::Volume) => {
+            let place = at.and_then(|at| place_at(edit.world, at));
+            let Some(place) = place else {
+                return import_chosen(edit, path);
+            };
+            let path = read::settle(path);
+            volumes::import(edit, &path, Some(place))?;
+            trust::allow_chosen(edit.world, &path);
+            Ok(())
         }
         Some(AssetKind::Scene) => match content_of(edit, path)? {
             FileContent::Materials(preset) => {
@@ -143,14 +153,10 @@ fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), Com
     if !edit.world.get::<Shape>(mesh).is_some_and(is_mesh) {
         return Ok(());
     }
-    let up = edit.world.resource::<ViewSettings>().navigation.up;
-    let packed = edit.world.resource::<PackedScene>();
-    let Some(view) = &packed.view else { return Ok(()) };
-    let ray = view.camera.sharp().ray(at, Vec2::ZERO);
-    let seen = picking::seen_surface(packed, &ray, |_| false).map(|surface| surface.position);
-    let Some(place) = seen.or_else(|| ground(&ray, up)) else {
+    let Some(place) = place_at(edit.world, at) else {
         return Ok(());
     };
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
     let [low, high] = bounds.unwrap_or_default();
     let middle = 0.5 * (low + high);
     let foot = middle - up * (0.5 * (high - low)).dot(up.abs());
@@ -160,6 +166,15 @@ fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), Com
         false => place,
     };
     things::transform(edit, vec![(mesh, Affine3A::from_translation(goal))])
+}
+
+/// The place on a surface, or else on the ground, that is seen at a place of the picture.
+fn place_at(world: &World, at: Vec2) -> Option<Vec3> {
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let packed = world.resource::<PackedScene>();
+    let ray = packed.view.as_ref()?.camera.sharp().ray(at, Vec2::ZERO);
+    let seen = picking::seen_surface(packed, &ray, |_| false).map(|surface| surface.position);
+    seen.or_else(|| ground(&ray, up))
 }
 
 /// The place where a ray meets the plane through the origin across `up`, if it is not too far away for a mesh to be seen there.

@@ -19,6 +19,7 @@ pub(crate) mod full_film;
 mod grouping;
 pub(crate) mod kept_picture;
 mod materials;
+mod media;
 mod mixing;
 mod pictures;
 mod placing;
@@ -38,6 +39,7 @@ pub(crate) mod timeline;
 mod titles;
 mod uv_projection;
 mod view;
+mod volumes;
 pub mod world;
 
 use bevy::prelude::*;
@@ -167,6 +169,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
     let mut edit = Edit::begin(world);
     match apply_edit::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
+            media::follow(&mut edit);
             edit.follow_keys();
             let title = title.after(edit.world);
             keep_what_is_there(edit.world);

@@ -14,7 +14,10 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::model::difference::rounding;
 use crate::app::editor::session::history::Edit;
 use crate::scene::carry_over::{Vectors, carry_over};
-use crate::scene::{AreaLight, Emitter, Film, Locked, Material, Placements, Sensor, Shape, ToWorld, UsesMaterial};
+use crate::scene::{
+    AreaLight, Emitter, ExteriorMedium, Film, InMedium, InteriorMedium, Locked, Material, Medium, Placements, Sensor,
+    Shape, ToWorld, UsesMaterial,
+};
 
 /// The depth to which materials within materials are followed.
 const DEEPEST: usize = 4;
@@ -56,6 +59,16 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                     } else if other_before.plugin() == before.plugin() {
                         changed = turned_into(&changed, after.plugin());
                     }
+                    edit.set(other, changed);
+                }
+            }
+        }
+        Command::SetMedium(entity, after) => {
+            for other in media_like(edit.world, *entity, &selected) {
+                let known = edit.world.get::<Medium>(*entity).zip(edit.world.get::<Medium>(other));
+                if let Some((before, other_before)) = known {
+                    let mut changed = other_before.clone();
+                    carry_over(before, &**after, &mut changed, Vectors::Whole);
                     edit.set(other, changed);
                 }
             }
@@ -178,6 +191,24 @@ fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<E
     found.sort();
     found.dedup();
     found.retain(|other| *other != material);
+    found
+}
+
+/// The other media that the selected things have in the same place as one of them has this medium.
+fn media_like(world: &World, medium: Entity, selected: &[Entity]) -> Vec<Entity> {
+    let in_place: [fn(&World, Entity) -> Option<Entity>; 4] = [
+        |world, thing| world.get::<Medium>(thing).map(|_| thing),
+        |world, thing| world.get::<InteriorMedium>(thing).map(|medium| medium.0),
+        |world, thing| world.get::<ExteriorMedium>(thing).map(|medium| medium.0),
+        |world, thing| world.get::<InMedium>(thing).map(|medium| medium.0),
+    ];
+    let all =
+        |place: fn(&World, Entity) -> Option<Entity>| selected.iter().filter_map(move |thing| place(world, *thing));
+    let place = in_place.into_iter().find(|place| all(*place).any(|it| it == medium));
+    let mut found: Vec<Entity> = place.map_or(Vec::new(), |place| all(place).collect());
+    found.sort();
+    found.dedup();
+    found.retain(|other| *other != medium);
     found
 }
 

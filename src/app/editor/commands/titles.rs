@@ -4,6 +4,7 @@ use bevy::math::Mat3A;
 use bevy::prelude::*;
 
 use crate::app::editor::command::Command;
+use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::{Locked, ObjectState, ToWorld};
 
@@ -82,6 +83,15 @@ fn object(world: &World, command: &Command) -> String {
             material: Some(material),
             ..
         } => world.get::<Name>(*material).map(Name::as_str),
+        Command::UseMedium { medium: None, .. } => Some("none"),
+        Command::UseMedium {
+            medium: Some(medium), ..
+        }
+        | Command::Fill {
+            with: Filling::Medium(medium),
+            ..
+        } => world.get::<Name>(*medium).map(Name::as_str),
+        Command::Fill { with, .. } => with.name(),
         Command::Rename(_, name) => Some(name.as_str()),
         _ => None,
     };

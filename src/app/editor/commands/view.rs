@@ -254,6 +254,7 @@ pub fn set_display(world: &mut World, display: DisplaySettings) {
     world.resource_mut::<ViewSettings>().display = display;
     let view_mode = match display.mode {
         DisplayMode::BvhSteps => ViewMode::BvhSteps,
+        DisplayMode::OpticalDepth => ViewMode::OpticalDepth,
         DisplayMode::Headlight => ViewMode::Headlight,
         DisplayMode::Clay => ViewMode::Clay,
         _ => ViewMode::Path,

@@ -8,7 +8,8 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 
 use super::Inspected;
 use super::mixed::Mixed;
-use crate::scene::{AreaLight, Emitter, FileValue, Material, ParameterInfo, ParameterRef};
+use crate::app::editor::command::media::MediumSide;
+use crate::scene::{AreaLight, Emitter, FileValue, Material, Medium, ParameterInfo, ParameterRef};
 
 impl Inspected {
     /// Marks what differs in the other selected things. `materials`: those of each of the others, by their paths.
@@ -39,6 +40,12 @@ impl Mixed {
                     found.insert("area_light".to_owned());
                 }
             }
+            for (side, name, _) in MediumSide::ALL {
+                let place = side as usize;
+                if shown.has_side(side) && other.has_side(side) && shown.media_at[place] != other.media_at[place] {
+                    found.insert(name.to_owned());
+                }
+            }
             both(&shown.shape, &other.shape, &mut found);
             if let (Some(own), Some(its)) = (&shown.area_light, &other.area_light) {
                 Values::of_area_light(own).compare(&Values::of_area_light(its), &mut found);
@@ -48,6 +55,19 @@ impl Mixed {
             }
             both(&shown.sensor, &other.sensor, &mut found);
             both(&shown.film, &other.film, &mut found);
+        }
+        Self(Arc::new(found))
+    }
+
+    /// Finds what differs among media; the panel shows the first of them.
+    pub(crate) fn of_media<'m>(shown: &Medium, others: impl Iterator<Item = &'m Medium>) -> Self {
+        let mut found = BTreeSet::new();
+        let own = Values::of_medium(shown);
+        for other in others {
+            own.compare(&Values::of_medium(other), &mut found);
+            if shown.phase.plugin() != other.phase.plugin() {
+                found.insert("phase".to_owned());
+            }
         }
         Self(Arc::new(found))
     }
@@ -78,6 +98,14 @@ impl<'v> Values<'v> {
     fn of_material(material: &'v Material) -> Self {
         let mut values = Self::new(material.plugin());
         material.visit(&mut |info, value| values.add(info, value));
+        values
+    }
+
+    fn of_medium(medium: &'v Medium) -> Self {
+        // Homogeneous and heterogeneous ones are of one kind here.
+        let mut values = Self::new("medium");
+        medium.visit(&mut |info, value| values.add(info, value));
+        medium.phase.visit(&mut |info, value| values.add(info, value));
         values
     }
 

@@ -9,6 +9,7 @@ use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use super::leaks::Leaks;
 use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::light_mix::LightMix;
@@ -27,7 +28,7 @@ use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings, LengthUnit,
-    Locked, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind, UsesMaterial,
+    Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind, UsesMaterial,
 };
 
 /// The components that name a thing.
@@ -92,6 +93,13 @@ pub fn shape_kind(shape: &Shape) -> &'static str {
     }
 }
 
+/// The word for the kind of a medium in lists.
+pub fn medium_kind(medium: &Medium) -> &'static str {
+    let mut has_grid = false;
+    medium.for_each_grid(&mut |_| has_grid = true);
+    if has_grid { "volume" } else { "medium" }
+}
+
 /// The library, once.
 pub fn load_presets(mut model: ResMut<EditorModel>) {
     let (presets, complaints) = presets::load();
@@ -153,6 +161,7 @@ pub fn gather_status(
     frames: Res<FrameTimes>,
     history: Res<History>,
     preferences: Res<PreferencesFile>,
+    leaks: Res<Leaks>,
     mut seen_errors: Local<Vec<String>>,
     mut named: Local<Option<(Arc<[LightGroup]>, Weak<Outline>)>>,
 ) {
@@ -203,9 +212,9 @@ pub fn gather_status(
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
     }
-    if scene.is_changed() || preferences.is_changed() || status.errors != *seen_errors {
+    if scene.is_changed() || preferences.is_changed() || leaks.is_changed() || status.errors != *seen_errors {
         seen_errors.clone_from(&status.errors);
-        model.notices = Arc::new(notices(&scene, &status.errors, &preferences));
+        model.notices = Arc::new(notices(&scene, &status.errors, &preferences, &leaks.messages()));
     }
     if history.is_changed() {
         let (done, undone) = history.labels();
@@ -251,7 +260,12 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
     files
 }
 
-fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &PreferencesFile) -> Vec<Notice> {
+fn notices(
+    scene: &SceneStatus,
+    engine_errors: &[String],
+    preferences: &PreferencesFile,
+    leaks: &[String],
+) -> Vec<Notice> {
     let plain = |severity: Severity, text: &str| Notice {
         severity,
         place: None,
@@ -296,6 +310,7 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
             .iter()
             .map(|path| plain(Severity::Warning, &files::gone(path))),
     );
+    notices.extend(leaks.iter().map(|leak| plain(Severity::Warning, leak)));
     notices.sort_by_key(|notice| Reverse(notice.severity));
     notices
 }
@@ -339,12 +354,15 @@ mod tests {
             ..SceneStatus::default()
         };
         let (preferences, _) = PreferencesFile::open(None);
-        let notices = notices(&scene, &[], &preferences);
+        let notices = notices(&scene, &[], &preferences, &["leak".to_owned()]);
         let of_kind = |severity| {
             let all = notices.iter().filter(move |notice| notice.severity == severity);
             all.map(|notice| notice.text.as_str()).collect::<Vec<_>>()
         };
         assert_eq!(of_kind(Severity::Error), ["damaged"]);
-        assert_eq!(of_kind(Severity::Warning), ["missing", "negative", "duplicates"]);
+        assert_eq!(
+            of_kind(Severity::Warning),
+            ["missing", "negative", "duplicates", "leak"]
+        );
     }
 }

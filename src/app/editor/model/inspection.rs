@@ -6,12 +6,15 @@ use bevy::ecs::query::ROQueryItem;
 use bevy::prelude::*;
 
 use super::gather::{Naming, shape_kind};
+use super::inspected_media::Media;
 use super::mixed::Mixed;
 use super::{EditorModel, Inspected, InspectedMaterial, InspectedMesh, MaterialPlace};
+use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::{
-    AreaLight, Emitter, EmitterKind, Film, FirstNested, Material, MaterialUsers, MeshHandle, Placements, SecondNested,
-    Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+    AreaLight, Emitter, EmitterKind, ExteriorMedium, Film, FirstNested, InMedium, InteriorMedium, Material,
+    MaterialUsers, Medium, MeshHandle, Placements, SecondNested, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh,
+    UsesMaterial,
 };
 
 type Parts = (
@@ -25,10 +28,18 @@ type Parts = (
     Option<&'static Film>,
     Option<&'static UsesMaterial>,
     Has<Placements>,
+    MediaParts,
+);
+
+/// The media that a thing refers to.
+type MediaParts = (
+    Option<&'static InteriorMedium>,
+    Option<&'static ExteriorMedium>,
+    Option<&'static InMedium>,
 );
 
 /// Things have one of these; an entity that was deleted has none.
-type IsThing = Or<(With<Shape>, With<Material>, With<Emitter>, With<Sensor>)>;
+type IsThing = Or<(With<Shape>, With<Material>, With<Medium>, With<Emitter>, With<Sensor>)>;
 
 type MaterialParts = (
     Naming,
@@ -48,23 +59,27 @@ pub fn gather_selection(
     mut selection: ResMut<Selection>,
     parts: Query<Parts, IsThing>,
     materials: Query<MaterialParts>,
+    media: Media,
     meshes: Res<Assets<TriangleMesh>>,
 ) {
     // A reload may have taken things away.
     if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
         selection.retain(|entity| parts.contains(*entity));
     }
-    let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes);
-    let before = model.0.inspected.take().map_or(Vec::new(), |before| before.materials);
+    let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes, &media);
+    let before = model.0.inspected.take();
+    let (before, media_before) = before.map_or_else(Default::default, |before| (before.materials, before.media));
     model.0.inspected = selection.active().and_then(inspected).map(|mut shown| {
         shown.materials = inspected_materials(&shown, &materials, &before);
+        shown.media = media.inspected(&shown, &media_before);
+        shown.leak = shown.media_at[MediumSide::Interior as usize].and_then(|_| media.leak(shown.entity));
         let others = selection.entities().iter().filter(|other| **other != shown.entity);
         let others: Vec<Inspected> = others
             .take(MOST_COMPARED)
             .filter_map(|other| inspected(*other))
             .collect();
         let materials: Vec<_> = others.iter().map(|other| placed_materials(other, &materials)).collect();
-        shown.compared(&others, &materials)
+        media.compare(shown.compared(&others, &materials), &others)
     });
     model.0.selection = selection.clone();
 }
@@ -77,17 +92,20 @@ fn inspect(
     parts: &Query<Parts, IsThing>,
     materials: &Query<MaterialParts>,
     meshes: &Assets<TriangleMesh>,
+    media: &Media,
 ) -> Option<Inspected> {
-    let (naming, to_world, shape, mesh, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
+    let (naming, to_world, shape, mesh, area_light, emitter, sensor, film, uses, is_crowd, sides) =
+        parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
-    if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material {
+    if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material && !media.contains(entity) {
         return None;
     }
     let kind = match (shape, emitter, sensor) {
         (Some(shape), ..) => shape_kind(shape),
         (_, Some(emitter), _) => emitter.info().label,
         (_, _, Some(_)) => "camera",
-        _ => "material",
+        _ if is_material => "material",
+        _ => "medium",
     };
     // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not shown.
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
@@ -100,6 +118,11 @@ fn inspect(
         sensor: sensor.copied(),
         film: film.copied(),
         uses_material: uses.map(|uses| uses.0),
+        media_at: [
+            sides.0.map(|medium| medium.0),
+            sides.1.map(|medium| medium.0),
+            sides.2.map(|medium| medium.0),
+        ],
         ..Inspected::new(entity, naming.name(kind))
     })
 }
@@ -211,12 +234,14 @@ mod tests {
     use bevy::ecs::system::RunSystemOnce;
 
     use super::*;
+    use crate::app::editor::model::leaks::Leaks;
 
     #[test]
     fn a_material_is_copied_only_when_it_has_changed() {
         let mut world = World::new();
         world.init_resource::<EditorModel>();
         world.init_resource::<Assets<TriangleMesh>>();
+        world.init_resource::<Leaks>();
         let entity = world.spawn(Material::default()).id();
         world.insert_resource(Selection::of([entity]));
         let shown = |world: &mut World| {

@@ -5,7 +5,9 @@ pub mod assets;
 pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
+pub(crate) mod inspected_media;
 pub(crate) mod inspection;
+pub(crate) mod leaks;
 pub mod mixed;
 pub(crate) mod outline;
 pub mod panel_textures;
@@ -15,13 +17,14 @@ pub mod timeline;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy::math::{Affine3A, Vec3};
+use bevy::math::{Affine3A, UVec3, Vec3};
 use bevy::prelude::{Entity, Rect, *};
 
 use self::assets::AssetsModel;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::can_wrap;
+use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::selection::Selection;
@@ -34,7 +37,8 @@ use crate::document::Severity;
 use crate::engine::RenderStatus;
 use crate::math::Aabb;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, SamplerSettings, Sensor, Shape,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, Medium, SamplerSettings, Sensor,
+    Shape,
 };
 use mixed::Mixed;
 use panel_textures::PanelTextures;
@@ -68,6 +72,8 @@ pub struct Outline {
     pub shapes: Vec<Item>,
     /// The materials, with nested ones.
     pub materials: Vec<Item>,
+    /// The participating media.
+    pub media: Vec<Item>,
     /// The lights that are no surfaces.
     pub lights: Vec<Item>,
     /// The cameras.
@@ -85,11 +91,12 @@ impl Outline {
     /// The heading of the materials.
     pub(crate) const MATERIALS: &str = "Materials";
 
-    /// The four groups with their headings.
-    pub fn groups(&self) -> [(&'static str, &[Item]); 4] {
+    /// The groups with their headings.
+    pub fn groups(&self) -> [(&'static str, &[Item]); 5] {
         [
             ("Shapes", &self.shapes),
             (Self::MATERIALS, &self.materials),
+            ("Media", &self.media),
             ("Lights", &self.lights),
             ("Cameras", &self.sensors),
         ]
@@ -144,6 +151,40 @@ impl MaterialPlace {
     }
 }
 
+/// A medium of the selection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InspectedMedium {
+    /// The entity of the medium.
+    pub entity: Entity,
+    /// The heading.
+    pub name: String,
+    /// The present parameters.
+    pub medium: Arc<Medium>,
+    /// The place in which the inspected thing refers to it; None if it is the inspected thing itself.
+    pub side: Option<MediumSide>,
+    /// The parameters that differ from those of the other selected things' media in the same place.
+    pub mixed: Mixed,
+    /// The number of things that refer to it.
+    pub users: usize,
+    /// World from the unit cube for the box of each volume: what lies outside is empty, or the border of the grid.
+    pub boxes: Vec<Affine3A>,
+    /// What is in the file of each grid: by path, the voxels along each axis, or None while it is not loaded.
+    pub grids: Vec<(PathBuf, Option<InspectedGrid>)>,
+}
+
+/// The content of a file with a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InspectedGrid {
+    /// The voxels along each axis.
+    pub resolution: UVec3,
+    /// The values of each voxel, 1 or 3.
+    pub channels: usize,
+    /// The box that the file names.
+    pub bounds: Option<Aabb>,
+    /// The space of the file from that in which the grid fills the unit cube.
+    pub world_from_local: Affine3A,
+}
+
 /// The content of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectedMesh {
@@ -176,10 +217,16 @@ pub struct Inspected {
     pub film: Option<Film>,
     /// The material that a shape names; None where it names none.
     pub uses_material: Option<Entity>,
+    /// The media that it refers to, by [`MediumSide`] as a number.
+    pub media_at: [Option<Entity>; 3],
     /// The differences among all selected things, without those of materials.
     pub mixed: Mixed,
     /// The material itself, or the shape's, and those nested in it.
     pub materials: Vec<InspectedMaterial>,
+    /// The medium itself, or those that the thing refers to.
+    pub media: Vec<InspectedMedium>,
+    /// Why its medium cannot be inside of it: what is open about it.
+    pub leak: Option<String>,
 }
 
 impl Inspected {
@@ -187,6 +234,14 @@ impl Inspected {
     pub(crate) fn has_textures(&self) -> bool {
         let is_surface = self.shape.as_ref().is_some_and(|shape| !shape.is_frame());
         is_surface && has_textures(self.materials.iter().map(|entry| &*entry.material))
+    }
+
+    /// Whether it may refer to a medium there.
+    pub(crate) fn has_side(&self, side: MediumSide) -> bool {
+        match side {
+            MediumSide::Interior | MediumSide::Exterior => self.shape.as_ref().is_some_and(|shape| !shape.is_frame()),
+            MediumSide::Around => self.sensor.is_some() || self.emitter.is_some(),
+        }
     }
 
     /// An entity with nothing to edit yet.
@@ -202,8 +257,11 @@ impl Inspected {
             sensor: None,
             film: None,
             uses_material: None,
+            media_at: [None; 3],
             mixed: Mixed::default(),
             materials: Vec::new(),
+            media: Vec::new(),
+            leak: None,
         }
     }
 

@@ -6,12 +6,12 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::gather::{Naming, NamingItem, shape_kind};
+use super::gather::{Naming, NamingItem, medium_kind, shape_kind};
 use super::{EditorModel, Item, Outline};
 use crate::scene::changes::Changes;
 use crate::scene::{
-    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, SceneId, SceneStatus, SecondNestedIn,
-    Sensor, Shape, UsesMaterial,
+    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, Medium, SceneId, SceneStatus,
+    SecondNestedIn, Sensor, Shape, UsesMaterial,
 };
 
 /// The whole list is made anew if more things than this have changed.
@@ -24,6 +24,7 @@ pub(crate) struct OutlineNews<'w, 's> {
     orders: Changes<'w, 's, DocumentOrder>,
     shapes: Changes<'w, 's, Shape>,
     materials: Changes<'w, 's, Material>,
+    media: Changes<'w, 's, Medium>,
     emitters: Changes<'w, 's, Emitter>,
     uses: Changes<'w, 's, UsesMaterial>,
     first_outer: Changes<'w, 's, FirstNestedIn>,
@@ -31,6 +32,7 @@ pub(crate) struct OutlineNews<'w, 's> {
     added: Query<'w, 's, Entity, Or<(Added<AreaLight>, Added<Sensor>, Added<Hidden>, Added<Locked>)>>,
     removed_shapes: RemovedComponents<'w, 's, Shape>,
     removed_materials: RemovedComponents<'w, 's, Material>,
+    removed_media: RemovedComponents<'w, 's, Medium>,
     removed_emitters: RemovedComponents<'w, 's, Emitter>,
     removed_lights: RemovedComponents<'w, 's, AreaLight>,
     removed_sensors: RemovedComponents<'w, 's, Sensor>,
@@ -53,12 +55,14 @@ impl OutlineNews<'_, '_> {
         self.orders.for_each(&mut note);
         self.shapes.for_each(&mut note);
         self.materials.for_each(&mut note);
+        self.media.for_each(&mut note);
         self.emitters.for_each(&mut note);
         self.uses.for_each(&mut note);
         self.first_outer.for_each(&mut note);
         self.second_outer.for_each(&mut note);
         changed.extend(self.removed_shapes.read());
         changed.extend(self.removed_materials.read());
+        changed.extend(self.removed_media.read());
         changed.extend(self.removed_emitters.read());
         changed.extend(self.removed_lights.read());
         changed.extend(self.removed_sensors.read());
@@ -77,6 +81,7 @@ impl OutlineNews<'_, '_> {
 pub(crate) struct Things<'w, 's> {
     shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
     materials: Query<'w, 's, (Naming, &'static Material)>,
+    media: Query<'w, 's, (Naming, &'static Medium)>,
     emitters: Query<'w, 's, (Naming, &'static Emitter)>,
     sensors: Query<'w, 's, (Naming, &'static Sensor)>,
     orders: Query<'w, 's, &'static DocumentOrder>,
@@ -115,6 +120,11 @@ impl Things<'_, '_> {
                     .iter()
                     .map(|(naming, material)| naming.item(material.info().label)),
             ),
+            media: sorted(
+                self.media
+                    .iter()
+                    .map(|(naming, medium)| naming.item(medium_kind(medium))),
+            ),
             sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
         }
     }
@@ -134,6 +144,10 @@ impl Things<'_, '_> {
         });
         self.replace(&mut outline.materials, changed, |entity| {
             material(entity).map(|(naming, material)| naming.item(material.info().label))
+        });
+        self.replace(&mut outline.media, changed, |entity| {
+            let found = self.media.get(entity).ok();
+            found.map(|(naming, medium)| naming.item(medium_kind(medium)))
         });
         self.replace(&mut outline.sensors, changed, |entity| {
             self.sensors.get(entity).ok().map(|(naming, _)| naming.item("camera"))
@@ -292,7 +306,8 @@ mod tests {
                 if entities.len() < 50 || number(4) == 0 {
                     let kinds = [ShapeKind::Cube, ShapeKind::Disk];
                     let thing = (order, Name::new(format!("thing {step}")), ToWorld::default());
-                    let entity = match number(4) {
+                    let entity = match number(5) {
+                        4 => world.spawn((thing, Medium::default())).id(),
                         0 => world.spawn((thing, Material::default())).id(),
                         1 => world.spawn((thing, Sensor::default())).id(),
                         _ => world.spawn((thing, shape(kinds[number(2)].clone()))).id(),

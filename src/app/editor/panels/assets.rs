@@ -338,7 +338,7 @@ fn file_cell(
         let (word, help) = match kind {
             AssetKind::Picture | AssetKind::Environment => ("Use", "As texture of the selected shapes, or all around"),
             AssetKind::Scene if !is_scene => ("Use", "For the selected shapes"),
-            AssetKind::Mesh | AssetKind::Scene => ("Add to the scene", ""),
+            AssetKind::Mesh | AssetKind::Volume | AssetKind::Scene => ("Add to the scene", ""),
         };
         let mut button = ui.button(word);
         if !help.is_empty() {
@@ -348,7 +348,7 @@ fn file_cell(
             commands.push(used());
             ui.close();
         }
-        if kind != AssetKind::Mesh && kind != AssetKind::Scene && ui.button("Use as environment").clicked() {
+        if matches!(kind, AssetKind::Picture | AssetKind::Environment) && ui.button("Use as environment").clicked() {
             commands.push(Command::Import(entry.path.clone()));
             ui.close();
         }
@@ -384,6 +384,7 @@ fn tool_tip(ui: &mut Ui, entry: &AssetEntry, kind: AssetKind, picture: Option<&A
             "Drag it into the picture, or click it twice: it can be added to the scene, or opened."
         }
         AssetKind::Mesh => "Drag it to where it is to stand. A double click adds it where its file says.",
+        AssetKind::Volume => "Drag it to where it is to stand, in a box of its own. A double click puts it where there is room.",
         AssetKind::Scene if is_material => "Drag it onto a shape. A double click is for the selection.",
         AssetKind::Scene if picture.is_none() => "It has not been read yet.",
         AssetKind::Scene => "Drag it into the picture to add it to the scene, or to open it. A double click opens it.",

@@ -86,8 +86,8 @@ mod tests {
     use crate::color::Rgb;
     use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
     use crate::scene::{
-        Absorption, ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled,
-        PrincipledIndex, Roughness, SunPosition, SunSky,
+        Absorption, Coefficients, ConductorIor, Distribution, Emitter, EmitterKind, Material, Medium, ParameterRef,
+        PhaseFunction, Principled, PrincipledIndex, Roughness, SunPosition, SunSky,
     };
 
     /// The declarations of all parameters.
@@ -141,6 +141,20 @@ mod tests {
             found.push(info);
             value.in_file(info, &mut |info, _| parts.push(info));
         };
+        let media = [
+            Medium::default(),
+            Medium {
+                coefficients: Coefficients::Separate {
+                    sigma_s: Rgb::ONE,
+                    sigma_a: Rgb::ONE,
+                },
+                ..Medium::default()
+            },
+        ];
+        media.iter().for_each(|medium| medium.visit(&mut meet));
+        let phases = PhaseFunction::PLUGINS.into_iter().filter_map(PhaseFunction::of_plugin);
+        let phases: Vec<PhaseFunction> = phases.collect();
+        phases.iter().for_each(|phase| phase.visit(&mut meet));
         materials.iter().for_each(|material| material.visit(&mut meet));
         emitters.iter().for_each(|emitter| emitter.visit(&mut meet));
         found.extend(parts);

@@ -11,8 +11,9 @@ use super::key_marks::{moving, take_asked};
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
+use super::medium_section::{EditedMedia, medium_rows};
 use super::section::section;
-use super::{camera_angles, dimensions, emission, fields, lengths, look, sensor, solid, transform};
+use super::{camera_angles, dimensions, emission, fields, lengths, look, medium_section, sensor, solid, transform};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, Model};
@@ -24,6 +25,7 @@ use crate::scene::{EmitterKind, Material, MeshFile, MeshFormat, Shape, ShapeKind
 pub struct InspectorState {
     angles: transform::ShownAngles,
     materials: EditedMaterials,
+    media: EditedMedia,
     /// The part of a nested material that was chosen in the tree.
     part: Option<Entity>,
 }
@@ -112,6 +114,11 @@ fn sections(
     if has_surface || !inspected.materials.is_empty() {
         section(ui, "Material", |ui| {
             material_rows(ui, inspected, model, state, commands)
+        });
+    }
+    if medium_section::has_media(inspected) {
+        section(ui, "Medium", |ui| {
+            medium_rows(ui, inspected, model, &mut state.media, commands);
         });
     }
     if has_surface {

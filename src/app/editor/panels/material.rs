@@ -112,6 +112,9 @@ impl Rows<'_> {
             ParameterMut::Height(value) => {
                 self.texturable(info, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
             }
+            ParameterMut::Number(value) if info.offered.is_some() => {
+                self.edit.changed |= fields::slider(self.ui, info, value, info.slider_range());
+            }
             ParameterMut::Number(value) | ParameterMut::SamplingWeight(value) => {
                 self.edit.changed |= fields::quantity(self.ui, info, value, 0.01, info.range.clone(), info.unit);
             }

@@ -1,20 +1,207 @@
 //! Rows of the parameters of participating media.
 
+use bevy::math::{Affine3A, Vec3};
+use bevy_egui::egui::Ui;
+
+use super::caption::Caption;
 use super::color_field;
-use super::fields;
+use super::fields::{self, NumberStyle};
+use super::lengths;
 use super::material::Rows;
+use crate::app::editor::model::panel_textures::PanelTextures;
+use crate::app::editor::model::{InspectedGrid, InspectedMedium};
 use crate::color::Rgb;
 use crate::scene::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
-use crate::scene::{Coefficients, ParameterInfo, VolumeParameter};
+use crate::scene::{
+    Coefficients, GridFile, Medium, ParameterInfo, PhaseFunction, VolumeFilter, VolumeParameter, VolumeWrap,
+};
+
+/// The names of the rows that are no parameters of the format.
+const FREE_PATH: &str = "Free path";
+const PHASE: &str = "Phase";
+
+/// Shows the rows of a medium; true if edited.
+pub(super) fn medium(ui: &mut Ui, edited: &mut Medium, shown: &InspectedMedium, textures: &PanelTextures) -> bool {
+    let mut changed = false;
+    let mut rows = Rows::new(ui, textures);
+    edited.visit_mut(&mut |info, value| rows.parameter(info, value));
+    changed |= rows.edit.changed;
+    changed |= free_path(ui, edited);
+    changed |= phase(ui, &mut edited.phase, textures);
+    let grids: Vec<Option<InspectedGrid>> = shown.grids.iter().map(|(_, content)| *content).collect();
+    changed | volumes(ui, edited, &grids)
+}
+
+/// The mean free path by colour, which is the inverse of the extinction. That of a grid varies, and has no row.
+fn free_path(ui: &mut Ui, medium: &mut Medium) -> bool {
+    let scale = medium.scale;
+    let Some(sigma_t) = medium.coefficients.uniform_extinction() else {
+        return false;
+    };
+    let mut lengths = (sigma_t * scale).to_array().map(f32::recip);
+    let before = lengths;
+    let speed = 0.01 * lengths.into_iter().filter(|it| it.is_finite()).fold(1e-3, f32::max);
+    let styles = ["R", "G", "B"].map(|letter| NumberStyle {
+        letter,
+        speed,
+        suffix: "",
+        range: f32::MIN_POSITIVE..=f32::MAX,
+    });
+    let about = "How far light goes on average before it is scattered or absorbed, by colour: the inverse of the extinction times the density. \
+                 Over this way the share exp(-1), 37 %, is left. \u{221e}: it takes nothing out.";
+    let caption = Caption::from(&SIGMA_T).titled(FREE_PATH).explained(about);
+    if !lengths::numbers(ui, caption, &mut lengths, styles) {
+        return false;
+    }
+    let mut sigma_t = sigma_t.to_array();
+    for (place, length) in lengths.into_iter().enumerate() {
+        let is_usable = length > 0.0 && scale > 0.0 && length != before[place];
+        if is_usable {
+            sigma_t[place] = (length * scale).recip();
+        }
+    }
+    medium.coefficients.set_uniform_extinction(Rgb::from_array(sigma_t));
+    true
+}
+
+/// The kind of the phase function and its parameters.
+fn phase(ui: &mut Ui, phase: &mut PhaseFunction, textures: &PanelTextures) -> bool {
+    let info = phase.info();
+    let is_blend = |name: &str| name == "blendphase";
+    let mut wanted = info.name;
+    let about = "The directions in which light goes on that is scattered.";
+    let caption = Caption::from((PHASE, "phase")).explained(about);
+    let mut changed = false;
+    if is_blend(info.name) {
+        fields::note(ui, caption, info.label);
+    } else {
+        let plugins = PhaseFunction::DECLARED.iter().filter(|other| !is_blend(other.name));
+        let options: Vec<_> = plugins.map(|plugin| (plugin.name, plugin.label)).collect();
+        if fields::choice(ui, caption, &mut wanted, &options)
+            && let Some(turned) = PhaseFunction::of_plugin(wanted)
+        {
+            *phase = turned;
+            changed = true;
+        }
+    }
+    let mut rows = Rows::new(ui, textures);
+    phase.visit_mut(&mut |info, value| rows.parameter(info, value));
+    changed |= rows.edit.changed;
+    if let PhaseFunction::Blend(blend) = phase {
+        for (number, inner) in blend.of.iter_mut().enumerate() {
+            ui.push_id(number, |ui| {
+                let label = inner.info().label;
+                fields::note(ui, ["First", "Second"][number], label);
+                let mut rows = Rows::new(ui, textures);
+                if !matches!(inner, PhaseFunction::Blend(_)) {
+                    inner.visit_mut(&mut |info, value| rows.parameter(info, value));
+                }
+                changed |= rows.edit.changed;
+            });
+        }
+    }
+    changed
+}
+
+/// The places of volumes, and what is known of the files of grids. `grids` are in the order of [`Medium::for_each_grid`].
+fn volumes(ui: &mut Ui, medium: &mut Medium, grids: &[Option<InspectedGrid>]) -> bool {
+    let mut changed = false;
+    let mut grids = grids.iter().copied();
+    let mut show = |ui: &mut Ui, title: &str, volume: Volume| {
+        ui.push_id(title, |ui| match volume {
+            Volume::Box(to_world) => changed |= place(ui, title, to_world),
+            Volume::Grid(grid) => {
+                let content = grids.next().flatten();
+                changed |= grid_rows(ui, title, grid, content);
+            }
+            Volume::Everywhere => {}
+        });
+    };
+    if let Coefficients::Extinction { sigma_t, albedo } = &mut medium.coefficients {
+        show(ui, SIGMA_T.label, Volume::of(sigma_t));
+        show(ui, ALBEDO.label, Volume::of(albedo));
+    }
+    show(ui, "Emission", Volume::of(&mut medium.emission));
+    medium
+        .phase
+        .for_each_volume_mut(&mut |weight| show(ui, "Weight", Volume::of(weight)));
+    changed
+}
+
+/// The place of a value, whatever its type.
+enum Volume<'v> {
+    Everywhere,
+    Box(&'v mut Affine3A),
+    Grid(&'v mut GridFile),
+}
+
+impl<'v> Volume<'v> {
+    fn of<T>(volume: &'v mut VolumeParameter<T>) -> Self {
+        match volume {
+            VolumeParameter::Constant(_) => Self::Everywhere,
+            VolumeParameter::Box { to_world, .. } => Self::Box(to_world),
+            VolumeParameter::Grid(grid) => Self::Grid(grid),
+        }
+    }
+}
+
+fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<InspectedGrid>) -> bool {
+    ui.add_space(4.0);
+    ui.weak(format!("The grid of {}", title.to_lowercase()));
+    let size = match content {
+        Some(content) => {
+            let [x, y, z] = content.resolution.to_array();
+            let values = if content.channels == 1 { "" } else { ", coloured" };
+            format!("{x} \u{d7} {y} \u{d7} {z}{values}")
+        }
+        None => "not loaded".to_owned(),
+    };
+    fields::note(ui, "Voxels", size);
+    let filters = VolumeFilter::ALL.map(|filter| (filter, filter.name()));
+    let mut changed = fields::choice(ui, "Filter", &mut grid.filter, &filters);
+    let wraps = VolumeWrap::ALL.map(|wrap| (wrap, wrap.name()));
+    changed |= fields::choice(ui, "Outside", &mut grid.wrap, &wraps);
+    if grid.use_grid_bbox || content.is_some_and(|content| content.bounds.is_some()) {
+        changed |= fields::checkbox(ui, "Box of file", &mut grid.use_grid_bbox);
+    }
+    place(ui, "Grid", &mut grid.to_world) || changed
+}
+
+/// The corner and the size of a volume, which is the unit cube under this map.
+fn place(ui: &mut Ui, title: &str, to_world: &mut Affine3A) -> bool {
+    let axes = to_world.matrix3.to_cols_array_2d().map(Vec3::from_array);
+    let mut size = Vec3::from_array(axes.map(Vec3::length));
+    let speed = 0.01 * size.max_element().max(1e-3);
+    let mut corner = Vec3::from(to_world.translation);
+    let mut changed = false;
+    if lengths::vector(ui, &format!("{title} at"), &mut corner, speed) && corner.is_finite() {
+        to_world.translation = corner.into();
+        changed = true;
+    }
+    let before = size;
+    if lengths::vector(ui, &format!("{title} size"), &mut size, speed)
+        && size.cmpgt(Vec3::ZERO).all()
+        && size.is_finite()
+    {
+        let factor = size / before;
+        if factor.is_finite() {
+            to_world.matrix3.x_axis *= factor.x;
+            to_world.matrix3.y_axis *= factor.y;
+            to_world.matrix3.z_axis *= factor.z;
+            changed = true;
+        }
+    }
+    changed
+}
 
 impl Rows<'_> {
     pub(super) fn coefficients(&mut self, value: &mut Coefficients) {
         match value {
             Coefficients::Extinction { sigma_t, albedo } => {
-                self.volume(&SIGMA_T, sigma_t, Self::coefficient);
                 self.volume(&ALBEDO, albedo, |rows, info, color| {
                     rows.edit.changed |= color_field::color(rows.ui, info, color);
                 });
+                self.volume(&SIGMA_T, sigma_t, Self::coefficient);
             }
             Coefficients::Separate { sigma_s, sigma_a } => {
                 self.coefficient(&SIGMA_S, sigma_s);
@@ -40,9 +227,14 @@ impl Rows<'_> {
         fields::note(self.ui, info, text);
     }
 
+    /// A colour, and its strength per unit of length.
     fn coefficient(&mut self, info: &'static ParameterInfo, value: &mut Rgb) {
-        if fields::vector(self.ui, info, value, 0.01, info.unit) {
-            *value = value.max(Rgb::ZERO);
+        let unit = match lengths::unit(self.ui).name() {
+            "" => String::new(),
+            name => format!(" /{name}"),
+        };
+        if color_field::emission(self.ui, info, &unit, 0.0, value) {
+            *value = value.clamp(Rgb::ZERO, Rgb::splat(*info.range.end()));
             self.edit.changed = true;
         }
     }

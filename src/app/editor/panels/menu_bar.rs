@@ -6,6 +6,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::containers::menu::MenuButton;
 use bevy_egui::egui::{self, Atom, Button, Id, Popup, RichText, Ui, vec2};
 
+use super::medium_section::fill_menu;
 use super::outliner::marks;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
@@ -59,7 +60,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         };
         menu(ui, "File", &mut |ui| file_menu(ui, model, &state, commands));
         menu(ui, "Edit", &mut |ui| edit_menu(ui, model, context, commands));
-        menu(ui, "Add", &mut |ui| add_menu(ui, context, commands));
+        menu(ui, "Add", &mut |ui| add_menu(ui, model, context, commands));
         menu(ui, "Arrange", &mut |ui| arrange_menu(ui, context, commands));
         menu(ui, "View", &mut |ui| view_menu(ui, model, &state, commands));
         menu(ui, "Time", &mut |ui| {
@@ -168,6 +169,7 @@ fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionConte
 fn addition(name: &str) -> (&'static str, &'static str) {
     match name.split_once('-') {
         Some(("add", "camera" | "turntable")) => ("Cameras", "camera"),
+        Some(("add", "fog" | "fog-box") | ("fill", _)) => ("Media", "fog"),
         Some(("add", kind)) => {
             let shapes = [
                 "sphere",
@@ -190,7 +192,7 @@ fn addition(name: &str) -> (&'static str, &'static str) {
     }
 }
 
-fn add_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
+fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     let mut before = "";
@@ -202,6 +204,12 @@ fn add_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
             before = part;
         }
         drawn_entry(ui, action.name, Some(drawing), context, commands);
+        let shapes = model.selected_shapes();
+        if action.name == "fill-smoke" && !model.outline.media.is_empty() && !shapes.is_empty() {
+            ui.menu_button("Fill with a medium of the scene", |ui| {
+                fill_menu(ui, &shapes, model, commands)
+            });
+        }
     }
 }
 

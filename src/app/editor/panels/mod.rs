@@ -27,6 +27,7 @@ pub mod material;
 pub mod material_header;
 pub mod material_tree;
 mod medium;
+mod medium_section;
 pub mod menu_bar;
 pub mod outliner;
 pub mod paths;

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use bevy::math::Rect;
 use bevy_egui::egui::Ui;
 
+use super::caption::Caption;
 use super::section::{section, section_with};
 use super::status::percent;
 use super::{comparison, fields, layers, light_mixing, look};
@@ -15,7 +16,7 @@ use crate::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use crate::app::editor::model::RenderModel;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
-use crate::scene::{AccelMethod, Sequence, Strategy};
+use crate::scene::{AccelMethod, PathPlugin, Sequence, Strategy};
 
 /// Shows the settings of how the scene is rendered and shown.
 pub fn render(
@@ -176,9 +177,13 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
 
 fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut integrator = model.integrator;
+    let plugins = PathPlugin::ALL.map(|plugin| (plugin, plugin.name()));
+    let about = "With path, space is empty; with volpath and volpathmis, which are the same here, light is scattered and absorbed in media.";
+    let caption = Caption::from("Integrator").explained(about);
+    let mut changed = fields::choice(ui, caption, &mut integrator.plugin, &plugins);
     let mut is_bounded = integrator.max_depth.is_some();
-    let mut changed = fields::checkbox(ui, "Limit depth", &mut is_bounded);
-    if changed {
+    if fields::checkbox(ui, "Limit depth", &mut is_bounded) {
+        changed = true;
         integrator.max_depth = is_bounded.then_some(8);
     }
     if let Some(depth) = &mut integrator.max_depth {

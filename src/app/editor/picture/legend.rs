@@ -1,7 +1,7 @@
 //! The meaning of the colours of the picture, where they are not those of light.
 
 use super::painter::{DARKEST, Scales};
-use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_STEPS, heat};
+use crate::app::editor::command::display::{DisplayMode, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat};
 use crate::app::editor::words::figures::length;
 
 /// The meaning of a mode's colours.
@@ -48,6 +48,7 @@ pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
     };
     Some(match mode {
         DisplayMode::BvhSteps => heat("0", format!("{HOTTEST_STEPS:.0}+")),
+        DisplayMode::OpticalDepth => heat("0", format!("{HOTTEST_DEPTH:.0}+")),
         DisplayMode::Samples => heat("0", scales.most_samples.to_string()),
         DisplayMode::Noise => heat("0 %", format!("{:.0} %+", 100.0 * HOTTEST_NOISE)),
         DisplayMode::Depth => {

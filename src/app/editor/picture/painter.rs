@@ -1,7 +1,9 @@
 //! Paints the film as bytes of the screen, in every display mode. It knows neither rendering nor Bevy.
 
 use super::compare::PixelComparison;
-use crate::app::editor::command::display::{DisplayMode, DisplaySettings, HOTTEST_NOISE, HOTTEST_STEPS, heat};
+use crate::app::editor::command::display::{
+    DisplayMode, DisplaySettings, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat,
+};
 use crate::color::{Rgb, luminance};
 use crate::render::film::Film;
 use crate::render::noise::DARK;
@@ -174,6 +176,7 @@ impl<'a> Painter<'a> {
                 heat(relative / HOTTEST_NOISE).map(quantized)
             }
             DisplayMode::BvhSteps => heat(pixel.radiance.x / HOTTEST_STEPS).map(quantized),
+            DisplayMode::OpticalDepth => heat(luminance(pixel.radiance) / HOTTEST_DEPTH).map(quantized),
         }
     }
 }

@@ -56,6 +56,8 @@ pub(crate) struct ViewportScene {
     pub pose: Option<Affine3A>,
     pub outline: SelectionOutline,
     pub wireframe: Wireframe,
+    /// The boxes of the volumes of what is selected, as world from the unit cube.
+    pub volume_boxes: Vec<Affine3A>,
     pub locked: EntityHashSet,
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
@@ -286,6 +288,8 @@ pub(crate) fn gather_viewport(
     seen.textures = inspected
         .filter(|_| settings.tool == Tool::PlaceTexture)
         .and_then(texture_target);
+    let media = inspected.map_or(&[][..], |inspected| &inspected.media);
+    seen.volume_boxes = media.iter().flat_map(|entry| entry.boxes.iter().copied()).collect();
     seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let compared = &model.0.render.comparison;

@@ -27,6 +27,7 @@ pub mod steer_cursor;
 pub mod texturing;
 pub mod tool_icons;
 pub mod toolbar;
+mod volume_boxes;
 
 use std::time::Duration;
 
@@ -295,6 +296,7 @@ fn paint_over(
         }
         let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
         painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
+        volume_boxes::paint(&painter, screen, model.volume_boxes);
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
         path_lines::paint(

@@ -47,6 +47,8 @@ pub struct ViewportModel<'a> {
     pub outline: &'a SelectionOutline,
     /// The selection as lines, if they are shown.
     pub wireframe: &'a Wireframe,
+    /// The boxes of the volumes of what is selected, as world from the unit cube.
+    pub volume_boxes: &'a [Affine3A],
     /// The icons of lights and cameras.
     pub icons: &'a [Icon],
     /// The data that the handles act on.

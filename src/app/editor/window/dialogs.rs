@@ -195,7 +195,18 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
 }
 
 /// What can be imported: meshes, scenes and environments.
-const IMPORTS: &[&str] = &["obj", "ply", "serialized", "hdr", "exr", "xml", "glb", "gltf"];
+const IMPORTS: &[&str] = &[
+    "obj",
+    "ply",
+    "serialized",
+    "hdr",
+    "exr",
+    "xml",
+    "glb",
+    "gltf",
+    "vol",
+    "vdb",
+];
 const IMAGES: &[(&str, &str)] = &[
     ("PNG, as shown", "png"),
     ("JPEG, as shown", "jpg"),

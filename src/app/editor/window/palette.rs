@@ -133,7 +133,13 @@ pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf],
     let beside = model.scene_files.iter().filter(|file| !recent.contains(file));
     let scenes = recent.iter().chain(beside).map(|file| Hit::Scene(file));
     let outline = &model.outline;
-    let lists = [&outline.shapes, &outline.lights, &outline.materials, &outline.sensors];
+    let lists = [
+        &outline.shapes,
+        &outline.lights,
+        &outline.materials,
+        &outline.media,
+        &outline.sensors,
+    ];
     let things = lists.into_iter().flatten().map(Hit::Thing);
     let all = actions.chain(scenes).chain(things);
     let mut scored: Vec<(i32, Hit)> = all.filter_map(|hit| Some((hit.score(query, bound)?, hit))).collect();

@@ -177,6 +177,7 @@ pub fn show_window(
         boxes: seen.boxes(),
         outline: &seen.outline,
         wireframe: &seen.wireframe,
+        volume_boxes: &seen.volume_boxes,
         icons: &seen.icons,
         gizmo: GizmoModel {
             settings: settings.gizmo,

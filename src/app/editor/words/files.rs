@@ -10,6 +10,9 @@ pub(crate) const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
 /// The extensions of pictures. Each of them can be a texture or an environment.
 pub(crate) const PICTURES: [&str; 10] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm", "bmp", "tga", "ppm", "pgm"];
 
+/// The extensions of grids of voxels.
+pub(crate) const VOLUMES: [&str; 2] = ["vol", "vdb"];
+
 /// The extension in small letters; empty without one.
 pub fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()

@@ -14,7 +14,7 @@ use crate::app::editor::command::resolution::Resolution;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::session::history::History;
 use crate::render::tonemap::ToneMap;
-use crate::scene::{AreaLight, Emitter, Material, SceneStatus, Sensor, Shape};
+use crate::scene::{AreaLight, Emitter, Material, Medium, SceneStatus, Sensor, Shape};
 
 /// Kinds of acts with their shares in percent.
 const KINDS: [(&str, usize); 12] = [
@@ -247,6 +247,7 @@ fn rendering(world: &mut World, random: &mut Random) -> Vec<Act> {
 fn selection(world: &mut World, random: &mut Random) -> Vec<Act> {
     let mut all = names::<With<Shape>>(world);
     all.extend(names::<With<Material>>(world));
+    all.extend(names::<With<Medium>>(world));
     all.extend(names::<With<Emitter>>(world));
     all.extend(names::<With<Sensor>>(world));
     let Some(name) = random.one_of(&all).cloned() else {

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::random::Random;
 use crate::app::editor::command::uv_projection::ProjectedFrom;
-use crate::scene::{Emitter, Material, Shape};
+use crate::scene::{Emitter, Material, Medium, Shape};
 
 /// A scene of every kind of thing that [`random_edit`] may import.
 pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-plastic'/>
@@ -34,7 +34,8 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
     let shapes = names::<With<Shape>>(world);
     let materials = names::<With<Material>>(world);
     let lights = names::<With<Emitter>>(world);
-    let all: Vec<String> = [&shapes[..], &materials, &lights].concat();
+    let media = names::<With<Medium>>(world);
+    let all: Vec<String> = [&shapes[..], &materials, &lights, &media].concat();
     if all.len() > MOST_THINGS {
         let victims: Vec<String> = (0..3).filter_map(|_| random.one_of(&all).cloned()).collect();
         return Some(vec![format!("select {}", victims.join(" ")), "delete".to_owned()]);
@@ -42,6 +43,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
     let shape = random.one_of(&shapes).cloned();
     let material = random.one_of(&materials).cloned();
     let anything = random.one_of(&all).cloned();
+    let random_light = random.one_of(&lights).cloned();
     let kinds = [
         "sphere",
         "rectangle",
@@ -58,7 +60,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(37) {
+    match random.below(42) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -161,6 +163,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             shape?,
             ["linear", "ease", "step"][random.below(3)]
         )),
+        36..=40 => media_edit(random, &media, shape, random_light),
         35 => one(format!("move-key {} to_world 0 {}", shape?, random.below(3))),
         29 => one(format!(
             "project-texture {} 0.{} {}",
@@ -177,6 +180,58 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         )),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
+            1 + random.below(5)
+        )),
+    }
+}
+
+/// One edit about media.
+fn media_edit(
+    random: &mut Random,
+    media: &[String],
+    shape: Option<String>,
+    light: Option<String>,
+) -> Option<Vec<String>> {
+    let medium = random.one_of(media).cloned();
+    let one = |line: String| Some(vec![line]);
+    match random.below(14) {
+        0 => one("add fog".to_owned()),
+        1 => one(format!("add fog-box at={} size=0.5", random.vector())),
+        2 | 3 => one(format!("fill {} {}", ["fog", "smoke"][random.below(2)], shape?)),
+        4 => one(format!("fill {} {}", medium?, shape?)),
+        5 => one(format!(
+            "medium {} {} {}",
+            medium?,
+            ["interior", "exterior"][random.below(2)],
+            shape?
+        )),
+        6 => one(format!(
+            "medium none {} {}",
+            ["interior", "exterior"][random.below(2)],
+            shape?
+        )),
+        7 => one(format!("medium {} around {}", medium?, light?)),
+        8 => one(format!("medium-of {}", shape?)),
+        9 => one(format!("set {} albedo 0.{},0.5,0.9", medium?, random.below(10))),
+        10 => one(format!("set {} mean_free_path {}cm", medium?, 1 + random.below(500))),
+        11 => one(format!(
+            "set {} {}",
+            medium?,
+            [
+                "phase hg",
+                "phase rayleigh",
+                "phase tabphase",
+                "g 0.6",
+                "emission 1,0.4,0.1",
+                "scale 3"
+            ][random.below(6)]
+        )),
+        12 => Some(vec![format!("select {}", medium?), "duplicate".to_owned()]),
+        // Smoke with a place of its own.
+        _ => one(format!(
+            "paste <shape type=\"cube\" id=\"smoke\"><bsdf type=\"null\"/><medium type=\"heterogeneous\" name=\"interior\">\
+             <volume type=\"constvolume\" name=\"sigma_t\"><float name=\"value\" value=\"{}\"/>\
+             <transform name=\"to_world\"><scale value=\"2\"/><translate value=\"-1, -1, -1\"/></transform></volume></medium></shape>",
             1 + random.below(5)
         )),
     }

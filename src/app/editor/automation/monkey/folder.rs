@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use bevy::math::{UVec3, Vec3};
 use tempfile::TempDir;
 
 use super::edits::PART;
 use super::random::Random;
 use crate::files::{LARGEST_NOTE, read_text, write_atomically};
+use crate::math::Aabb;
+use crate::medium::{VolumeGrid, Voxels, write_vol};
 
 /// A temporary folder that goes with this value.
 pub struct Folder {
@@ -48,7 +51,14 @@ impl Writing {
 }
 
 /// The files of the folder `imports`.
-const IMPORTS: [&str; 5] = ["part.xml", "hills.obj", "hills.ply", "sky.pfm", "tetrahedron.gltf"];
+const IMPORTS: [&str; 6] = [
+    "part.xml",
+    "hills.obj",
+    "hills.ply",
+    "sky.pfm",
+    "tetrahedron.gltf",
+    "smoke.vol",
+];
 const PICTURE: &str = "picture.ppm";
 
 impl Folder {
@@ -88,7 +98,7 @@ impl Folder {
 
     /// A mesh or a picture, and new content for it, which is sometimes cut off.
     pub fn changed_import(&self, random: &mut Random) -> (PathBuf, Vec<u8>) {
-        let name = ["hills.obj", "hills.ply", "sky.pfm", PICTURE][random.below(4)];
+        let name = ["hills.obj", "hills.ply", "sky.pfm", "smoke.vol", PICTURE][random.below(5)];
         let mut content = content(name, random);
         if random.below(3) == 0 {
             content.truncate(random.below(content.len()));
@@ -143,6 +153,7 @@ fn content(name: &str, random: &mut Random) -> Vec<u8> {
         "hills.obj" => hills(random, Mesh::Obj).into(),
         "hills.ply" => hills(random, Mesh::Ply).into(),
         "tetrahedron.gltf" => TETRAHEDRON.into(),
+        "smoke.vol" => smoke(random),
         "sky.pfm" => {
             // Little-endian floats (Debevec's Portable FloatMap).
             let mut bytes = b"PF\n16 8\n-1.0\n".to_vec();
@@ -156,6 +167,17 @@ fn content(name: &str, random: &mut Random) -> Vec<u8> {
             bytes
         }
     }
+}
+
+/// A few voxels.
+fn smoke(random: &mut Random) -> Vec<u8> {
+    let size = UVec3::from_array([(); 3].map(|()| 1 + random.below(12) as u32));
+    let voxels = (0..size.element_product()).map(|_| random.below(256) as u8);
+    let unit = Aabb {
+        min: Vec3::ZERO,
+        max: Vec3::ONE,
+    };
+    VolumeGrid::new(size, 1, Voxels::U8(voxels.collect())).map_or(Vec::new(), |grid| write_vol(&grid, &unit))
 }
 
 enum Mesh {

@@ -31,29 +31,37 @@ impl Snapshot {
 
     /// The shapes with their materials, the lights, sensors and all other materials, each as a text, sorted. It leaves out what saving and
     /// reloading renew: names and ids that files give to things, the numbers of their order, and the text that the file has for each.
-    pub(crate) fn contents(&self) -> Vec<String> {
+    pub fn contents(&self) -> Vec<String> {
         let scene = &self.scene;
         let material = |index: &Option<usize>| index.map(|index| self.material(index));
+        let medium = |index: &Option<usize>| index.map(|index| &scene.media[index].medium);
         let shapes = scene.shapes.iter().map(|it| {
             format!(
-                "shape {:?} {:?} {:?} {:?} {:?}, material {:?}",
+                "shape {:?} {:?} {:?} {:?} {:?}, material {:?}, media {:?} {:?}",
                 it.identity.keys,
                 it.shape,
                 it.to_world,
                 it.area_light,
                 it.placements,
-                material(&it.material)
+                material(&it.material),
+                medium(&it.interior),
+                medium(&it.exterior)
             )
         });
         let materials = (0..scene.materials.len()).map(|index| self.material(index));
         let emitters = scene
             .emitters
             .iter()
-            .map(|it| format!("emitter {:?} {:?}", it.emitter, it.to_world));
-        let sensors = scene
-            .sensors
-            .iter()
-            .map(|it| format!("sensor {:?} {:?} {:?}", it.sensor, it.film, it.to_world));
+            .map(|it| format!("emitter {:?} {:?} {:?}", it.emitter, it.to_world, medium(&it.medium)));
+        let sensors = scene.sensors.iter().map(|it| {
+            format!(
+                "sensor {:?} {:?} {:?} {:?}",
+                it.sensor,
+                it.film,
+                it.to_world,
+                medium(&it.medium)
+            )
+        });
         let rest = [format!("{} groups, {:?}", scene.groups.len(), scene.integrator)];
         let mut all: Vec<String> = shapes
             .chain(materials)

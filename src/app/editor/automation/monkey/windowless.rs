@@ -11,7 +11,7 @@ use super::state::{Monkey, settings_folder};
 use crate::app::allocator::keep_memory_low;
 use crate::app::editor::command::{light_mix, selection};
 use crate::app::editor::commands::{self, flight, full_film, scene_watch};
-use crate::app::editor::model::{EditorModel, gather, inspection, outline};
+use crate::app::editor::model::{EditorModel, gather, inspection, leaks, outline};
 use crate::app::editor::picture::frame_times::{self, FrameTimes};
 use crate::app::editor::picture::{compare, denoiser, motion, noise_trend, pacing, paths};
 use crate::app::editor::session::requests::{CommandQueue, Requests};
@@ -56,6 +56,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
         .init_resource::<light_mix::FilmLights>()
         .init_resource::<compare::Comparison>()
         .init_resource::<EditorModel>()
+        .init_resource::<leaks::Leaks>()
         .init_resource::<FrameTimes>()
         .init_resource::<pacing::Pacing>()
         .init_resource::<options::SceneDefines>()
@@ -87,6 +88,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
                 (
                     scene_watch::measure_scene,
                     outline::gather_outline,
+                    leaks::find_leaks,
                     paths::follow_paths,
                     inspection::gather_selection,
                     gather::gather_status,

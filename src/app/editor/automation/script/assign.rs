@@ -12,9 +12,9 @@ use crate::scene::medium;
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
-    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens,
-    Material, ParameterInfo, ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SolidValue,
-    SunPosition, Texture,
+    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, GridFile,
+    Ior, LengthUnit, Lens, Material, Medium, ParameterInfo, ParameterMut, PhaseFunction, PrincipledIndex, Roughness,
+    Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture, VolumeFormat, VolumeParameter,
 };
 
 /// Says why a parameter was not set.
@@ -60,6 +60,74 @@ pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(),
     assign(parameter, text, |visitor| {
         emitter.visit_mut(&mut |info, value| visitor.parameter(info, value))
     })
+}
+
+/// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of that, `filename` the path of a grid in place of
+/// the extinction, and `mean_free_path` its inverse; lengths are in `unit`.
+pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit) -> Result<(), AssignError> {
+    let (mut path, mut file) = (None, None);
+    assign(parameter, text, |visitor| {
+        medium.visit_mut(&mut |info, value| visitor.parameter(info, value));
+        medium
+            .phase
+            .visit_mut(&mut |info, value| visitor.parameter(info, value));
+        visitor.value("phase", &mut medium.phase, parse_phase);
+        visitor.value("mean_free_path", &mut path, |text| parse_lengths(text, unit).map(Some));
+        visitor.value("filename", &mut file, |text| Ok(Some(settle(text.as_ref()))));
+    })?;
+    if let Some(path) = path {
+        if medium.coefficients.uniform_extinction().is_none() || medium.scale <= 0.0 {
+            return Err(AssignError::Refused("its extinction varies, or is nowhere".to_owned()));
+        }
+        let extinction = (path * medium.scale)
+            .recip()
+            .min(Rgb::splat(*medium::SIGMA_T.range.end()));
+        medium.coefficients.set_uniform_extinction(extinction);
+    }
+    if let Some(path) = file {
+        let (mut sigma_t, albedo) = medium.coefficients.sigma_t_and_albedo();
+        let mut grid = match sigma_t {
+            VolumeParameter::Grid(grid) => grid,
+            VolumeParameter::Box { to_world, .. } => GridFile {
+                to_world,
+                ..GridFile::default()
+            },
+            VolumeParameter::Constant(_) => GridFile::default(),
+        };
+        (grid.format, grid.path) = (VolumeFormat::of_file(&path), path);
+        sigma_t = VolumeParameter::Grid(grid);
+        medium.coefficients = Coefficients::Extinction { sigma_t, albedo };
+    }
+    Ok(())
+}
+
+fn parse_phase(text: &str) -> Result<PhaseFunction, AssignError> {
+    let plain = PhaseFunction::PLUGINS.into_iter().filter(|name| *name != "blendphase");
+    if plain.clone().any(|name| name == text) {
+        return PhaseFunction::of_plugin(text).ok_or_else(|| AssignError::Refused("expected a plugin".to_owned()));
+    }
+    let names: Vec<&str> = plain.collect();
+    let names = names.join(", ");
+    Err(AssignError::Refused(format!("expected {names}; found `{text}`")))
+}
+
+/// One length for all colours, or one for each, above 0.
+fn parse_lengths(text: &str, unit: LengthUnit) -> Result<Rgb, AssignError> {
+    let length = |text: &str| {
+        unit.parse(text)
+            .map(|length| length as f32)
+            .filter(|length| *length > 0.0)
+    };
+    let lengths: Option<Vec<f32>> = match length(text) {
+        Some(length) => Some(vec![length; 3]),
+        None => text.split(',').map(length).collect(),
+    };
+    match lengths.as_deref() {
+        Some(&[red, green, blue]) => Ok(Rgb::new(red, green, blue)),
+        _ => Err(AssignError::Refused(format!(
+            "expected a length above 0, such as 2m, or three with commas between them; found `{text}`"
+        ))),
+    }
 }
 
 /// Sets a parameter of a shape, as [`material`] does.

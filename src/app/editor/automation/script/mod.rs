@@ -9,6 +9,7 @@ mod blocking;
 pub mod error;
 mod keys;
 mod layers;
+mod media;
 mod names;
 pub mod parse;
 mod placing;

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::error::ScriptError;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::parse_integer;
-use crate::scene::{DocumentOrder, Material, SceneId, UsesMaterial};
+use crate::scene::{DocumentOrder, InteriorMedium, Material, Medium, SceneId, UsesMaterial};
 
 pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
     let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
@@ -50,6 +50,14 @@ pub(super) fn material_of(world: &World, entity: Entity) -> Option<Entity> {
     match world.get::<Material>(entity) {
         Some(_) => Some(entity),
         None => world.get::<UsesMaterial>(entity).map(|uses| uses.0),
+    }
+}
+
+/// A medium itself, or that inside of a shape.
+pub(super) fn medium_of(world: &World, entity: Entity) -> Option<Entity> {
+    match world.get::<Medium>(entity) {
+        Some(_) => Some(entity),
+        None => world.get::<InteriorMedium>(entity).map(|medium| medium.0),
     }
 }
 

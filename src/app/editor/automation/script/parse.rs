@@ -11,7 +11,7 @@ use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
 use super::verbs::VERBS;
-use super::{blocking, keys, layers, placing, rendering, texturing, timeline};
+use super::{blocking, keys, layers, media, placing, rendering, texturing, timeline};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
@@ -226,6 +226,9 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 shapes,
             }
         }
+        ("medium", [medium, side, things @ ..]) if !things.is_empty() => media::medium(world, medium, side, things)?,
+        ("medium-of", [thing, side @ ..]) if side.len() <= 1 => media::new_medium(world, thing, side.first().copied())?,
+        ("fill", [with, shapes @ ..]) if !shapes.is_empty() => media::fill(world, with, shapes)?,
         ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
         ("emit", [shape, radiance]) => {
             let mut light = AreaLight::default();

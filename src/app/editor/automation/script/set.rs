@@ -4,11 +4,11 @@ use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
-use super::names::material_of;
+use super::names::{material_of, medium_of};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::document::suggest::did_you_mean;
-use crate::scene::{AreaLight, Emitter, Film, Material, Sensor, Shape, ToWorld};
+use crate::scene::{AreaLight, Emitter, Film, LengthUnit, Material, Medium, Sensor, Shape, ToWorld};
 
 /// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
 pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
@@ -28,7 +28,7 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
     // This error tells more than that another component has no such parameter.
     let mut wrong_value = None;
     macro_rules! attempt {
-        ($of:expr, $component:ty, $assign:path, $command:expr) => {
+        ($of:expr, $component:ty, $assign:expr, $command:expr) => {
             if let Some(mut edited) = world.get::<$component>($of).cloned() {
                 match $assign(&mut edited, parameter, value) {
                     Ok(()) => return Ok($command(edited)),
@@ -54,6 +54,15 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
     if let Some(material) = material {
         attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
             material,
+            Box::new(edited)
+        ));
+    }
+    let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
+    let assign_medium =
+        |medium: &mut Medium, parameter: &str, text: &str| assign::medium(medium, parameter, text, unit);
+    if let Some(medium) = medium_of(world, entity) {
+        attempt!(medium, Medium, assign_medium, |edited| Command::SetMedium(
+            medium,
             Box::new(edited)
         ));
     }

@@ -1,7 +1,7 @@
 //! The verbs of scripts, with the words that follow them.
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 72] = [
+pub const VERBS: [(&str, &str); 75] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -52,6 +52,9 @@ pub const VERBS: [(&str, &str); 72] = [
     ("unwrap", "MATERIAL [first|second]"),
     ("assign", "MATERIAL SHAPE..."),
     ("preset", "GROUP/NAME SHAPE... (of the library)"),
+    ("medium", "MEDIUM|none interior|exterior|around THING..."),
+    ("medium-of", "THING [interior|exterior|around] (a new one of its own)"),
+    ("fill", "fog|smoke|MEDIUM SHAPE..."),
     ("emit", "SHAPE RADIANCE|none"),
     ("rename", "NAME NAME"),
     ("hide-thing", "NAME..."),

@@ -9,6 +9,7 @@ mod full_film;
 mod grouping;
 mod kept_picture;
 mod materials;
+mod picking;
 mod placing;
 mod projecting;
 mod saving;

@@ -2,11 +2,12 @@
 
 use bevy_egui::egui::Key;
 
-use super::action::{Action, Group, action, alt, command, command_shift, plain, shift};
+use super::action::{Action, ActionContext, Group, action, alt, command, command_shift, plain, shift};
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::kept_picture::KeptPicture;
+use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
@@ -202,6 +203,18 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-prism", "Prism", &[], |_| {
         Some(addition(AdditionKind::Solid("prism")))
     }),
+    action(Group::Add, "add-fog", "Fog in the whole scene", &[], |_| {
+        Some(addition(AdditionKind::Fog))
+    }),
+    action(Group::Add, "add-fog-box", "Fog box", &[], |_| {
+        Some(addition(AdditionKind::FogBox))
+    }),
+    action(Group::Add, "fill-fog", "Fill with fog", &[], |context| {
+        filled(context, Filling::Fog)
+    }),
+    action(Group::Add, "fill-smoke", "Fill with smoke", &[], |context| {
+        filled(context, Filling::Smoke)
+    }),
     tool!("draw-box", "Draw a box", Key::B, Draw(BlockKind::Box)),
     tool!("draw-floor", "Draw a floor", Key::F, Draw(BlockKind::Floor)),
     tool!("draw-wall", "Draw a wall", Key::L, Draw(BlockKind::Wall)),
@@ -317,6 +330,11 @@ pub const WINDOW: &[Action] = &[
         Some(Command::Shell(ShellCommand::ToggleFullScreen))
     }),
 ];
+
+fn filled(context: &ActionContext, with: Filling) -> Option<Command> {
+    let shapes = context.selection.entities().to_vec();
+    context.with_selection(Command::Fill { shapes, with })
+}
 
 fn addition(kind: AdditionKind) -> Command {
     Command::Add(kind.into())

@@ -126,6 +126,11 @@ pub fn kind(painter: &Painter, middle: Pos2, kind: &str, color: Color32) {
                 line(ends.0, ends.1);
             }
         }
+        "medium" | "volume" | "fog" => {
+            for (place, radius) in [((-2.5, 1.0), 3.0), ((1.0, -1.5), 3.8), ((3.5, 2.0), 2.4)] {
+                painter.circle_stroke(middle + vec2(place.0, place.1), radius, stroke);
+            }
+        }
         "triangle" => loop_of(&[(0.0, -5.0), (5.0, 4.0), (-5.0, 4.0)]),
         "mesh" => {
             loop_of(&[(0.0, -5.0), (5.5, 4.0), (-5.5, 4.0)]);

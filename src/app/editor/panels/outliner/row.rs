@@ -12,6 +12,7 @@ use crate::app::editor::command::selection::Extend;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
 use crate::app::editor::panels::drag_start::is_drag_of;
+use crate::app::editor::panels::medium_section::fill_menu;
 
 /// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
 const KIND: f32 = 18.0;
@@ -258,6 +259,13 @@ impl Row<'_> {
         entry(ui, "Copy as XML", Command::Copy);
         entry(ui, "Group", Command::Group);
         entry(ui, "Delete", Command::Delete);
+        let meant = self.meant();
+        let shapes = self.model.outline.shapes.iter();
+        let shapes = shapes.filter(|item| item.kind != "group" && meant.contains(&item.entity));
+        let shapes: Vec<Entity> = shapes.map(|item| item.entity).collect();
+        if !shapes.is_empty() {
+            ui.menu_button("Fill with", |ui| fill_menu(ui, &shapes, self.model, commands));
+        }
         if ui.button("Rename (F2)").clicked() {
             state.renaming = Some(Renaming::of(self.item));
             ui.close();

@@ -66,6 +66,11 @@ impl<'w> Edit<'w> {
         }
     }
 
+    /// The entities that were touched, with what they were before.
+    pub(crate) fn touched(&self) -> impl Iterator<Item = (Entity, &ObjectState)> {
+        self.before.iter().map(|(entity, before)| (*entity, before))
+    }
+
     /// Writes a component if it differs; an entity that is not in the scene stays out of it.
     pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
         if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {

@@ -10,6 +10,7 @@ use bevy::math::{Affine3A, Mat3, Vec3};
 use bevy_egui::egui::ColorImage;
 use rayon::ThreadPoolBuilder;
 
+use super::volume_picture::volume;
 use crate::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::command::presets::{self, FileContent};
@@ -85,6 +86,7 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Acc
     let content = beside_everything(|| match entry.kind {
         Some(AssetKind::Picture | AssetKind::Environment) => picture(&entry.path, &access),
         Some(AssetKind::Mesh) => mesh(&entry.path, &access),
+        Some(AssetKind::Volume) => volume(&entry.path, &access),
         Some(AssetKind::Scene) => xml(&entry.path, access),
         None => Ok(Content::default()),
     })?;

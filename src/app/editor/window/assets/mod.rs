@@ -3,6 +3,7 @@
 mod file_picture;
 mod listing;
 mod places;
+mod volume_picture;
 
 use std::collections::HashMap;
 use std::path::PathBuf;

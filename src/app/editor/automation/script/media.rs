@@ -1,0 +1,52 @@
+//! The verbs of media: `medium`, `medium-of` and `fill`.
+
+use bevy::prelude::*;
+
+use super::error::ScriptError;
+use super::names::{all_named, named, unknown};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::media::{Filling, MediumSide};
+
+/// `medium MEDIUM|none interior|exterior|around THING...`
+pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> Result<Command, ScriptError> {
+    let side = side_of(side)?;
+    Ok(Command::UseMedium {
+        medium: match medium {
+            "none" => None,
+            name => Some(named(world, name)?),
+        },
+        things: all_named(world, things)?,
+        side,
+    })
+}
+
+/// `medium-of THING [interior|exterior|around]`
+pub fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<Command, ScriptError> {
+    Ok(Command::GiveMedium {
+        thing: named(world, thing)?,
+        side: side.map_or(Ok(MediumSide::Interior), side_of)?,
+    })
+}
+
+/// `fill fog|smoke|MEDIUM SHAPE...`
+pub fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<Command, ScriptError> {
+    // A medium of the scene is meant if there is one of this name.
+    let with = match (named(world, with), with) {
+        (Ok(medium), _) => Filling::Medium(medium),
+        (Err(_), "fog") => Filling::Fog,
+        (Err(_), "smoke") => Filling::Smoke,
+        (Err(error), _) => return Err(error),
+    };
+    Ok(Command::Fill {
+        shapes: all_named(world, shapes)?,
+        with,
+    })
+}
+
+fn side_of(word: &str) -> Result<MediumSide, ScriptError> {
+    let known = MediumSide::ALL.into_iter().find(|(_, name, _)| *name == word);
+    let names = MediumSide::ALL.into_iter().map(|(_, name, _)| name);
+    known
+        .map(|(side, ..)| side)
+        .ok_or_else(|| unknown("place of a medium", word, names))
+}

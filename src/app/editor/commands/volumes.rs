@@ -1,0 +1,92 @@
+//! Imports files with grids of voxels: each becomes a box that light does not notice, filled with a medium that is as dense as the grid says.
+
+use std::path::Path;
+
+use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::*;
+
+use super::things::select_new;
+use super::{media, spot};
+use crate::app::editor::camera::rounding;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::color::Rgb;
+use crate::files::{self, Access};
+use crate::scene::assets::volume_map::load_volume;
+use crate::scene::{Coefficients, GridFile, Medium, PhaseFunction, VolumeFormat, VolumeParameter};
+
+/// The largest file that the window waits for, in bytes. The box of a larger one is a cube.
+const LARGEST: u64 = 64 << 20;
+/// The optical depth through a box whose voxels are all 1: a cloud is seen, and lamps in it are, too.
+const DEPTH: f32 = 8.0;
+
+/// Adds a volume file, which stands on `foot`; None: where new things go. The error names what is wrong with the file.
+pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), CommandError> {
+    let format = VolumeFormat::of_file(path);
+    let (sides, world_from_local) = content_of(&format.asset_path(path))?;
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
+    let found = spot::find(edit.world, None, 1.0, false);
+    let foot = foot.unwrap_or(found.foot);
+    let half = (sides * found.size).map(|half| rounding::with_digits(half, 3));
+    let middle = spot::rounded_place(foot + up * half.dot(up.abs()), found.size);
+    let pose = Affine3A::from_translation(middle) * Affine3A::from_scale(half);
+    // The sum is short in a file, as its parts are.
+    let filling = Affine3A {
+        translation: rounding::sum_of_places(middle, -half).into(),
+        ..pose * media::cube_from_unit()
+    };
+    let grid = GridFile {
+        path: path.to_owned(),
+        format,
+        to_world: match world_from_local == Affine3A::IDENTITY {
+            true => filling,
+            false => filling * world_from_local.inverse(),
+        },
+        ..GridFile::default()
+    };
+    let medium = Medium {
+        coefficients: Coefficients::Extinction {
+            sigma_t: VolumeParameter::Grid(grid),
+            albedo: Rgb::splat(0.9).into(),
+        },
+        scale: spot::rounded(0.5 * DEPTH / half.max_element()),
+        phase: PhaseFunction::HenyeyGreenstein { g: 0.3 },
+        ..Medium::default()
+    };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = stem.replace(['.', '$'], "-");
+    let name = if name.is_empty() { "volume" } else { &name };
+    let cube = media::bounded(edit, name, pose, medium);
+    select_new(edit, vec![cube]);
+    Ok(())
+}
+
+/// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube. Voxels are cubes unless the
+/// file says more.
+fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), CommandError> {
+    let (file, _) = VolumeFormat::of_asset(asset);
+    if files::check(file, LARGEST).is_err() {
+        return Ok((Vec3::ONE, Affine3A::IDENTITY));
+    }
+    // The user has chosen the file.
+    let map = load_volume(asset, &Access::everywhere());
+    let map = map.map_err(|error| CommandError::file(format!("{}: {error}", file.display())))?;
+    let voxels = map.grid.resolution().as_vec3();
+    let axes = map
+        .world_from_local
+        .matrix3
+        .to_cols_array_2d()
+        .map(|axis| Vec3::from_array(axis).length());
+    let sides = match map.bounds {
+        // Mitsuba's own files name the unit cube, whatever the numbers of their voxels.
+        Some(bounds) if bounds.extent() != Vec3::ONE => bounds.extent(),
+        _ if map.world_from_local != Affine3A::IDENTITY => Vec3::from_array(axes),
+        _ => voxels,
+    };
+    let sides = sides / sides.max_element();
+    match sides.cmpgt(Vec3::ZERO).all() && map.world_from_local.inverse().is_finite() {
+        true => Ok((sides, map.world_from_local)),
+        false => Err(CommandError::file(format!("{}: its grid is flat", file.display()))),
+    }
+}

@@ -1,0 +1,60 @@
+//! What a camera ray meets behind surfaces that light does not notice, which are mostly borders of media.
+
+use super::scene::{RenderScene, SurfaceSlot};
+use crate::accel::{Hit, SurfacePoint};
+use crate::material::Material;
+use crate::math::{Ray, offset_origin};
+use crate::medium::{MediumId, Way};
+
+/// The most borders that a ray passes.
+const MOST_BORDERS: u32 = 1024;
+
+/// A surface that a ray meets.
+pub(super) struct Met {
+    /// The hit of the whole ray.
+    pub hit: Hit,
+    pub slot: SurfaceSlot,
+    pub point: SurfacePoint,
+}
+
+/// The first surface along a ray but borders, and how many rays it took. `along` is shown the ways through media up to there; the ray begins in
+/// `medium`.
+pub(super) fn behind_borders(
+    scene: &RenderScene,
+    ray: &Ray,
+    mut medium: Option<MediumId>,
+    mut along: impl FnMut(MediumId, &Way),
+) -> (Option<Met>, u32) {
+    let (mut ray, mut before) = (*ray, 0.0);
+    let length = ray.dir.length().max(f32::MIN_POSITIVE);
+    for rays in 1..=MOST_BORDERS {
+        let found = scene.geometry.intersect(&ray);
+        if let Some(medium) = medium {
+            let end = found.map_or(ray.t_max, |hit| hit.t);
+            let way = Way {
+                origin: ray.at(ray.t_min),
+                dir: ray.dir / length,
+                length: (end - ray.t_min) * length,
+            };
+            along(medium, &way);
+        }
+        let Some(mut hit) = found else {
+            return (None, rays);
+        };
+        let slot = scene.slot(&hit);
+        let point = scene.surface(&ray, &hit, &slot);
+        let is_border = slot.light.is_none() && matches!(scene.materials.get(slot.material), Some(Material::Null));
+        if !is_border {
+            hit.t += before;
+            return (Some(Met { hit, slot, point }), rays);
+        }
+        let normal = point.geometric_normal;
+        medium = slot.media.entered(medium, ray.dir, normal);
+        before += hit.t;
+        ray = Ray {
+            t_max: ray.t_max - hit.t,
+            ..Ray::new(offset_origin(point.position, point.error, normal, ray.dir), ray.dir)
+        };
+    }
+    (None, MOST_BORDERS)
+}
