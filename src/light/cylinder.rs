@@ -48,6 +48,11 @@ impl CylinderLight {
         1.0 / (TAU * along.cross(matrix.z_axis).length())
     }
 
+    /// The point of the axis at this share of the height.
+    pub fn on_axis(&self, height: f32) -> Vec3 {
+        self.world_from_local.transform_point3(Vec3::new(0.0, 0.0, height))
+    }
+
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         let around = Vec2::from_angle(TAU * u.x);
         let position = self.world_from_local.transform_point3(around.extend(u.y));

@@ -65,6 +65,16 @@ impl FiniteLight {
         }
     }
 
+    /// A place on a part, or in the middle of round shapes.
+    pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
+        match self {
+            Self::Surface(light) => light.sample_place(part, u),
+            Self::Point(light) => light.position,
+            Self::Spot(light) => light.position(),
+            Self::Projector(light) => light.position(),
+        }
+    }
+
     /// Density per solid angle with which [`Self::sample`] finds a point of the part.
     pub fn pdf(&self, part: u32, reference: &LightReference, hit: &SurfaceHit) -> f32 {
         match self {

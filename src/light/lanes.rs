@@ -99,6 +99,14 @@ pub(crate) fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, L
 }
 
 impl SoleRectangle {
+    /// Places on the light as of [`super::LightTable::sample_place`].
+    #[inline(always)]
+    pub fn place(&self, u: [Lanes; 2]) -> Vec3Lanes {
+        Vec3Lanes::splat(self.corner)
+            .plus_scaled(u[0], Vec3Lanes::splat(self.edges[0]))
+            .plus_scaled(u[1], Vec3Lanes::splat(self.edges[1]))
+    }
+
     /// Samples directions to the light from the positions `reference`, as [`super::LightTable::sample`] does for one position.
     #[inline(always)]
     pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> RectangleLightSampleLanes {
@@ -111,9 +119,7 @@ impl SoleRectangle {
         let mut pdf = Lanes::ONE / seen.solid_angle;
         let tiny = before & !seen.is_valid;
         if tiny.any() {
-            let by_area = Vec3Lanes::splat(self.corner)
-                .plus_scaled(u[0], Vec3Lanes::splat(self.edges[0]))
-                .plus_scaled(u[1], Vec3Lanes::splat(self.edges[1]));
+            let by_area = self.place(u);
             let to_reference = reference - by_area;
             let distance_squared = to_reference.length_squared();
             let cos = to_reference.dot(normal).abs() / distance_squared.sqrt();

@@ -67,6 +67,11 @@ impl RectangleLight {
         self.normal
     }
 
+    /// The point with these shares of the edges.
+    pub fn at(&self, u: Vec2) -> Vec3 {
+        self.corner + u.x * self.edge_u + u.y * self.edge_v
+    }
+
     /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle allows it, and else uniform in
     /// area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {

@@ -302,6 +302,20 @@ impl SurfaceLight {
         }
     }
 
+    /// A place on a part, or in the middle of round shapes.
+    pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
+        match &self.shape {
+            EmitterShape::Rectangle(light) => light.at(u),
+            EmitterShape::Disk(light) => {
+                let p = warp::concentric_disk(u);
+                light.world_from_local.transform_point3(p.extend(0.0))
+            }
+            EmitterShape::Mesh(triangles) => triangles[part as usize].at(u),
+            EmitterShape::Cylinder(light) => light.on_axis(u.y),
+            EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_) => self.bounds.center(),
+        }
+    }
+
     /// Density per solid angle of [`Self::sample`] at a point of the part.
     pub fn pdf(&self, part: u32, reference: Vec3, hit: &SurfaceHit) -> f32 {
         match &self.shape {

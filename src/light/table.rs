@@ -19,6 +19,7 @@ use super::surface::SurfaceLight;
 use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
 use crate::accel::Tlas;
 use crate::color::Rgb;
+use crate::math::Aabb;
 use crate::sampling::hash::pcg3d;
 use crate::texture::TextureTable;
 
@@ -54,6 +55,8 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
+    /// The box around all lights that have a place.
+    finite_bounds: Option<Aabb>,
     /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
     textured: Vec<bool>,
 }
@@ -75,7 +78,9 @@ impl LightTable {
                     let index = table.finite.len() as u32;
                     for part in 0..light.parts() {
                         table.light_of_part.push(index);
-                        part_bounds.push(light.bounds(part).weighted(weighted.sampling_weight));
+                        let bounds = light.bounds(part);
+                        table.finite_bounds = Some(bounds.bounds.union(table.finite_bounds.unwrap_or(Aabb::EMPTY)));
+                        part_bounds.push(bounds.weighted(weighted.sampling_weight));
                     }
                     table.finite.push(Finite { id, light, first_part });
                     Place::Finite(index)
@@ -155,11 +160,6 @@ impl LightTable {
         self.places.len()
     }
 
-    /// Whether there are lights that are somewhere, not at infinity.
-    pub(crate) fn has_finite(&self) -> bool {
-        !self.finite.is_empty()
-    }
-
     /// Whether the scene is without lights.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
@@ -194,6 +194,20 @@ impl LightTable {
         );
         let pdf = pmf * sample.pdf;
         Some((id, LightSample { pdf, ..sample }))
+    }
+
+    /// A place on a light that is chosen as [`Self::sample`] does; None if that is at infinity. It is a hint without a density, and costs little.
+    pub(crate) fn sample_place(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<Vec3> {
+        let Chosen::Part(part) = self.choice.sample(reference, || refined(u_choice, u))?.0 else {
+            return None;
+        };
+        let finite = &self.finite[self.light_of_part[part as usize] as usize];
+        Some(finite.light.sample_place(part - finite.first_part, u))
+    }
+
+    /// The box around all lights that are somewhere, not at infinity; None if there are none.
+    pub(crate) fn finite_bounds(&self) -> Option<Aabb> {
+        self.finite_bounds
     }
 
     /// Radiance that light `id` sends along the unit vector `wo` from a point of its surface.

@@ -116,6 +116,13 @@ impl TriangleLight {
         SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
     }
 
+    /// A point that is uniform in area.
+    pub fn at(&self, u: Vec2) -> Vec3 {
+        let [p0, p1, p2] = self.corners;
+        let b = warp::uniform_triangle(u);
+        p0 + b.x * (p1 - p0) + b.y * (p2 - p0)
+    }
+
     /// Whether light goes from `position` on the triangle of `smooth` to `reference`, which [`Self::sample`] has found possible.
     pub fn shines(&self, smooth: &Instance, position: Vec3, reference: Vec3) -> bool {
         if self.emission != Emission::ByShadingNormal {

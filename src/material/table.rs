@@ -112,6 +112,11 @@ impl MaterialTable {
         self.has_null_lobe
     }
 
+    /// Whether it is a border that light does not notice.
+    pub(crate) fn is_null(&self, id: MaterialId) -> bool {
+        matches!(self.materials.get(id.0 as usize), Some(Material::Null))
+    }
+
     /// The detail of a surface that [`Self::scattering`] needs.
     pub(crate) fn detail(&self, id: MaterialId) -> Detail {
         match self.parametrised[id.0 as usize] {

@@ -29,6 +29,9 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// Selects `yes` where `condition` holds, else `no`.
     fn select(condition: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// A mask of where `value` is more than `limit`.
+    fn is_above(value: Self, limit: f32) -> Self::Mask;
+
     /// A mask of where `word` is `least` or more.
     fn is_at_least(word: Self::Word, least: u32) -> Self::Mask;
 }
@@ -69,6 +72,11 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn is_above(value: Self, limit: f32) -> bool {
+        value > limit
+    }
+
+    #[inline(always)]
     fn is_at_least(word: u32, least: u32) -> bool {
         word >= least
     }
@@ -101,6 +109,11 @@ impl Real for Lanes {
     #[inline(always)]
     fn select(condition: Lanes, yes: Self, no: Self) -> Self {
         condition.select(yes, no)
+    }
+
+    #[inline(always)]
+    fn is_above(value: Self, limit: f32) -> Lanes {
+        value.simd_gt(Lanes::splat(limit))
     }
 
     #[inline(always)]

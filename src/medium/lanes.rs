@@ -14,7 +14,7 @@ pub(crate) struct PhaseLanes {
     /// The lanes that have one, a bit each.
     pub lanes: u32,
     /// The mean cosines.
-    g: Lanes,
+    pub g: Lanes,
 }
 
 impl PhaseLanes {
@@ -23,13 +23,6 @@ impl PhaseLanes {
         lanes: 0,
         g: Lanes::ZERO,
     };
-
-    /// Gives a lane the function with the mean cosine `g`.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, g: f32) {
-        self.lanes |= 1 << lane;
-        self.g.as_mut_array()[lane] = g;
-    }
 
     /// The densities as [`super::Phase::pdf`], by the cosine of the angle between the old and the new direction.
     #[inline(always)]
@@ -68,11 +61,11 @@ mod tests {
 
     #[test]
     fn phases_in_lanes_are_those_of_one() {
-        let mut phases = PhaseLanes::NONE;
         let of = [0.0f32, 0.5, -0.3, 0.95, 5e-4, -0.9, 0.0, 0.2];
-        for lane in 0..LANES {
-            phases.set(lane, of[lane % of.len()]);
-        }
+        let phases = PhaseLanes {
+            lanes: (1 << LANES) - 1,
+            g: Lanes::new(std::array::from_fn(|lane| of[lane % of.len()])),
+        };
         for number in 0..100 {
             let [x, y, _] = pcg3d([number, 3, 9]).map(unit_float);
             let (wi, pdf) = phases.sample([Lanes::splat(x), Lanes::splat(y)]);

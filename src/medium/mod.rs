@@ -17,6 +17,7 @@ mod phase;
 mod tabulated_phase;
 mod tracking;
 mod uniform;
+pub(crate) mod uniform_lanes;
 pub mod vdb;
 mod vol_file;
 mod volume;
@@ -31,6 +32,7 @@ use glam::{Vec2, Vec3};
 
 use self::majorants::MajorantGrid;
 use self::uniform::Uniform;
+use self::uniform_lanes::PlainMedium;
 use crate::color::Rgb;
 use crate::sampling::RandomStream;
 
@@ -99,6 +101,8 @@ impl MediumSource {
 pub struct Medium {
     source: MediumSource,
     distances: Distances,
+    /// What is needed of it in lanes, if it is of the commonest kind.
+    plain: Option<PlainMedium>,
 }
 
 /// The way in which distances are found in a medium.
@@ -180,7 +184,11 @@ impl Medium {
             }),
             _ => Distances::Tracked(MajorantGrid::new(&source)),
         };
-        Self { source, distances }
+        Self {
+            plain: plain(&source, &distances),
+            source,
+            distances,
+        }
     }
 
     /// The medium with another source. What distances depend on is only prepared again if it has changed.
@@ -190,6 +198,7 @@ impl Medium {
             return Self::new(source);
         }
         Self {
+            plain: plain(&source, &self.distances),
             source,
             distances: self.distances.clone(),
         }
@@ -200,14 +209,10 @@ impl Medium {
         &self.source.phase
     }
 
-    /// The mean cosine of the phase function, if that is isotropic or of Henyey and Greenstein and there are formulas for distances. Such media go in lanes.
+    /// What is needed of the medium in lanes, if it is of the kind that goes there.
     #[inline(always)]
-    pub(crate) fn plain_phase(&self) -> Option<f32> {
-        match (&self.distances, &self.source.phase) {
-            (Distances::Uniform(_), Phase::Isotropic) => Some(0.0),
-            (Distances::Uniform(_), Phase::HenyeyGreenstein { g }) => Some(*g),
-            _ => None,
-        }
+    pub(crate) fn plain(&self) -> Option<&PlainMedium> {
+        self.plain.as_ref()
     }
 
     /// The distance along a way of this length around which lights are worth looking for, to be considered in [`Self::travel`]. None where light is not
@@ -220,6 +225,16 @@ impl Medium {
             }
             _ => None,
         }
+    }
+
+    /// Whether [`Self::travel`] considers the lamp.
+    #[cfg(test)]
+    fn considers(&self, way: &Way, lamp: Option<Vec3>) -> bool {
+        let uniform = match &self.distances {
+            Distances::Uniform(uniform) if self.source.scatters() => uniform,
+            _ => return false,
+        };
+        lamp.is_some_and(|lamp| equiangular::Equiangular::new(way, lamp, uniform.sigma_t.max_element()).is_some())
     }
 
     /// Samples how far light goes, and turns the `throughput` before the way into that after it: behind the scattering, or at the end. `u` decides where
@@ -249,6 +264,23 @@ impl Medium {
             Distances::Uniform(uniform) => uniform::transmit(&self.source, *uniform, way, carried),
             Distances::Tracked(majorants) => tracking::transmit(&self.source, majorants, way, carried, stream),
         }
+    }
+}
+
+/// The medium, if it does not shine, has one albedo, scatters by the commonest phase functions, and has formulas for distances.
+fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
+    let g = match source.phase {
+        Phase::Isotropic => 0.0,
+        Phase::HenyeyGreenstein { g } => g,
+        _ => return None,
+    };
+    match (distances, &source.albedo) {
+        (Distances::Uniform(uniform), Volume::Constant(albedo)) if uniform.emission == Rgb::ZERO => Some(PlainMedium {
+            sigma_t: uniform.sigma_t,
+            albedo: albedo.clamp(Rgb::ZERO, Rgb::ONE),
+            g,
+        }),
+        _ => None,
     }
 }
 

@@ -15,8 +15,8 @@ pub(super) struct Uniform {
     pub emission: Rgb,
 }
 
-/// The share of distances that are sampled by the angle at the lamp, where that is near.
-const EQUIANGULAR_SHARE: f32 = 0.4;
+/// The share of distances that are sampled by the place of the lamp, where that is near.
+pub(super) const EQUIANGULAR_SHARE: f32 = 0.4;
 
 /// The share of light that passes `distance`, which may be infinite.
 fn beer(sigma_t: Rgb, distance: f32) -> Rgb {
@@ -26,7 +26,7 @@ fn beer(sigma_t: Rgb, distance: f32) -> Rgb {
 
 /// Does what [`super::Medium::travel`] says. Each colour of the throughput decides as often as its share in it says, by the first number of `u`; the second decides how far
 /// that colour goes. The weights are those of the balance heuristic over all colours, so that no colour brings noise to the others (Wilkie et al.,
-/// Hero Wavelength Spectral Sampling, 2014). Near a `lamp`, some of the distances are equiangular, with the same heuristic.
+/// Hero Wavelength Spectral Sampling, 2014). Near a `lamp`, some of the distances are about equiangular, with the same heuristic.
 pub(super) fn travel(
     source: &MediumSource,
     Uniform { sigma_t, emission }: Uniform,
@@ -152,7 +152,7 @@ mod tests {
             length,
         };
         let throughputs = [Rgb::ONE, Rgb::new(0.1, 2.0, 0.0), Rgb::new(3.0, 0.2, 0.7)];
-        let lamps = [None, Some(Vec3::new(0.4, 0.2, 0.1)), Some(Vec3::new(-0.3, 0.0, 0.0))];
+        let lamps = [None, Some(Vec3::new(0.4, 0.1, 0.05)), Some(Vec3::new(-0.1, 0.02, 0.0))];
         for (before, lamp) in throughputs
             .into_iter()
             .flat_map(|before| lamps.map(|lamp| (before, lamp)))

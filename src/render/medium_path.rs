@@ -16,11 +16,22 @@ use super::scene::RenderScene;
 use super::view::PathSettings;
 use crate::accel::Hit;
 use crate::color::Rgb;
-use crate::light::{LightReference, Target};
+use crate::light::LightReference;
 use crate::material::Lobe;
-use crate::math::Ray;
+use crate::math::{Ray, Real};
 use crate::medium::{Medium, MediumId, Travel, Way};
 use crate::sampling::Sampler;
+
+/// The share of the places in media within refracting surfaces from which lights are sampled. Hardly one is found, because such surfaces let no light
+/// pass straight; but there may be a lamp within.
+pub(super) const ENCLOSED_SHARE: f32 = 0.125;
+
+/// Whether a path with this squared relative index of refraction has gone into a refracting surface and not out again.
+#[inline(always)]
+pub(super) fn is_enclosed<R: Real>(eta_squared: R) -> R::Mask {
+    // Indices of both ways multiply to 1, but for rounding.
+    R::is_above(eta_squared, 1.001)
+}
 
 /// A place in a medium where a path is scattered.
 struct Vertex<'a> {
@@ -40,6 +51,14 @@ impl Scatterer for Vertex<'_> {
         (Rgb::splat(pdf), pdf)
     }
 
+    fn seeks_light(&self, u_choice: f32, eta_squared: f32) -> Option<(f32, f32)> {
+        let u_choice = match is_enclosed(eta_squared) {
+            false => return Some((u_choice, 1.0)),
+            true => u_choice / ENCLOSED_SHARE,
+        };
+        (u_choice < 1.0).then_some((u_choice, 1.0 / ENCLOSED_SHARE))
+    }
+
     fn leave(&self, _: Vec3, medium: Option<MediumId>) -> Departure {
         Departure {
             origin: self.reference.position,
@@ -54,6 +73,8 @@ pub(super) struct Leg {
     pub depth: u32,
     /// The segments of the path that count, up to that vertex.
     pub segments: u32,
+    /// Whether it is within a refracting surface, see [`is_enclosed`].
+    pub is_enclosed: bool,
     pub sampler: Sampler,
 }
 
@@ -76,7 +97,8 @@ impl Leg {
     /// A place on a light that is likely to matter along the way. Whether it does, the medium decides.
     fn lamp_near(&self, scene: &RenderScene, settings: &PathSettings, medium: &Medium) -> Option<Vec3> {
         // What is scattered at the last vertex is lost.
-        if settings.is_last(self.segments + 1) || !settings.strategy.samples_lights() || !scene.lights.has_finite() {
+        let is_of_use = settings.strategy.samples_lights() && !self.is_enclosed && !settings.is_last(self.segments + 1);
+        if !is_of_use || scene.lights.finite_bounds().is_none() {
             return None;
         }
         let reference = LightReference {
@@ -85,10 +107,7 @@ impl Leg {
         };
         let u_choice = self.sampler.at_1d(MediumDraw::Lamp.at(self.depth + 1));
         let u_point = self.sampler.at_2d(MediumDraw::LampPoint.at(self.depth + 1));
-        match scene.lights.sample(&reference, u_choice, u_point)?.1.target {
-            Target::Point(lamp) => Some(lamp),
-            Target::Infinity => None,
-        }
+        scene.lights.sample_place(&reference, u_choice, u_point)
     }
 }
 
@@ -116,6 +135,7 @@ impl PathState {
             way,
             depth: self.depth,
             segments: self.segments(),
+            is_enclosed: is_enclosed(self.eta_squared),
             sampler: self.sampler,
         };
         let travel = leg.travel(scene, settings, medium, &mut self.throughput);

@@ -71,6 +71,13 @@ pub(super) trait Scatterer {
     /// path would have gone to `wi`.
     fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32);
 
+    /// Whether a light is sampled: by which number it is chosen, and the factor of what it brings. `u_choice` decides for a path with this squared relative
+    /// index of refraction.
+    #[inline(always)]
+    fn seeks_light(&self, u_choice: f32, _eta_squared: f32) -> Option<(f32, f32)> {
+        Some((u_choice, 1.0))
+    }
+
     /// The start of the way to `wi` for a path in `medium`.
     fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure;
 }
@@ -346,6 +353,9 @@ impl PathState {
     ) {
         let u_choice = self.sampler.at_1d(BounceDraw::LightChoice.at(self.depth));
         let u_point = self.sampler.at_2d(BounceDraw::LightPoint.at(self.depth));
+        let Some((u_choice, raised)) = vertex.seeks_light(u_choice, self.eta_squared) else {
+            return;
+        };
         let Some((id, light)) = scene.lights.sample(vertex.reference(), u_choice, u_point) else {
             return;
         };
@@ -354,7 +364,7 @@ impl PathState {
             return;
         }
         let (value, mut bsdf_pdf) = vertex.eval_and_pdf(light.wi);
-        let carried = self.throughput * value;
+        let carried = self.throughput * value * raised;
         let mut arriving = None;
         if carried * light.radiance != Rgb::ZERO {
             let departure = vertex.leave(light.wi, self.medium);

@@ -333,8 +333,9 @@ fn pictures_are_those_of_paths_one_by_one() {
     }
 }
 
-/// A ball of fog, a glass of milk and a wall of their own, in thin haze or in empty space.
-fn with_media(haze: bool) -> RenderScene {
+/// A ball of fog and a ball of glass around a medium of this albedo, under a lamp, in thin haze or in empty space. Where the glass scatters light, the lamp is
+/// the only light; else there is a sky.
+fn with_media(haze: bool, albedo: f32) -> RenderScene {
     let fog = |sigma_t: [f32; 3], albedo: f32, g: f32| MediumSource {
         sigma_t: Volume::Constant(Vec3::from(sigma_t)),
         scale: 1.0,
@@ -345,7 +346,7 @@ fn with_media(haze: bool) -> RenderScene {
     let mut scene = SceneBuilder::with_media(vec![
         fog([0.05, 0.1, 0.15], 0.9, 0.3),
         fog([1.0, 2.0, 3.0], 0.8, 0.6),
-        fog([0.3, 0.1, 0.2], 0.0, 0.0),
+        fog([3.0, 1.0, 2.0], albedo, 0.0),
     ]);
     let exterior = haze.then_some(MediumId(0));
     let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
@@ -377,23 +378,29 @@ fn with_media(haze: bool) -> RenderScene {
         diffuse([0.2; 3]),
         Some(Vec3::new(9.0, 8.0, 7.0)),
     );
-    scene.light(LightSource::Constant {
-        radiance: Vec3::new(0.1, 0.2, 0.3),
-    });
+    if albedo == 0.0 {
+        scene.light(LightSource::Constant {
+            radiance: Vec3::new(0.1, 0.2, 0.3),
+        });
+    }
     scene.build()
 }
 
 #[test]
 fn pictures_with_media_are_those_of_paths_one_by_one() {
-    for haze in [false, true] {
-        let scene = with_media(haze);
+    for (haze, albedo) in [(false, 0.0), (true, 0.0), (true, 0.8)] {
+        let scene = with_media(haze, albedo);
         for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
             for max_depth in [1, 2, 3, u32::MAX] {
                 let mut settings = settings(max_depth, 5, false, strategy);
                 settings.media = true;
                 let mut view = look(settings, SequenceKind::Sobol);
                 view.medium = haze.then_some(MediumId(0));
-                compare(&format!("haze {haze}, {strategy:?}, {max_depth}"), &scene, &view);
+                compare(
+                    &format!("haze {haze}, albedo {albedo}, {strategy:?}, {max_depth}"),
+                    &scene,
+                    &view,
+                );
             }
         }
     }

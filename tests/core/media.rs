@@ -480,6 +480,36 @@ fn milk_in_rough_principled_glass_is_milk_in_a_rough_dielectric() {
     }
 }
 
+/// Lights are seldom sought from behind glass; those that are there count for more.
+#[test]
+fn a_lamp_in_milk_in_glass_is_as_bright_as_paths_find_it() {
+    let glass = Bsdf::Dielectric(Dielectric {
+        eta: 1.5,
+        model: DielectricModel::Exact,
+        specular_reflectance: Rgb::ONE,
+        specular_transmittance: Rgb::ONE,
+    });
+    let milk = medium(Rgb::new(1.0, 1.5, 2.0), Rgb::splat(0.8), hg(0.3));
+    for (form, source) in [("uniform", milk.clone()), ("tracked", as_grid(&milk, false))] {
+        let mut scene = SceneBuilder::with_media(vec![source]);
+        scene.add(Primitive::Sphere, Affine3A::IDENTITY, glass, None);
+        scene.between(filled(0));
+        let dark = Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO });
+        let lamp = placed(0.2, Vec3::new(0.5, 0.1, 0.0));
+        scene.add(Primitive::Sphere, lamp, dark, Some(Rgb::splat(5.0)));
+        scene.between(MediumInterface {
+            interior: None,
+            exterior: Some(MediumId(0)),
+        });
+        let scene = scene.build();
+        let (expected, error) = mean_luminance(&render(&scene, &look(UNBOUNDED, Strategy::Bsdf), 20_000));
+        for strategy in [Strategy::Light, Strategy::Mis] {
+            let (mean, own) = mean_luminance(&render(&scene, &look(UNBOUNDED, strategy), 20_000));
+            assert_close(&format!("{form}, {strategy:?}"), (mean, error.hypot(own)), expected);
+        }
+    }
+}
+
 /// Surfaces that let light pass straight count for no segment: a lamp behind ten of them is seen directly, and lights what is in front of them.
 #[test]
 fn boundaries_count_for_no_segment() {

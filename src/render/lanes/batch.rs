@@ -4,6 +4,7 @@ use glam::{UVec2, Vec3};
 
 use super::camera_rays::CameraRays;
 use super::context::{Coherence, Context, Job, Samples};
+use super::media::Travelled;
 use super::vertices::{Met, Vertices};
 use crate::accel::Hit;
 use crate::light::LightId;
@@ -24,7 +25,7 @@ pub(super) struct PathBatch<'a> {
     pub(super) paths: PathLanes,
     pub(super) outputs: [Output; LANES],
     /// The hits of the rays, in the lanes of `traced`.
-    hits: [Option<Hit>; LANES],
+    pub(super) hits: [Option<Hit>; LANES],
     traced: u32,
     /// Whether there are media at all.
     pub(super) has_media: bool,
@@ -193,12 +194,16 @@ impl<'a> PathBatch<'a> {
             return;
         }
         self.vertices.clear();
+        let in_media = self.in_media();
+        let travelled = match in_media {
+            0 => Travelled::NOTHING,
+            _ => self.travel(in_media, context),
+        };
         for lane in each_lane(self.active) {
-            let hit = self.hits[lane];
-            match (self.medium(lane), hit) {
-                (Some(medium), _) => self.travel(lane, medium, hit, context, samples),
-                (None, Some(hit)) => self.arrive(lane, hit, context, samples),
-                (None, None) => debug_assert!(false, "a path that has left the scene has ended"),
+            match self.hits[lane] {
+                hit if in_media >> lane & 1 == 1 => self.go_on(lane, hit, travelled, context, samples),
+                Some(hit) => self.arrive(lane, hit, context, samples),
+                None => debug_assert!(false, "a path that has left the scene has ended"),
             }
         }
         self.traced = 0;
@@ -212,7 +217,7 @@ impl<'a> PathBatch<'a> {
     pub(super) fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
         if self.has_media && slot.media.is_transition() {
-            self.arrive_alone(lane, hit, context, samples);
+            self.arrive_at_border(lane, hit, &slot, context, samples);
             return;
         }
         let ray = self.paths.ray.get(lane);
@@ -242,7 +247,7 @@ impl<'a> PathBatch<'a> {
 
     /// The path of a lane takes its step from the surface at `hit` by itself.
     #[inline(never)]
-    fn arrive_alone(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
+    pub(super) fn arrive_alone(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
         let mut observer = samples.observer(self.outputs[lane].job);
         let goes_on = path.advance_from(context.scene, context.settings, hit, &mut observer);
@@ -274,7 +279,7 @@ impl<'a> PathBatch<'a> {
 
     /// Handles the emitters and features at the vertices. A path ends there if that was its last vertex.
     #[inline(always)]
-    fn look(
+    pub(super) fn look(
         &mut self,
         lane: usize,
         hit: &Hit,

@@ -44,7 +44,7 @@ impl LightLanes {
     }
 
     /// A light for each of the lanes `asked`, by the numbers of the vertices at `depth`. Densities are per solid angle, the choice
-    /// included. The other lanes mean nothing, valid or not.
+    /// included. The other lanes mean nothing, valid or not. If there is a factor `raised`, the number that chooses a light is multiplied by it.
     #[inline(always)]
     pub fn sample(
         context: &Context,
@@ -52,6 +52,7 @@ impl LightLanes {
         seen_from: ReferenceLanes,
         sampler: &SamplerLanes,
         depth: WordLanes,
+        raised: Option<Lanes>,
     ) -> Self {
         let u = sampler.at_2d(BounceDraw::LightPoint.at(depth));
         let (light, alone) = match &context.sole_light {
@@ -88,7 +89,10 @@ impl LightLanes {
             }
             None => (Self::NONE, asked),
         };
-        let u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
+        let mut u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
+        if let Some(raised) = raised {
+            u_choice *= raised;
+        }
         light.with_others(context, alone, seen_from, [u_choice, u[0], u[1]])
     }
 

@@ -1,16 +1,35 @@
-//! The ways of paths in lanes through participating media: the steps of [`crate::render::medium_path`]. How far a ray goes is found lane by lane. Where it is
-//! scattered is a vertex like those on surfaces, and the rest is done in lanes.
+//! The ways of paths in lanes through participating media: the steps of [`crate::render::medium_path`]. Where a path is scattered is a vertex like those on
+//! surfaces. In the commonest media all is done in lanes; in others the paths go on one by one.
+
+use glam::{Vec2, Vec3};
 
 use super::batch::PathBatch;
 use super::context::{Context, Samples};
-use crate::accel::Hit;
-use crate::color::Rgb;
-use crate::math::PerLane;
-use crate::math::lanes::each_lane;
-use crate::medium::{MediumId, Way};
-use crate::render::medium_path::Leg;
+use crate::accel::{Detail, Hit};
+use crate::light::LightReference;
+use crate::light::lanes::SoleLight;
+use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
+use crate::math::{PerLane, Ray, Real, offset_origin};
+use crate::medium::MediumId;
+use crate::medium::uniform_lanes::{PlainMediumLanes, WayLanes};
+use crate::render::dimensions::MediumDraw;
+use crate::render::medium_path::is_enclosed;
 use crate::render::observer::PathObserver;
-use crate::sampling::Sampler;
+use crate::render::roulette;
+use crate::render::scene::SurfaceSlot;
+
+/// The paths that have gone through the commonest media, a bit each.
+#[derive(Clone, Copy)]
+pub(super) struct Travelled {
+    lanes: u32,
+    /// Those that are scattered before the ends of their rays, at the places that are the vertices.
+    scattered: u32,
+}
+
+impl Travelled {
+    /// No path.
+    pub const NOTHING: Self = Self { lanes: 0, scattered: 0 };
+}
 
 impl<'a> PathBatch<'a> {
     /// The medium that the path of a lane is in.
@@ -31,71 +50,204 @@ impl<'a> PathBatch<'a> {
         }
     }
 
-    /// Takes the path of a lane through its medium, up to `hit` or to the place where it is scattered before.
+    /// The medium of a path that leaves the vertex of a lane in direction `dir`.
+    #[inline(always)]
+    pub(super) fn medium_towards(&self, lane: usize, dir: Vec3) -> Option<MediumId> {
+        self.vertices.entered(lane, self.medium(lane), dir)
+    }
+
+    /// The lanes among `lanes` whose paths are in media after they have left their vertices in the directions `dir`, a bit each.
+    #[inline(always)]
+    pub(super) fn in_media_towards(&self, lanes: u32, dir: &Vec3Lanes) -> u32 {
+        let is_in_medium = |lane| u32::from(self.medium_towards(lane, dir.get(lane)).is_some());
+        match self.has_media {
+            false => 0,
+            true => each_lane(lanes).fold(0, |found, lane| found | is_in_medium(lane) << lane),
+        }
+    }
+
+    /// Notes the media that the paths of `lanes` have entered from their vertices in the directions `dir`.
     #[inline(never)]
-    pub(super) fn travel(
+    pub(super) fn enter_media(&mut self, lanes: u32, dir: &Vec3Lanes) {
+        for lane in each_lane(lanes) {
+            self.paths.medium[lane] = self.medium_towards(lane, dir.get(lane));
+        }
+    }
+
+    /// Takes the paths of the lanes `in_media` through the commonest media, up to their hits or to the vertices where they are scattered before.
+    #[inline(never)]
+    pub(super) fn travel(&mut self, in_media: u32, context: &Context<'a>) -> Travelled {
+        let (scene, settings) = (context.scene, context.settings);
+        let mut media = PlainMediumLanes::NONE;
+        let mut length = Lanes::splat(f32::INFINITY);
+        for lane in each_lane(in_media) {
+            // The way of a camera ray that passes hidden emitters begins before its origin.
+            let is_hiding = settings.hide_emitters && self.paths.depth.as_array()[lane] == 0;
+            let medium = self.medium(lane).and_then(|id| scene.media.get(id).plain());
+            if let Some(medium) = medium.filter(|_| !is_hiding) {
+                media.set(lane, medium);
+                if let Some(hit) = &self.hits[lane] {
+                    length.as_mut_array()[lane] = hit.t;
+                }
+            }
+        }
+        if media.lanes == 0 {
+            return Travelled::NOTHING;
+        }
+        let way = WayLanes {
+            origin: self.paths.ray.origin,
+            dir: self.paths.ray.dir,
+            length,
+        };
+        let depth = self.paths.depth + WordLanes::splat(1);
+        let u = self.paths.sampler.at_2d(MediumDraw::Distance.at(depth));
+        let (lamp, has_lamp) = self.lamps_near(&media, &way, depth, context);
+        let travel = media.travel(&way, lamp, has_lamp, self.paths.throughput, u);
+        let here = lanes_of(media.lanes);
+        let paths = &mut self.paths;
+        paths.throughput = Vec3Lanes::select(here, travel.throughput, paths.throughput);
+        paths.arrival.pdf = here.select(paths.arrival.pdf * travel.passed, paths.arrival.pdf);
+        let scattered = travel.is_scattered.to_bitmask() & media.lanes;
+        let position = way.origin.plus_scaled(travel.distance, way.dir);
+        self.vertices.set_media(scattered, position, way.dir, media.g);
+        Travelled {
+            lanes: media.lanes,
+            scattered,
+        }
+    }
+
+    /// Places on lights as of [`crate::render::medium_path::Leg`], with a mask of the lanes that have one.
+    #[inline(always)]
+    fn lamps_near(
+        &self,
+        media: &PlainMediumLanes,
+        way: &WayLanes,
+        depth: WordLanes,
+        context: &Context,
+    ) -> (Vec3Lanes, Lanes) {
+        let (lights, settings) = (&context.scene.lights, context.settings);
+        let nothing = (Vec3Lanes::ZERO, Lanes::ZERO);
+        let Some(bounds) = lights.finite_bounds().filter(|_| settings.strategy.samples_lights()) else {
+            return nothing;
+        };
+        let is_last = Lanes::is_at_least(depth - self.paths.uncounted, settings.longest_path());
+        let near = media.may_be_near(way, Vec3Lanes::splat(bounds.center()), bounds.radius())
+            & lanes_of(media.lanes)
+            & !is_last
+            & !is_enclosed(self.paths.eta_squared);
+        if !near.any() {
+            return nothing;
+        }
+        let u = self.paths.sampler.at_2d(MediumDraw::LampPoint.at(depth));
+        if let Some((_, SoleLight::Rectangle(light))) = &context.sole_light {
+            return (light.place(u), near);
+        }
+        let u_choice = self.paths.sampler.at_1d(MediumDraw::Lamp.at(depth));
+        let middle = way.origin.plus_scaled(media.midway(way.length), way.dir);
+        let (mut places, mut found) = (Vec3Lanes::ZERO, 0);
+        for lane in each_lane(near.to_bitmask()) {
+            let [u_choice, x, y] = [u_choice, u[0], u[1]].map(|numbers| numbers.as_array()[lane]);
+            let reference = LightReference {
+                position: middle.get(lane),
+                normal: None,
+            };
+            if let Some(place) = lights.sample_place(&reference, u_choice, Vec2::new(x, y)) {
+                places.set(lane, place);
+                found |= 1 << lane;
+            }
+        }
+        (places, lanes_of(found))
+    }
+
+    /// Takes the path of a lane on from its way through a medium.
+    #[inline(never)]
+    pub(super) fn go_on(
         &mut self,
         lane: usize,
-        id: MediumId,
         hit: Option<Hit>,
+        travelled: Travelled,
         context: &Context<'a>,
         samples: &mut Samples,
     ) {
-        let (scene, settings) = (context.scene, context.settings);
-        let medium = scene.media.get(id);
-        let depth = self.paths.depth.as_array()[lane];
-        let hides_emitters = settings.hide_emitters && depth == 0;
-        let Some(g) = medium.plain_phase().filter(|_| !hides_emitters) else {
+        if travelled.lanes >> lane & 1 == 0 {
             self.advance_alone(lane, hit, context, samples);
             return;
-        };
-        let ray = self.paths.ray.get(lane);
-        let segments = depth - self.paths.uncounted.as_array()[lane];
-        let leg = Leg {
-            way: Way {
-                origin: ray.origin,
-                dir: ray.dir,
-                length: hit.map_or(f32::INFINITY, |hit| hit.t),
-            },
-            depth,
-            segments,
-            sampler: Sampler::gather_lane(&self.paths.sampler, lane),
-        };
-        let mut throughput = self.paths.throughput.get(lane);
-        let travel = leg.travel(scene, settings, medium, &mut throughput);
-        self.paths.throughput.set(lane, throughput);
-        self.paths.arrival.pdf.as_mut_array()[lane] *= travel.passed;
-        let mut observer = samples.observer(self.outputs[lane].job);
-        if travel.emitted != Rgb::ZERO && settings.max_depth > 0 {
-            let radiance = self.paths.radiance.get(lane) + travel.emitted;
-            self.paths.radiance.set(lane, radiance);
-            observer.emitted(travel.emitted);
         }
-        let Some(distance) = travel.scattered_at else {
+        let throughput = self.paths.throughput.get(lane);
+        if travelled.scattered >> lane & 1 == 0 {
             match hit {
-                _ if throughput == Rgb::ZERO => self.finish_here(lane, samples),
+                _ if throughput == Vec3::ZERO => self.finish_here(lane, samples),
                 Some(hit) => self.arrive(lane, hit, context, samples),
                 None => self.escape(lane, context, samples),
             }
             return;
-        };
+        }
+        let depth = self.paths.depth.as_array()[lane];
+        let segments = depth - self.paths.uncounted.as_array()[lane];
         let record = &mut self.paths.record[lane];
         if let Some(hit) = &hit {
             if depth == 0 {
                 record.meet(hit);
             }
-            observer.met(&ray, hit);
+            let mut observer = samples.observer(self.outputs[lane].job);
+            observer.met(&self.paths.ray.get(lane), hit);
         }
-        if throughput == Rgb::ZERO {
+        if throughput != Vec3::ZERO {
+            record.take_medium_features(throughput);
+        }
+        if throughput == Vec3::ZERO || context.settings.is_last(segments + 1) {
+            self.vertices.leave_medium(lane);
             self.finish_here(lane, samples);
+        }
+    }
+
+    /// Takes the path of a lane to a surface with media on its sides.
+    #[inline(never)]
+    pub(super) fn arrive_at_border(
+        &mut self,
+        lane: usize,
+        hit: Hit,
+        slot: &SurfaceSlot,
+        context: &Context<'a>,
+        samples: &mut Samples,
+    ) {
+        let is_unnoticed = slot.light.is_none() && context.scene.materials.is_null(slot.material);
+        if is_unnoticed && samples.notes.is_none() && self.pass(lane, &hit, slot, context) {
             return;
         }
-        record.take_medium_features(throughput);
-        if settings.is_last(segments + 1) {
-            self.finish_here(lane, samples);
-            return;
+        let ray = self.paths.ray.get(lane);
+        let met = match self.vertices.set_plain(lane, context.scene, &ray, &hit, slot) {
+            Some(met) => Some(met),
+            None => self.vertices.set_other(lane, context.scene, &ray, &hit, slot),
+        };
+        match met {
+            Some(met) => {
+                self.vertices.set_sides(lane, slot.media);
+                self.look(lane, &hit, slot, &met, context, samples);
+            }
+            None => self.arrive_alone(lane, hit, context, samples),
         }
-        self.vertices
-            .set_medium(lane, leg.way.origin + leg.way.dir * distance, ray.dir, g);
+    }
+
+    /// Lets the path of a lane pass a surface that light does not notice. False, and nothing is done, if roulette might end it there.
+    #[inline(always)]
+    fn pass(&mut self, lane: usize, hit: &Hit, slot: &SurfaceSlot, context: &Context<'a>) -> bool {
+        let depth = self.paths.depth.as_array()[lane];
+        let uncounted = self.paths.uncounted.as_array()[lane];
+        if roulette::is_played::<f32>(context.settings, depth - uncounted, false) {
+            return false;
+        }
+        let ray = self.paths.ray.get(lane);
+        let point = context.scene.geometry.surface_in(&ray, hit, Detail::Plain);
+        if depth == 0 {
+            self.paths.record[lane].meet(hit);
+        }
+        (depth + 1).scatter_lane(&mut self.paths.depth, lane);
+        (uncounted + 1).scatter_lane(&mut self.paths.uncounted, lane);
+        let normal = point.geometric_normal;
+        self.paths.medium[lane] = slot.media.entered(self.medium(lane), ray.dir, normal);
+        let beyond = offset_origin(point.position, point.error, normal, ray.dir);
+        Ray::new(beyond, ray.dir).scatter_lane(&mut self.paths.ray, lane);
+        true
     }
 }

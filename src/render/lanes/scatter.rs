@@ -9,7 +9,9 @@ use crate::color::Rgb;
 use crate::light::lanes::ReferenceLanes;
 use crate::math::PerLane;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
+use crate::medium::uniform_lanes::PlainMediumLanes;
 use crate::render::dimensions::{BounceDraw, MediumDraw};
+use crate::render::medium_path::{ENCLOSED_SHARE, is_enclosed};
 use crate::render::roulette;
 use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, transmittance};
 use crate::render::view::{PathSettings, Strategy};
@@ -114,13 +116,18 @@ impl PathBatch<'_> {
     /// Samples lights from the vertices and adds the light that is scattered along the paths (next event estimation).
     #[inline(always)]
     fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context, samples: &mut Samples) {
-        let Surfaces { smooth, frame, wo, .. } = *surfaces;
+        let Surfaces { frame, wo, .. } = *surfaces;
+        let (smooth, raised) = match surfaces.smooth & self.vertices.phase.lanes {
+            0 => (surfaces.smooth, None),
+            in_media => self.seek_light(surfaces.smooth, in_media),
+        };
         let light = LightLanes::sample(
             context,
             smooth,
             surfaces.reference,
             &self.paths.sampler,
             self.paths.depth,
+            raised,
         );
         let (mut value, mut bsdf_pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(light.wi));
         if surfaces.other & smooth != 0 {
@@ -129,7 +136,10 @@ impl PathBatch<'_> {
         }
         let strategy = context.settings.strategy;
         let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, bsdf_pdf);
-        let carried = self.paths.throughput * value;
+        let mut carried = self.paths.throughput * value;
+        if let Some(raised) = raised {
+            carried = carried * raised;
+        }
         let reflected = carried * light.radiance * (weight / light.pdf);
         let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
         let sought = SoughtLight {
@@ -140,6 +150,20 @@ impl PathBatch<'_> {
             reflected,
         };
         self.trace_shadow_rays(surfaces, coherence, context, sought, samples);
+    }
+
+    /// The lanes among `smooth` from which lights are sampled, as of [`crate::render::path::Scatterer`]: not from all of those `in_media`. The rest is
+    /// None, or the factor of what lights bring.
+    #[inline(never)]
+    fn seek_light(&self, smooth: u32, in_media: u32) -> (u32, Option<Lanes>) {
+        let enclosed = in_media & is_enclosed(self.paths.eta_squared).to_bitmask();
+        if enclosed == 0 {
+            return (smooth, None);
+        }
+        let u_choice = self.paths.sampler.at_1d(BounceDraw::LightChoice.at(self.paths.depth));
+        let chosen = u_choice.simd_lt(Lanes::splat(ENCLOSED_SHARE)).to_bitmask();
+        let raised = lanes_of(enclosed).select(Lanes::splat(1.0 / ENCLOSED_SHARE), Lanes::ONE);
+        (smooth & (!enclosed | chosen), Some(raised))
     }
 
     /// Adds what arrives of the light that was sought.
@@ -168,7 +192,7 @@ impl PathBatch<'_> {
         };
         let occluded = coherence.occluded(&context.scene.geometry, &shadows, asked);
         let lit = asked & !occluded;
-        let seen = match self.in_media() & lit {
+        let seen = match self.in_media_towards(lit, &light.wi) {
             0 => reflected,
             dimmed => self.dimmed(context, dimmed, shadows, sought),
         };
@@ -187,13 +211,26 @@ impl PathBatch<'_> {
     /// The light that was sought, less what media absorb of that of the lanes `asked`, whose `shadows` meet nothing.
     #[inline(never)]
     fn dimmed(&self, context: &Context, asked: u32, shadows: RayLanes, sought: SoughtLight) -> Vec3Lanes {
-        let mut reflected = sought.reflected;
+        let SoughtLight { light, carried, .. } = sought;
+        let (mut media, mut others) = (PlainMediumLanes::NONE, 0);
         for lane in each_lane(asked) {
+            let medium = self.medium_towards(lane, light.wi.get(lane));
+            match medium.and_then(|id| context.scene.media.get(id).plain()) {
+                Some(medium) => media.set(lane, medium),
+                None => others |= 1 << lane,
+            }
+        }
+        let length = shadows.t_max * shadows.dir.length_squared().sqrt();
+        let (passing, passed) = media.transmit(length, carried);
+        let strategy = context.settings.strategy;
+        let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, sought.bsdf_pdf * passed);
+        let of_path = carried * light.radiance * (weight / light.pdf) * passing;
+        let mut reflected = Vec3Lanes::select(lanes_of(media.lanes), of_path, sought.reflected);
+        for lane in each_lane(others) {
             let ray = shadows.get(lane);
             let mut media = self.media_of_shadow(lane, &sought);
             let arriving = media.medium(context.scene, &ray, ray.t_max);
-            let of_path = sought.reflected(lane, context.settings.strategy, media.passed);
-            reflected.set(lane, of_path * arriving);
+            reflected.set(lane, sought.reflected(lane, strategy, media.passed) * arriving);
         }
         reflected
     }
@@ -202,7 +239,8 @@ impl PathBatch<'_> {
     fn media_of_shadow(&self, lane: usize, sought: &SoughtLight) -> Media {
         let draw = MediumDraw::Shadow.at(self.paths.depth.as_array()[lane]);
         let sampler = Sampler::gather_lane(&self.paths.sampler, lane);
-        Media::new(self.paths.medium[lane], sought.carried.get(lane), sampler.stream(draw))
+        let medium = self.medium_towards(lane, sought.light.wi.get(lane));
+        Media::new(medium, sought.carried.get(lane), sampler.stream(draw))
     }
 
     /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that let it pass and through media.
@@ -274,7 +312,11 @@ impl PathBatch<'_> {
         path.ray.dir = Vec3Lanes::select(here, sample.wi, path.ray.dir);
         path.ray.t_min = here.select(Lanes::ZERO, path.ray.t_min);
         path.ray.t_max = here.select(Lanes::splat(f32::INFINITY), path.ray.t_max);
-        here & sample.returned & path.throughput.is_not_zero()
+        let goes_on = here & sample.returned & path.throughput.is_not_zero();
+        if self.vertices.borders != 0 {
+            self.enter_media(self.vertices.borders & lanes, &sample.wi);
+        }
+        goes_on
     }
 
     /// Ends paths at random. True in the lanes that continue.

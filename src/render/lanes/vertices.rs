@@ -8,6 +8,7 @@ use crate::material::{Lobe, Single};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::medium::lanes::PhaseLanes;
+use crate::medium::{MediumId, MediumInterface};
 use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
@@ -27,6 +28,9 @@ pub(super) struct Vertices<'a> {
     pub bsdf: BsdfLanes,
     /// The lanes that are in a medium and not on a surface. Their shading normal is the direction in which the path has come.
     pub phase: PhaseLanes,
+    /// The lanes on surfaces with media on their sides, which are in the list below.
+    pub borders: u32,
+    sides: [MediumInterface; LANES],
     /// The lanes of others.
     pub other: u32,
     singles: [Option<Single<'a>>; LANES],
@@ -56,6 +60,8 @@ impl<'a> Vertices<'a> {
             side: Lanes::ONE,
             bsdf: BsdfLanes::new(),
             phase: PhaseLanes::NONE,
+            borders: 0,
+            sides: [MediumInterface::default(); LANES],
             other: 0,
             singles: [const { None }; LANES],
             other_smooth: 0,
@@ -67,6 +73,7 @@ impl<'a> Vertices<'a> {
         self.lanes = 0;
         self.bsdf.clear();
         self.phase.lanes = 0;
+        self.borders = 0;
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
     }
 
@@ -126,16 +133,38 @@ impl<'a> Vertices<'a> {
         sample
     }
 
-    /// Sets a place in a medium in `lane`, to which the path has come in direction `dir`. `g` is the mean cosine of the phase function.
+    /// Sets places in media in `lanes`, which are the only ones so far, and to which the paths have come in the directions `dir`. `g` are the mean
+    /// cosines of the phase functions.
     #[inline(always)]
-    pub fn set_medium(&mut self, lane: usize, position: Vec3, dir: Vec3, g: f32) {
-        self.lanes |= 1 << lane;
-        self.phase.set(lane, g);
-        self.position.set(lane, position);
-        self.error.as_mut_array()[lane] = 0.0;
-        self.geometric_normal.set(lane, dir);
-        self.shading_normal.set(lane, dir);
-        self.side.as_mut_array()[lane] = 1.0;
+    pub fn set_media(&mut self, lanes: u32, position: Vec3Lanes, dir: Vec3Lanes, g: Lanes) {
+        self.lanes = lanes;
+        self.phase = PhaseLanes { lanes, g };
+        self.position = position;
+        self.error = Lanes::ZERO;
+        self.geometric_normal = dir;
+        self.shading_normal = dir;
+        self.side = Lanes::ONE;
+    }
+
+    /// Takes a lane out of those in media.
+    pub fn leave_medium(&mut self, lane: usize) {
+        self.lanes &= !(1 << lane);
+        self.phase.lanes &= !(1 << lane);
+    }
+
+    /// Sets the media on the sides of the surface of a lane.
+    pub fn set_sides(&mut self, lane: usize, sides: MediumInterface) {
+        self.borders |= 1 << lane;
+        self.sides[lane] = sides;
+    }
+
+    /// The medium of a path that leaves the vertex of a lane in direction `dir`, and came there through `before`.
+    #[inline(always)]
+    pub fn entered(&self, lane: usize, before: Option<MediumId>, dir: Vec3) -> Option<MediumId> {
+        match self.borders >> lane & 1 {
+            0 => before,
+            _ => self.sides[lane].entered(before, dir, self.geometric_normal.get(lane)),
+        }
     }
 
     /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. It is a function of its
