@@ -112,7 +112,7 @@ fn boxes(medium: &Medium, content: impl Fn(&GridFile) -> Option<InspectedGrid>) 
         let file = files.iter().find(|file| file.to_world == *place);
         let mut whole = *place;
         if let Some((file, content)) = file.and_then(|file| Some((file, content(file)?))) {
-            whole = whole * content.world_from_local;
+            whole *= content.world_from_local;
             if let Some(bounds) = content.bounds.filter(|_| file.use_grid_bbox) {
                 whole = whole * Affine3A::from_translation(bounds.min) * Affine3A::from_scale(bounds.extent());
             }
