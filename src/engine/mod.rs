@@ -47,6 +47,7 @@ pub use film::RenderFilm;
 pub use layers::{PictureNames, file_options, layered_picture};
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
+pub(crate) use pack::medium::pack_medium_without_files;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};

@@ -47,6 +47,18 @@ pub(in crate::engine) fn pack_media<'v>(
     packed
 }
 
+/// A medium that is part of no scene. Its grids are not there, and what is wrong with it is mended.
+pub(crate) fn pack_medium_without_files(medium: &Medium) -> MediumSource {
+    let mut packer = MediumPacker {
+        volumes: &|_| None,
+        check: Checker {
+            name: "",
+            errors: &mut Vec::new(),
+        },
+    };
+    packer.pack(medium)
+}
+
 struct MediumPacker<'v, 'e, 'f> {
     volumes: &'f dyn Fn(&GridFile) -> Option<&'v VolumeMap>,
     check: Checker<'e>,

@@ -1,12 +1,15 @@
 //! The library of materials: those of `assets/materials.xml`, and the user's own from a file of the same kind in the settings folder.
+//!
+//! A material with a medium below its surface is a shape there, with the medium as its interior.
 
 use std::path::{Path, PathBuf};
 
 use super::material_tree::MaterialTree;
+use crate::color::Rgb;
 use crate::document::{parse_str, parse_within};
 use crate::files::{self, Access, FileError, LARGEST_NOTE};
 use crate::scene::description::{DeclarationPlace, SceneDescription};
-use crate::scene::read;
+use crate::scene::{LengthUnit, Medium, read};
 
 /// A material to choose.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,12 +20,32 @@ pub struct Preset {
     pub name: String,
     /// The tree of a material that is made from it.
     pub tree: MaterialTree,
+    /// The medium inside of what has the material, with its coefficients per millimetre.
+    pub medium: Option<Medium>,
 }
 
 impl Preset {
     /// The id that a material of the scene gets which is made from it.
     pub fn id(&self) -> String {
         self.name.replace(", ", "-").replace(' ', "-")
+    }
+
+    /// The medium in a scene of this unit of length.
+    pub fn medium_in(&self, unit: LengthUnit) -> Option<Medium> {
+        self.medium_at(1000.0 * unit.metres() as f32)
+    }
+
+    /// The medium in a world of which a unit is so many millimetres.
+    pub fn medium_at(&self, millimetres: f32) -> Option<Medium> {
+        let medium = self.medium.clone()?;
+        // A factor on no light would only be in the file.
+        let shines = medium.emission != Rgb::ZERO.into();
+        let emission_scale = medium.emission_scale * if shines { millimetres } else { 1.0 };
+        Some(Medium {
+            scale: medium.scale * millimetres,
+            emission_scale,
+            ..medium
+        })
     }
 
     /// The path, such as `Metal/gold`, as in the file.
@@ -79,6 +102,7 @@ pub(crate) fn content_of(path: &Path, access: Access) -> Result<FileContent, Fil
             group: group.to_owned(),
             name: name.to_owned(),
             tree: tree(&scene, place),
+            medium: None,
         }
     });
     let shapes = scene.shapes.len();
@@ -98,7 +122,7 @@ fn own_file() -> Option<PathBuf> {
     Some(folders.config_dir().join("materials.xml"))
 }
 
-/// The bsdfs of the file that have an id and are not inside another.
+/// The bsdfs of the file that have an id and are not inside another, and then the shapes that have an id and an interior.
 fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     let mut document = parse_str(text, path, &[]);
     let scene = read::read(&mut document);
@@ -106,17 +130,25 @@ fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     let whole = Some(document.root.span);
     let located = document.diagnostics.list.iter().filter(|told| told.span != whole);
     let complaints = located.map(|told| format!("{}: {}", path.display(), told.message));
-    let presets = scene.materials.iter().enumerate().filter_map(|(place, material)| {
-        let id = material.identity.id.as_ref()?;
-        let is_whole = material.declared_in == DeclarationPlace::TopLevel;
+    let preset = |id: &str, place: usize, medium: Option<usize>| {
         let (group, name) = id.split_once('/').unwrap_or(("Own", id));
-        is_whole.then(|| Preset {
+        Preset {
             group: group.to_owned(),
             name: name.to_owned(),
             tree: tree(&scene, place),
-        })
+            medium: medium.map(|medium| scene.media[medium].medium.clone()),
+        }
+    };
+    let surfaces = scene.materials.iter().enumerate().filter_map(|(place, material)| {
+        let id = material.identity.id.as_ref()?;
+        let is_whole = material.declared_in == DeclarationPlace::TopLevel;
+        is_whole.then(|| preset(id, place, None))
     });
-    (presets.collect(), complaints.collect())
+    let bodies = scene.shapes.iter().filter_map(|shape| {
+        let (id, interior) = (shape.identity.id.as_ref()?, shape.interior?);
+        Some(preset(id, shape.material?, Some(interior)))
+    });
+    (surfaces.chain(bodies).collect(), complaints.collect())
 }
 
 /// Descriptions hold no circles.
@@ -184,11 +216,72 @@ mod tests {
                 let place = format!("{}/{} {}", preset.group, preset.name, info.name);
                 assert!(is_possible(info, value), "{place}: {value:?}");
             });
+            if let Some(medium) = &preset.medium {
+                let (sigma_t, albedo) = medium.coefficients.sigma_t_and_albedo();
+                let [sigma_t, albedo] = [sigma_t, albedo].map(|volume| volume.constant().expect("the same everywhere"));
+                assert!(
+                    sigma_t.min_element() > 0.0 && albedo.max_element() < 1.0,
+                    "{}",
+                    preset.name
+                );
+                assert!(preset.tree.material.refracts(), "{}", preset.name);
+            }
             let twins = presets
                 .iter()
                 .filter(|other| other.name == preset.name && other.group == preset.group);
             assert_eq!(twins.count(), 1, "{}", preset.name);
         }
+    }
+
+    /// The diffuse reflectance of a thick body with isotropic scattering and a border that reflects light back inside (Jensen et al. 2001, section 2.3).
+    fn diffuse_reflectance(albedo: f32, eta: f32) -> f32 {
+        let internal = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta;
+        let border = (1.0 + internal) / (1.0 - internal);
+        let root = (3.0 * (1.0 - albedo)).sqrt();
+        0.5 * albedo * (1.0 + (-4.0 / 3.0 * border * root).exp()) * (-root).exp()
+    }
+
+    /// A wrong digit in a coefficient would show in the reflectance, which is in the table as well.
+    #[test]
+    fn measured_media_reflect_what_their_table_says() {
+        let measured = [
+            ("skin, light", 1.3, [0.63, 0.44, 0.34]),
+            ("skin, dark", 1.3, [0.44, 0.22, 0.13]),
+            ("marble", 1.5, [0.83, 0.79, 0.75]),
+            ("milk", 1.3, [0.91, 0.88, 0.76]),
+            ("milk, skimmed", 1.3, [0.81, 0.81, 0.69]),
+            ("cream", 1.3, [0.98, 0.90, 0.73]),
+            ("ketchup", 1.3, [0.16, 0.01, 0.00]),
+        ];
+        let presets = built_in();
+        for (name, eta, expected) in measured {
+            let found = presets
+                .iter()
+                .find(|preset| preset.path() == format!("Scattering/{name}"));
+            let medium = found.and_then(|preset| preset.medium.as_ref()).expect(name);
+            let (_, albedo) = medium.coefficients.sigma_t_and_albedo();
+            let albedo = albedo.constant().expect("the same everywhere").to_array();
+            for (albedo, expected) in albedo.into_iter().zip(expected) {
+                let reflectance = diffuse_reflectance(albedo, eta);
+                assert!(
+                    (reflectance - expected).abs() < 0.015,
+                    "{name}: {reflectance} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn coefficients_are_per_millimetre_whatever_the_unit_of_the_scene() {
+        let presets = built_in();
+        let milk = presets
+            .iter()
+            .find(|preset| preset.path() == "Scattering/milk")
+            .expect("milk");
+        let scale = |unit| milk.medium_in(unit).expect("a medium").scale;
+        assert_eq!(scale(LengthUnit::Millimetre), 1.0);
+        assert_eq!((scale(LengthUnit::Centimetre), scale(LengthUnit::Inch)), (10.0, 25.4));
+        assert_eq!((scale(LengthUnit::Metre), scale(LengthUnit::None)), (1000.0, 1000.0));
     }
 
     #[test]
@@ -197,7 +290,15 @@ mod tests {
             <bsdf type='twosided' id='cloth'><bsdf type='diffuse' id='inner'/></bsdf>
             <bsdf type='diffuse'/></scene>";
         let (presets, _) = of_text(text, Path::new("own.xml"));
-        let [Preset { group, name, tree }] = &presets[..] else {
+        let [
+            Preset {
+                group,
+                name,
+                tree,
+                medium: None,
+            },
+        ] = &presets[..]
+        else {
             panic!("{presets:?}")
         };
         assert_eq!((group.as_str(), name.as_str()), ("Own", "cloth"));

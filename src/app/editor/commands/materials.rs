@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::preset_media;
 use super::things::{delete, need_surface, outer_materials};
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::error::CommandError;
@@ -35,11 +36,12 @@ pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     Ok(shape)
 }
 
-/// Gives shapes a material of the library. One of its name that is still like it is used again.
+/// Gives shapes a material of the library, and its medium as their interior. What the scene has of its name that is still like it is used again.
 pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), CommandError> {
     for &shape in shapes {
         need_surface(edit, shape)?;
     }
+    preset_media::need_inside(edit, preset, shapes)?;
     let name = preset.id();
     let mut known = edit.world.query::<(Entity, &Material, &SceneId)>();
     let mut alike = known
@@ -52,6 +54,7 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
     for &shape in shapes {
         edit.set(shape, UsesMaterial(material));
     }
+    preset_media::fill(edit, preset, shapes);
     Ok(())
 }
 
@@ -266,10 +269,11 @@ fn spawn(edit: &mut Edit, name: &str) -> Entity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::editor::command::presets;
     use crate::app::editor::command::selection::Selection;
     use crate::app::editor::session::history::{History, redo, undo};
     use crate::color::Rgb;
-    use crate::scene::ObjectState;
+    use crate::scene::{IntegratorSettings, InteriorMedium, LengthUnit, Medium, ObjectState, PathPlugin, ShapeKind};
 
     fn world() -> World {
         let mut world = World::new();
@@ -368,6 +372,88 @@ mod tests {
     }
 
     #[test]
+    fn a_preset_with_a_medium_fills_what_it_is_given_to_in_one_step() {
+        let mut world = world();
+        world.insert_resource(LengthUnit::Centimetre);
+        world.insert_resource(IntegratorSettings {
+            max_depth: Some(8),
+            ..IntegratorSettings::default()
+        });
+        let shapes = [0; 2].map(|_| {
+            let kind = ShapeKind::Cube;
+            world
+                .spawn(Shape {
+                    kind,
+                    ..Shape::default()
+                })
+                .id()
+        });
+        let presets = presets::built_in();
+        let preset = |path: &str| presets.iter().find(|preset| preset.path() == path).expect(path);
+        let give = |world: &mut World, path: &str, shapes: &[Entity]| {
+            let mut edit = Edit::begin(world);
+            use_preset(&mut edit, preset(path), shapes).expect("shapes");
+            edit.finish(path.to_owned(), None);
+        };
+        let inside = |world: &World, shape: Entity| {
+            let medium = world.get::<InteriorMedium>(shape)?.0;
+            let scale = world.get::<Medium>(medium).expect("a medium").scale;
+            Some((world.get::<SceneId>(medium).expect("an id").0.clone(), scale))
+        };
+        let media = |world: &mut World| world.query::<&Medium>().iter(world).count();
+        let depth = |world: &World| {
+            let settings = world.resource::<IntegratorSettings>();
+            (settings.plugin, settings.max_depth)
+        };
+        give(&mut world, "Scattering/milk", &shapes);
+        let milk = Some(("milk-inside".to_owned(), 10.0));
+        for shape in shapes {
+            assert_eq!(inside(&world, shape), milk);
+            let used = world.get::<UsesMaterial>(shape).expect("a material").0;
+            assert_eq!(tree_of(&world, used), preset("Scattering/milk").tree);
+        }
+        assert_eq!(
+            (media(&mut world), depth(&world)),
+            (1, (PathPlugin::VolPath, Some(1024)))
+        );
+        // Another one takes its place, and the medium that nothing is filled with any more goes.
+        give(&mut world, "Scattering/jade", &shapes[..1]);
+        assert_eq!(
+            (inside(&world, shapes[0]).expect("jade").0.as_str(), media(&mut world)),
+            ("jade-inside", 2)
+        );
+        give(&mut world, "Metal/gold", &shapes);
+        assert_eq!((inside(&world, shapes[0]), inside(&world, shapes[1])), (None, None));
+        assert_eq!(media(&mut world), 0);
+        for _ in 0..2 {
+            undo(&mut world).expect("a step");
+        }
+        assert_eq!((inside(&world, shapes[0]), media(&mut world)), (milk, 1));
+        undo(&mut world).expect("a step");
+        assert_eq!((inside(&world, shapes[1]), media(&mut world)), (None, 0));
+        assert_eq!(depth(&world), (PathPlugin::Path, Some(8)));
+        // What has no inside is left as it is.
+        let kind = ShapeKind::Disk;
+        let disk = world
+            .spawn(Shape {
+                kind,
+                ..Shape::default()
+            })
+            .id();
+        let mut edit = Edit::begin(&mut world);
+        let refused = use_preset(&mut edit, preset("Scattering/milk"), &[disk]).map_err(|error| error.to_string());
+        assert!(refused.is_err_and(|error| error.contains("only a closed shape")));
+        edit.finish("Preset".to_owned(), None);
+        // A medium that is the user's own stays.
+        let own = world.spawn((Medium::default(), SceneId("milk-inside".to_owned()))).id();
+        world.entity_mut(shapes[0]).insert(InteriorMedium(own));
+        give(&mut world, "Glass/clear", &shapes);
+        assert_eq!(world.get::<InteriorMedium>(shapes[0]), Some(&InteriorMedium(own)));
+        give(&mut world, "Scattering/milk", &shapes);
+        assert_eq!((world.get::<Medium>(own).is_some(), media(&mut world)), (true, 2));
+    }
+
+    #[test]
     fn a_preset_is_there_once_however_often_it_is_used() {
         let mut world = world();
         let shapes = [0; 3].map(|_| world.spawn(Shape::default()).id());
@@ -375,6 +461,7 @@ mod tests {
             group: "Metal".to_owned(),
             name: "gold, satin".to_owned(),
             tree: MaterialTree::from(red()).wrapped("twosided"),
+            medium: None,
         };
         let mut give = |shape: Entity| {
             let mut edit = Edit::begin(&mut world);

@@ -23,6 +23,7 @@ mod media;
 mod mixing;
 mod pictures;
 mod placing;
+mod preset_media;
 mod projection;
 pub(crate) mod saving;
 pub mod scene_watch;

@@ -16,7 +16,7 @@ use crate::app::editor::command::material_tree::flattened;
 use crate::app::editor::command::presets::{self, Preset};
 use crate::app::editor::session::stable_hash::stable_hash;
 use crate::color::Rgb;
-use crate::engine::pack_loose;
+use crate::engine::{pack_loose, pack_medium_without_files};
 use crate::render::denoise::denoise_film;
 use crate::render::film::Film;
 use crate::render::tonemap::Display;
@@ -31,25 +31,30 @@ const COLUMNS: u32 = 10;
 const ATLAS: &[u8] = include_bytes!("../../../../assets/library/balls.jpg");
 const LIST: &str = include_str!("../../../../assets/library/balls.txt");
 
+/// The millimetres of the radius of a ball, on which it depends how clear it is.
+const MILLIMETRES: f32 = 25.0;
+
 /// The materials of presets as the kernel has them, in the same order.
 pub(crate) fn looks(presets: &[Preset]) -> Vec<BallMaterial> {
     let (materials, outermost) = flattened(presets.iter().map(|preset| &preset.tree));
     let (materials, textures, ids) = pack_loose(&materials);
     let (materials, textures) = (Arc::new(materials), Arc::new(textures));
-    let looks = outermost.into_iter().map(|place| BallMaterial {
+    let looks = outermost.into_iter().zip(presets).map(|(place, preset)| BallMaterial {
         materials: materials.clone(),
         textures: textures.clone(),
         material: ids[place],
+        inside: preset.medium_at(MILLIMETRES).as_ref().map(pack_medium_without_files),
     });
     looks.collect()
 }
 
 /// What a picture of the preset depends on. Two presets that look different have different keys.
 pub(crate) fn key(preset: &Preset) -> String {
-    format!(
-        "ball {EDGE} {:016x}",
-        stable_hash(format!("{:?}", preset.tree).as_bytes())
-    )
+    let mut parts = format!("{:?}", preset.tree);
+    if let Some(medium) = &preset.medium {
+        parts += &format!("{medium:?} {MILLIMETRES}");
+    }
+    format!("ball {EDGE} {:016x}", stable_hash(parts.as_bytes()))
 }
 
 /// The pictures that come with the program, by [`key`].
@@ -142,6 +147,14 @@ mod tests {
         preset.name += " of another name";
         assert_eq!(key(&preset), before);
         preset.tree = preset.tree.wrapped("twosided");
+        assert_ne!(key(&preset), before);
+    }
+
+    #[test]
+    fn a_medium_belongs_to_the_key() {
+        let mut preset = presets::built_in().pop().expect("one of the last group");
+        let before = key(&preset);
+        preset.medium.as_mut().expect("a medium").scale = 2.0;
         assert_ne!(key(&preset), before);
     }
 

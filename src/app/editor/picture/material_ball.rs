@@ -10,7 +10,7 @@ use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
 use crate::color::Rgb;
 use crate::light::{LightId, LightSource, LightTable, WeightedSource};
 use crate::material::{Material, MaterialId, MaterialTable, TexturedBsdf};
-use crate::medium::MediumInterface;
+use crate::medium::{MediumId, MediumInterface, MediumSource, MediumTable};
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::filter::PixelFilter;
@@ -28,11 +28,16 @@ pub struct BallMaterial {
     pub materials: Arc<MaterialTable>,
     pub textures: Arc<TextureTable>,
     pub material: MaterialId,
+    /// The medium in the ball, whose radius is a unit of length.
+    pub inside: Option<MediumSource>,
 }
 
 impl PartialEq for BallMaterial {
     /// Whether the two look the same, whatever else is in their tables.
     fn eq(&self, other: &Self) -> bool {
+        if self.inside != other.inside {
+            return false;
+        }
         let same_tables =
             Arc::ptr_eq(&self.materials, &other.materials) && Arc::ptr_eq(&self.textures, &other.textures);
         if same_tables && self.material == other.material {
@@ -126,6 +131,11 @@ impl MaterialBall {
             .map(|(primitive, place)| Instance::new(primitive, place))
             .collect::<Option<_>>()?;
         let geometry = Tlas::build(instances, SplitMethod::default());
+        let media = MediumTable::new(look.inside.iter().cloned().collect());
+        let filled = MediumInterface {
+            interior: look.inside.as_ref().map(|_| MediumId(0)),
+            exterior: None,
+        };
         let slot = |material, light: Option<u32>| SurfaceSlot {
             material,
             light: light.map(LightId),
@@ -134,7 +144,10 @@ impl MaterialBall {
         let surfaces = SurfaceTable {
             first_slot: (0..5).collect(),
             slots: vec![
-                slot(look.material, None),
+                SurfaceSlot {
+                    media: filled,
+                    ..slot(look.material, None)
+                },
                 slot(room, None),
                 slot(room, None),
                 slot(lamp, Some(0)),
@@ -156,14 +169,14 @@ impl MaterialBall {
         let textures = Arc::new(textures);
         Some(Self {
             scene: RenderScene {
-                media: Arc::default(),
+                media: Arc::new(media),
                 lights: Arc::new(LightTable::build(&lights, &geometry, &textures)),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(surfaces),
                 materials: Arc::new(materials),
                 textures,
             },
-            view: view(edge),
+            view: view_with(edge, look.inside.is_some()),
         })
     }
 
@@ -198,6 +211,14 @@ fn facing(place: Vec3, target: Vec3, half_size: Vec2) -> Affine3A {
 
 /// The view for a picture of `edge` pixels squared: a little from above, at the ball and the ground before it.
 pub fn view(edge: u32) -> View {
+    view_with(edge, false)
+}
+
+/// The depth of paths below a surface, where light is scattered very often.
+const DEPTH_IN_MEDIA: u32 = 512;
+
+/// The same view with or without media.
+fn view_with(edge: u32, media: bool) -> View {
     let (eye, target) = (Vec3::new(0.0, -6.4, 2.7), Vec3::new(0.0, 0.0, 0.96));
     let forward = (target - eye).normalize();
     let left = Vec3::Z.cross(forward).normalize();
@@ -209,10 +230,10 @@ pub fn view(edge: u32) -> View {
         medium: None,
         filter: PixelFilter::Box,
         integrator: Integrator::Path(PathSettings {
-            max_depth: 12,
+            max_depth: if media { DEPTH_IN_MEDIA } else { 12 },
             rr_depth: 5,
             hide_emitters: false,
-            media: false,
+            media,
             strategy: Strategy::Mis,
         }),
         shown: Shown::Radiance,
@@ -228,12 +249,14 @@ pub fn view(edge: u32) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::medium::{Phase, Volume};
 
     fn look(materials: Vec<Material>, material: u32) -> BallMaterial {
         BallMaterial {
             materials: Arc::new(MaterialTable::new(materials).expect("no circles")),
             textures: Arc::default(),
             material: MaterialId(material),
+            inside: None,
         }
     }
 
@@ -274,6 +297,28 @@ mod tests {
     fn a_ball_of_nothing_shows_the_room() {
         let through = middle(&look(vec![Material::Null], 0), 64);
         assert!(through.x > 0.02, "{through}");
+    }
+
+    #[test]
+    fn a_medium_fills_the_ball() {
+        let of = |sigma_t: f32| {
+            let inside = MediumSource {
+                sigma_t: Volume::Constant(Rgb::splat(sigma_t)),
+                scale: 1.0,
+                albedo: Volume::ZERO,
+                emission: Volume::ZERO,
+                phase: Phase::Isotropic,
+            };
+            BallMaterial {
+                inside: Some(inside),
+                ..look(vec![Material::Null], 0)
+            }
+        };
+        let (clear, dark) = (middle(&of(0.0), 64), middle(&of(1.0), 64));
+        // The way through the middle of the ball is nearly two units long.
+        let share = dark.x / clear.x;
+        assert!((0.13..0.16).contains(&share), "{share}");
+        assert_ne!(of(0.0), of(1.0));
     }
 
     #[test]

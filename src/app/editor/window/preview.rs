@@ -153,6 +153,7 @@ fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[(Ba
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
             material: *packed.material_of_entity.get(&entity)?,
+            inside: None,
         };
         let ball = Ball::Material(entity);
         Some(Wanted {
@@ -414,6 +415,7 @@ mod tests {
             materials: Arc::new(MaterialTable::new(vec![paint]).expect("no circles")),
             textures: Arc::default(),
             material: MaterialId(0),
+            inside: None,
         };
         const QUALITY: Quality = Quality { edge: 8, samples: 4 };
         let entity = Entity::from_raw_u32(1).expect("a small index is valid");
