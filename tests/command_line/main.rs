@@ -4,6 +4,7 @@ mod bench;
 mod commands;
 mod diff;
 mod foreign_files;
+mod killing;
 #[cfg(feature = "window")]
 mod monkey;
 mod pictures;

@@ -129,6 +129,35 @@ fn crops_of_a_job_make_the_picture_of_one_render() {
     assert!(read("job/pictures/still_life.exr") == read("whole.exr"));
 }
 
+/// Parts that read other files are not of the same picture.
+#[cfg(unix)]
+#[test]
+fn machines_with_assets_of_their_own_take_those_of_the_job() {
+    let shop = Workshop::new();
+    shop.write("scenes/a.xml", SCENE.replace("../meshes", "../assets/models"));
+    shop.write("library/models/triangle.ply", TRIANGLE);
+    let library = shop.path("library");
+    let on_machine = |mut command: Command, has_library: bool| {
+        command
+            .current_dir(shop.folder())
+            .env("SUNROOM", env!("CARGO_BIN_EXE_sunroom"));
+        match has_library {
+            true => command.env("SUNROOM_ASSETS", &library),
+            false => command.env_remove("SUNROOM_ASSETS"),
+        };
+        succeeds(&command.output().expect("it starts"));
+    };
+    let mut submit = sunroom();
+    submit.args(["submit", "scenes/a.xml", "--to", "slurm", "-o", "job", "--shares", "2"]);
+    on_machine(submit, true);
+    for (script, number, has_library) in [("task", "0", true), ("task", "1", false), ("merge", "0", false)] {
+        let mut command = Command::new(shop.path("job").join(script));
+        command.arg(number);
+        on_machine(command, has_library);
+    }
+    assert!(shop.path("job/pictures/a.exr").exists());
+}
+
 /// A glTF file that shines, with a camera, and its mesh in another file.
 fn gltf(shop: &Workshop) {
     let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"parts/triangle.bin","byteLength":36}],
