@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
-use self::rounds::{JudgedNoise, Rounds};
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::deferred_drop::DeferredDrop;
@@ -21,7 +20,7 @@ use super::light_groups::LightGroup;
 use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
-use super::stop_condition::{StopCondition, StopReason};
+use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
 use crate::render::noise::PictureNoise;
 use crate::render::passes::pass_end;
 use crate::render::scene::RenderScene;

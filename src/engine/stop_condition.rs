@@ -41,6 +41,16 @@ const FEWEST_FOR_BLACK: u32 = 1024;
 /// The shortest round is this share of the samples so far.
 const SHORTEST_ROUND: u32 = 8;
 
+/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
+pub type Rounds = (Option<f32>, bool);
+
+/// The relative noise with this number of samples; None where all is black.
+#[derive(Clone, Copy, Debug)]
+pub struct JudgedNoise {
+    pub samples: u32,
+    pub noise: Option<f32>,
+}
+
 /// What the sensor's film asks for.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmLimits {

@@ -9,8 +9,8 @@ use super::parameter_info::ParameterInfo;
 use super::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, Absorption, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, EUMELANIN, FOV,
     FOV_AXIS, Ior, K, PHEOMELANIN, PRINCIPLED_ETA, ParameterRef, PrincipledIndex, Roughness, SIGMA_A, SPECULAR,
+    SunPosition,
 };
-use super::sun_position::SunPosition;
 use super::texture::{Parameter, Texture};
 use crate::color::Rgb;
 

@@ -53,10 +53,10 @@ pub mod shape;
 pub mod solid;
 pub mod spawn;
 pub mod status;
-pub(crate) mod sun_position;
 pub mod sun_sky;
 pub mod texture;
 pub(crate) mod texture_parameters;
+mod textures_of_parameters;
 mod turntable;
 mod unit;
 pub mod volume_check;
@@ -95,7 +95,10 @@ pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
 pub use opening::OpeningPace;
 pub(crate) use parameter_info::ParameterInfo;
-pub use parameters::{Absorption, ConductorIor, Cone, Distribution, FieldOfView, Ior, PrincipledIndex, Roughness};
+pub use parameters::{
+    Absorption, ConductorIor, Cone, Distribution, FieldOfView, Ior, PlaceAndTime, PrincipledIndex, Roughness,
+    SunPosition,
+};
 pub(crate) use parameters::{ParameterMut, ParameterRef};
 pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
@@ -109,7 +112,6 @@ pub use solid::{Opening, Solid, SolidValue};
 pub use status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
 };
-pub use sun_position::{PlaceAndTime, SunPosition};
 pub use sun_sky::SunSky;
 pub use texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
 pub use turntable::Turntable;

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
+use super::declare::declare_parameters;
 use super::medium::{Coefficients, VolumeParameter};
 use super::parameter_info::ParameterInfo;
 use super::sensor::FovAxis;
-use super::sun_position::SunPosition;
-use super::texture::{ChosenPicture, Parameter, SquarePath, Texture};
+use super::texture::{Parameter, Texture};
 use crate::color::Rgb;
 
 /// Declares the kinds of parameters: a reference to the value, to be read or to be changed.
@@ -85,81 +85,6 @@ kinds! {
     VolumeShare(VolumeParameter<f32>),
     /// A list of numbers that are not negative.
     Values(Vec<f32>),
-}
-
-impl ParameterMut<'_> {
-    /// Puts the picture at a place of the value if that has the name `parameter` in the file. Where there was no texture before, a
-    /// picture of anything but colours is looked at raw.
-    pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
-        let is = |info: &ParameterInfo| info.name == parameter;
-        match self {
-            Self::Reflectance(color) if is(info) => set_picture(color, place, picture, false),
-            Self::Normals(normals) if is(info) => set_picture(normals, place, picture, true),
-            Self::Float(number) | Self::Height(number) if is(info) => set_picture(number, place, picture, true),
-            Self::ConductorIor(ConductorIor::Given { eta, .. }) if is(&ETA) => set_picture(eta, place, picture, true),
-            Self::ConductorIor(ConductorIor::Given { k, .. }) if is(&K) => set_picture(k, place, picture, true),
-            Self::Absorption(Absorption::Given { sigma_a, .. }) if is(&SIGMA_A) => {
-                set_picture(sigma_a, place, picture, true)
-            }
-            Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
-                Roughness::Isotropic(alpha) if is(&ALPHA) => set_picture(alpha, place, picture, true),
-                Roughness::Anisotropic { u, .. } if is(&ALPHA_U) => set_picture(u, place, picture, true),
-                Roughness::Anisotropic { v, .. } if is(&ALPHA_V) => set_picture(v, place, picture, true),
-                _ => {}
-            },
-            _ => {}
-        }
-    }
-}
-
-impl ParameterMut<'_> {
-    /// Shows `meet` every texture of the value, with the declaration that it has in the file.
-    pub(crate) fn for_each_texture(
-        self,
-        info: &'static ParameterInfo,
-        meet: &mut impl FnMut(&'static ParameterInfo, &mut Texture),
-    ) {
-        match self {
-            Self::Reflectance(value) | Self::Normals(value) | Self::TexturedEmission(value) => {
-                show_texture(info, value, meet);
-            }
-            Self::Float(value) | Self::Height(value) => show_texture(info, value, meet),
-            Self::ConductorIor(ConductorIor::Given { eta, k }) => {
-                show_texture(&ETA, eta, meet);
-                show_texture(&K, k, meet);
-            }
-            Self::Absorption(Absorption::Given { sigma_a, .. }) => show_texture(&SIGMA_A, sigma_a, meet),
-            Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
-                Roughness::Isotropic(alpha) => show_texture(&ALPHA, alpha, meet),
-                Roughness::Anisotropic { u, v } => {
-                    show_texture(&ALPHA_U, u, meet);
-                    show_texture(&ALPHA_V, v, meet);
-                }
-            },
-            Self::OptionalTexture(Some(texture)) => meet(info, texture),
-            _ => {}
-        }
-    }
-}
-
-fn show_texture<T>(
-    info: &'static ParameterInfo,
-    value: &mut Parameter<T>,
-    meet: &mut impl FnMut(&'static ParameterInfo, &mut Texture),
-) {
-    if let Parameter::Texture(texture) = value {
-        meet(info, texture);
-    }
-}
-
-fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, picture: &ChosenPicture, raw: bool) {
-    let was_plain = matches!(value, Parameter::Constant(_));
-    value.set_picture_at(place, picture.clone());
-    if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
-        && was_plain
-    {
-        bitmap.raw = raw;
-    }
 }
 
 /// The name of a bump map's texture where the file gives none.
@@ -410,6 +335,62 @@ pub struct FieldOfView {
     pub axis: FovAxis,
 }
 
+/// The position of the sun, or the data from which it follows.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+pub enum SunPosition {
+    /// Towards the sun, in the world; of any length.
+    Direction(Vec3),
+    /// The sun's place follows from place and time. In the light's own space x is south then and y west.
+    PlaceAndTime(PlaceAndTime),
+}
+
+declare_parameters! {
+    /// A place on earth and a moment at it: by default an afternoon in Tokyo, as the format has it.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+    pub struct PlaceAndTime {
+        /// Degrees, north positive.
+        latitude: f32 = 35.6894 => Angle(
+            ParameterInfo::degrees("latitude", "Latitude", "Of the place, north positive.", "degrees").within(-90.0..=90.0)
+        ),
+        /// Degrees, east positive.
+        longitude: f32 = 139.6917 => Angle(
+            ParameterInfo::degrees("longitude", "Longitude", "Of the place, east positive.", "degrees").within(-360.0..=360.0)
+        ),
+        /// The hours that local time is ahead of universal time.
+        timezone: f32 = 9.0 => Number(ParameterInfo::new(
+            "timezone",
+            "Time zone",
+            "How far local time is ahead of universal time.",
+            "hours, -24 to 24",
+        )
+        .within(-24.0..=24.0)
+        .in_units(" h")),
+        /// The year of the Gregorian calendar.
+        year: i32 = 2010 => Integer(
+            ParameterInfo::new("year", "Year", "Of the date.", "-4000 to 9999").within(-4000.0..=9999.0)
+        ),
+        /// The month, from 1.
+        month: i32 = 7 => Integer(ParameterInfo::new("month", "Month", "Of the date.", "1 to 12").within(1.0..=12.0)),
+        /// The day, from 1.
+        day: i32 = 10 => Integer(ParameterInfo::new("day", "Day", "Of the date.", "1 to 31").within(1.0..=31.0)),
+        /// The hour of local time.
+        hour: f32 = 15.0 => Number(
+            ParameterInfo::new("hour", "Hour", "Local time.", "hours").within(TIME).in_units(" h")
+        ),
+        /// The minutes, which are added to the hour.
+        minute: f32 = 0.0 => Number(
+            ParameterInfo::new("minute", "Minute", "Local time.", "minutes").within(TIME).in_units(" min")
+        ),
+        /// The seconds, which are added to the minute.
+        second: f32 = 0.0 => Number(
+            ParameterInfo::new("second", "Second", "Local time.", "seconds").within(TIME).in_units(" s")
+        ),
+    }
+}
+
+/// The range of times, which may be outside of the day; larger ones are mistakes.
+const TIME: RangeInclusive<f32> = -1e5..=1e5;
+
 pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(
     "cutoff_angle",
     "Cutoff",
@@ -440,4 +421,11 @@ pub(crate) const FOV_AXIS: ParameterInfo = ParameterInfo::new(
     "FOV axis",
     "The edge of the picture, or its diagonal, that the field of view spans.",
     "horizontal, vertical, diagonal, smaller or larger edge",
+);
+
+pub(crate) const SUN_DIRECTION: ParameterInfo = ParameterInfo::new(
+    "sun_direction",
+    "Towards sun",
+    "Direction in which the sun stands, in the space of the light: z is up.",
+    "a vector of any length",
 );

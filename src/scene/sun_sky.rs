@@ -4,8 +4,7 @@ use bevy::prelude::*;
 
 use super::declare::declare_parameters;
 use super::parameter_info::ParameterInfo;
-use super::parameters::{ParameterMut, ParameterRef};
-use super::sun_position::{PlaceAndTime, SUN_DIRECTION, SunPosition};
+use super::parameters::{ParameterMut, ParameterRef, PlaceAndTime, SUN_DIRECTION, SunPosition};
 use crate::color::Rgb;
 
 declare_parameters! {

@@ -3,19 +3,9 @@
 use super::Job;
 use crate::engine::film::RenderFilm;
 use crate::engine::schedule::WorkQueue;
-use crate::engine::stop_condition::StopCondition;
+use crate::engine::stop_condition::{JudgedNoise, Rounds, StopCondition};
 use crate::render::noise::PictureNoise;
 use crate::render::tile::Tile;
-
-/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
-pub(super) type Rounds = (Option<f32>, bool);
-
-/// The relative noise with this number of samples; None where all is black.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JudgedNoise {
-    pub samples: u32,
-    pub noise: Option<f32>,
-}
 
 /// The least samples at the end of a round in which blocks differ.
 const LEAST_ROUND: u32 = 32;

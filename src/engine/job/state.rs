@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use super::Job;
-use super::rounds::JudgedNoise;
 use crate::engine::film::RenderFilm;
+use crate::engine::stop_condition::JudgedNoise;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
 

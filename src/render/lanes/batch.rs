@@ -4,7 +4,7 @@ use glam::{UVec2, Vec3};
 
 use super::camera_rays::CameraRays;
 use super::context::{Coherence, Context, Job, Samples};
-use super::media::Travelled;
+use super::travelled::Travelled;
 use super::vertices::{Met, Vertices};
 use crate::accel::Hit;
 use crate::light::LightId;

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::batch::PathBatch;
 use super::context::{Context, Samples};
+use super::travelled::Travelled;
 use crate::accel::{Detail, Hit};
 use crate::light::LightReference;
 use crate::light::lanes::SoleLight;
@@ -17,19 +18,6 @@ use crate::render::medium_path::is_enclosed;
 use crate::render::observer::PathObserver;
 use crate::render::roulette;
 use crate::render::scene::SurfaceSlot;
-
-/// The paths that have gone through the commonest media, a bit each.
-#[derive(Clone, Copy)]
-pub(super) struct Travelled {
-    lanes: u32,
-    /// Those that are scattered before the ends of their rays, at the places that are the vertices.
-    scattered: u32,
-}
-
-impl Travelled {
-    /// No path.
-    pub const NOTHING: Self = Self { lanes: 0, scattered: 0 };
-}
 
 impl<'a> PathBatch<'a> {
     /// The medium that the path of a lane is in.

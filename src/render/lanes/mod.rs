@@ -15,6 +15,7 @@ mod context;
 mod light_samples;
 mod media;
 mod scatter;
+mod travelled;
 mod vertices;
 
 use std::sync::atomic::{AtomicBool, Ordering};

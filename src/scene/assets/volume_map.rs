@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use crate::files::{Access, FileError};
 use crate::math::Aabb;
 use crate::medium::vdb::{VdbError, VdbFile};
-use crate::medium::{VolError, VolumeGrid, read_vol};
+use crate::medium::{VolError, VolumeGrid, read_vol, write_vol};
 use crate::memory;
 use crate::scene::{SceneAccess, VolumeFormat};
 
@@ -24,6 +24,17 @@ pub struct VolumeMap {
     pub bounds: Option<Aabb>,
     /// The space of the file from that in which the grid fills the unit cube, [0, 1]^3. Invertible.
     pub world_from_local: Affine3A,
+}
+
+impl VolumeMap {
+    /// The content of a `.vol` file with these voxels in the unit cube.
+    pub fn to_vol(&self) -> Vec<u8> {
+        let unit = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
+        write_vol(&self.grid, &unit)
+    }
 }
 
 /// Reads `.vol` files, and grids of `.vdb` files, whose paths are those of [`VolumeFormat::asset_path`].

@@ -12,8 +12,8 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 use super::error::SaveError;
+use super::file::write_file;
 use super::known::{KnownTexts, is_text_of};
-use super::write_file;
 use crate::document::source::read_text;
 use crate::document::{Severity, SourceError, SourceFile};
 use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};

@@ -8,6 +8,7 @@ mod changed;
 mod defaults;
 pub(in crate::scene) mod entities;
 mod error;
+mod file;
 pub mod gather;
 mod known;
 mod parts;
@@ -28,6 +29,7 @@ use bevy::prelude::World;
 
 pub use self::changed::OnChange;
 pub use self::error::SaveError;
+use self::file::write_file;
 pub use self::known::KnownTexts;
 pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
@@ -45,7 +47,7 @@ use super::read::settle;
 use crate::document::animation::stand_still;
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Document, SourceFile};
-use crate::files::{self, Access, LARGEST_DATA, write_atomically};
+use crate::files::{self, Access, LARGEST_DATA};
 
 /// Writes a scene over the text that it was read from: see [`files()`]. Each file is replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
@@ -141,13 +143,6 @@ fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError
             Some(extension) if extension == "xml" => "native.xml",
             _ => "xml",
         }),
-    })
-}
-
-fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), SaveError> {
-    write_atomically(path, content).map_err(|source| SaveError::File {
-        path: path.to_owned(),
-        source,
     })
 }
 

@@ -4,15 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::math::{Affine3A, Mat4};
-use glam::Vec3;
 
 use super::error::SaveError;
+use super::file::write_file;
 use super::patch::value_of;
-use super::write_file;
 use crate::document::{Category, Child, Object, TransformOp, Value};
 use crate::files::Access;
-use crate::math::Aabb;
-use crate::medium::write_vol;
 use crate::scene::VolumeFormat;
 use crate::scene::assets::volume_map::load_volume;
 use crate::scene::medium::GRID;
@@ -88,13 +85,9 @@ impl<'f> VolumeFiles<'f> {
             path: path.to_owned(),
             reason: error.to_string(),
         })?;
-        let unit = Aabb {
-            min: Vec3::ZERO,
-            max: Vec3::ONE,
-        };
         let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}.volume-{}.vol", self.written.len() + 1);
-        write_file(&self.target.with_file_name(&name), write_vol(&volume.grid, &unit))?;
+        write_file(&self.target.with_file_name(&name), volume.to_vol())?;
         let world_from_local = volume.world_from_local;
         self.written.push((asset, name.clone(), world_from_local));
         Ok((name, world_from_local))
