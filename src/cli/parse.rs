@@ -116,8 +116,16 @@ pub fn noise(text: &str) -> Result<f32, String> {
     let noise = number.trim().parse::<f32>().map(|number| unit * number);
     noise
         .ok()
-        .filter(|noise| *noise > 0.0 && noise.is_finite())
-        .ok_or_else(|| "expected a noise above zero, such as 0.01 or 1%".to_owned())
+        .filter(|noise| *noise > 0.0 && *noise <= 1.0)
+        .ok_or_else(|| "expected a noise above 0 and up to 1, such as 0.01 or 1%".to_owned())
+}
+
+/// `HOST:PORT`
+pub fn address(text: &str) -> Result<String, String> {
+    let parts = text.rsplit_once(':');
+    let is_good = parts.is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
+    let message = || "expected a host and a port, such as localhost:14158".to_owned();
+    is_good.then(|| text.to_owned()).ok_or_else(message)
 }
 
 #[cfg(test)]
@@ -125,9 +133,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn addresses_have_a_host_and_a_port() {
+        for good in ["localhost:14158", "10.0.0.1:1", "[::1]:80"] {
+            assert_eq!(address(good).as_deref(), Ok(good));
+        }
+        for wrong in [
+            "",
+            "localhost",
+            ":14158",
+            "localhost:",
+            "localhost:tev",
+            "localhost:70000",
+        ] {
+            assert!(address(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn noise_is_a_share_or_percents() {
         assert_eq!([noise("0.02"), noise("2%"), noise("2 %")], [const { Ok(0.02) }; 3]);
-        for wrong in ["", "%", "0", "-1%", "nan", "inf", "1e-60", "quiet", "0,01"] {
+        for wrong in ["", "%", "0", "-1%", "nan", "inf", "1e-60", "quiet", "0,01", "5", "101%"] {
             assert!(noise(wrong).is_err(), "{wrong}");
         }
     }

@@ -92,6 +92,10 @@ impl SequenceArgs {
         let Some(frames) = &self.frames else {
             return Ok(outputs.to_vec());
         };
+        if self.turntable == Some(None) && frames.start() == frames.end() {
+            let message = "one frame is no turn: --turntable=COUNT says how many frames the whole turn has";
+            return Err(Failure::Usage(message.to_owned()));
+        }
         if outputs.iter().any(|path| is_stdout(path)) {
             return Err(Failure::Usage("frames cannot go to standard output".to_owned()));
         }

@@ -226,6 +226,7 @@ fn wrong_frames_are_wrong_usage() {
         &["--frames", "1", "--shutter", "2"],
         &["--turntable"],
         &["--frames", "1", "--turntable=0"],
+        &["--frames", "1", "--turntable"],
         &["--shutter", "0.5"],
     ] {
         assert_code(&render(&path, &shop.path("a.exr"), options), 2);

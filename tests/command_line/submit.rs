@@ -96,6 +96,32 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
     }
 }
 
+#[test]
+fn options_that_tasks_cannot_have_are_refused_at_once() {
+    let shop = shop();
+    for options in [&["--adaptive"][..], &["--noise", "1%"], &["--spp", "4"]] {
+        let submit = [
+            "submit",
+            "scenes/still life.xml",
+            "--to",
+            "slurm",
+            "-o",
+            "job",
+            "--shares",
+            "1",
+            "--dry-run",
+            "--",
+        ];
+        let output = run(&shop, &[&submit[..], options].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("the options after `--`") && said.contains(options[0]),
+            "{said}"
+        );
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn crops_of_a_job_make_the_picture_of_one_render() {

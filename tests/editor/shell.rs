@@ -23,7 +23,7 @@ use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::input::actions::{ACTIONS, Group};
 use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;
-use sunroom::app::editor::picture::awaited_image::AwaitedImage;
+use sunroom::app::editor::picture::awaited_image::{AwaitedImage, Before};
 use sunroom::app::editor::session::full_film_question::FullFilmQuestion;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::save_question::SaveQuestion;
@@ -391,7 +391,7 @@ fn the_full_film_of_an_image_can_be_given_up() {
             path: "/shots/a.png".into(),
             samples: 8,
             is_denoised: false,
-            exact_before: None,
+            before: Before::Smaller { exact_samples: None },
         }),
         ..StatusModel::default()
     };

@@ -88,7 +88,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub file: FileArgs,
     /// Show the picture in tev while it is rendered, at this address (tev listens to localhost:14158)
-    #[arg(long, value_name = "HOST:PORT", conflicts_with = "frames")]
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "frames", value_parser = parse::address)]
     pub display_server: Option<String>,
     /// Print the figures of the render on standard output; json-lines prints events while it renders, one a line
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]

@@ -249,6 +249,8 @@ fn task_options(args: &SubmitArgs) -> Result<TaskOptions, Failure> {
         words.extend(["--frames".into(), frames.start().to_string().into()]);
     }
     words.extend(render_options(args).into_iter().map(Into::into));
+    // Each task has such a range, which not all options go with.
+    words.extend(["--samples".into(), "0..1".into()]);
     TaskOptions::try_parse_from(words).map_err(|error| {
         // The usage that follows would be that of another command.
         let text = error.to_string();
@@ -293,11 +295,12 @@ fn frame_seconds(args: &SubmitArgs, spp: u32) -> Result<f64, Failure> {
     if let Some(frames) = &args.frames {
         render.args(["--frames", &frames.start().to_string()]);
     }
-    let output = render.stderr(std::process::Stdio::inherit()).output()?;
-    if !output.status.success() {
+    let output = render.stderr(std::process::Stdio::piped()).output()?;
+    // Where the time is over before each pixel has a sample, that is an error, and the figures are there all the same.
+    let Ok(stats) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
+        report::line(String::from_utf8_lossy(&output.stderr).trim_end());
         return Err("the scene cannot be rendered as the tasks would render it".into());
-    }
-    let stats: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    };
     let number = |name: &str| stats[name].as_f64().unwrap_or(0.0);
     let samples = number("width") * number("height") * f64::from(spp);
     Ok(number("load_ms") / 1e3 + samples / (number("msamples_per_s") * 1e6).max(1.0))

@@ -11,7 +11,7 @@ use super::finished;
 use super::world::control;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::resolution::{FullFilm, Resolution};
-use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage, ImageNotSaved};
+use crate::app::editor::picture::awaited_image::{AwaitedImage, Before, EndedImage, ImageNotSaved};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
 use crate::app::editor::session::requests::Requests;
@@ -83,13 +83,25 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
         }
     }
     if let Some(path) = request.save_to {
+        let is_smaller = is_smaller(world);
+        let demands = world.resource::<RenderControl>();
+        let before = match is_smaller {
+            true => Before::Smaller {
+                exact_samples: demands.exact_samples,
+            },
+            false => Before::Whole { paused: demands.paused },
+        };
         let image = AwaitedImage {
             path,
             samples,
             is_denoised: finished::is_denoising(world),
-            exact_before: world.resource::<RenderControl>().exact_samples,
+            before,
         };
-        control(world, |control| control.exact_samples = Some(samples));
+        // A number of samples that some pixels have left behind already could only be reached by beginning anew.
+        control(world, |control| match is_smaller {
+            true => control.exact_samples = Some(samples),
+            false => control.paused = true,
+        });
         world.insert_resource(image);
     }
     control(world, RenderControl::demand_full_until_change);
@@ -107,7 +119,10 @@ pub fn confirm(world: &mut World) -> Result<(), CommandError> {
 /// Ends the wait for an image.
 fn end(world: &mut World, outcome: Result<(), ImageNotSaved>) {
     if let Some(image) = world.remove_resource::<AwaitedImage>() {
-        control(world, |control| control.exact_samples = image.exact_before);
+        control(world, |control| match image.before {
+            Before::Smaller { exact_samples } => control.exact_samples = exact_samples,
+            Before::Whole { paused } => control.paused = paused,
+        });
         world.insert_resource(EndedImage(outcome));
     }
 }

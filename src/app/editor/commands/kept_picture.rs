@@ -14,7 +14,7 @@ use crate::app::editor::camera::pose::{is_orthographic, lens_of_view, view_pose}
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::stored_view::StoredView;
-use crate::app::editor::picture::awaited_image::AwaitedImage;
+use crate::app::editor::picture::awaited_image::{AwaitedImage, Before};
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning, Shown, kept_file};
 use crate::app::editor::session::options::SceneDefines;
@@ -90,7 +90,9 @@ fn keepable(world: &World) -> Result<PathBuf, CommandError> {
     if !has_picture || status.samples == 0 || !status.is_up_to_date {
         return Err("There is no picture yet.".into());
     }
-    if let Some(image) = world.get_resource::<AwaitedImage>() {
+    if let Some(image) = world.get_resource::<AwaitedImage>()
+        && matches!(image.before, Before::Smaller { .. })
+    {
         let file = image.file_name();
         return Err(format!("The full film is still rendered for {file}: keep the picture after it.").into());
     }

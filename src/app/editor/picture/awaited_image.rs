@@ -13,8 +13,23 @@ pub struct AwaitedImage {
     pub samples: u32,
     /// Whether it is denoised, as pictures were when it was to be saved.
     pub is_denoised: bool,
-    /// The exact number of samples that was asked for before, which counts again afterwards.
-    pub exact_before: Option<u32>,
+    /// The demands on rendering before, which count again afterwards.
+    pub before: Before,
+}
+
+/// What waiting for a picture changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Before {
+    /// The full film was to be traced: the exact number of samples that was asked for before.
+    Smaller {
+        /// See [`RenderControl::exact_samples`](crate::engine::RenderControl::exact_samples).
+        exact_samples: Option<u32>,
+    },
+    /// All pixels were there, and rendering pauses until they are denoised: whether it was paused before.
+    Whole {
+        /// See [`RenderControl::paused`](crate::engine::RenderControl::paused).
+        paused: bool,
+    },
 }
 
 impl AwaitedImage {

@@ -46,7 +46,7 @@ impl LateQuit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::editor::picture::awaited_image::ImageNotSaved;
+    use crate::app::editor::picture::awaited_image::{Before, ImageNotSaved};
     use crate::app::editor::window::unsaved_question::UnsavedQuestion;
 
     fn image() -> AwaitedImage {
@@ -54,7 +54,7 @@ mod tests {
             path: "a.png".into(),
             samples: 16,
             is_denoised: false,
-            exact_before: None,
+            before: Before::Smaller { exact_samples: None },
         }
     }
 

@@ -8,6 +8,7 @@ use bevy::asset::AssetPlugin;
 
 use super::*;
 use crate::app::editor::command::resolution::{FullFilm, Resolution};
+use crate::app::editor::commands::finished;
 use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
@@ -104,6 +105,36 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     assert!(again.exists());
     apply(app.world_mut(), Command::StopFull).expect("it is stopped");
     update_until(&mut app, |world| size(world) == (60, 40));
+}
+
+/// Its samples may be those of a night.
+#[test]
+fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut app = app();
+    let world = app.world_mut();
+    world.resource_mut::<RenderControl>().view_size = None;
+    world.resource_mut::<ViewSettings>().denoising = true;
+    if !finished::is_denoising(world) {
+        eprintln!("there is no denoiser here: not tested");
+        return;
+    }
+    update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 3);
+    assert_eq!(size(app.world()), (120, 80));
+    let job = app.world().resource::<RenderFilm>().job;
+    let path = folder.path().join("sky.png");
+    apply(app.world_mut(), Command::SaveImage(path)).expect("it is begun");
+    assert!(app.world().contains_resource::<AwaitedImage>());
+    update_until(&mut app, |world| {
+        world.resource::<RenderStatus>().state == RenderState::Paused
+    });
+    assert_eq!(app.world().resource::<RenderFilm>().job, job);
+    assert!(app.world().resource::<RenderStatus>().samples >= 3);
+    // Nothing filters it in this test. Without the demand rendering goes on.
+    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
+    assert!(!app.world().resource::<RenderControl>().paused);
+    assert_eq!(app.world().resource::<RenderFilm>().job, job);
 }
 
 #[test]
