@@ -99,7 +99,7 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
 #[test]
 fn options_that_tasks_cannot_have_are_refused_at_once() {
     let shop = shop();
-    for options in [&["--adaptive"][..], &["--noise", "1%"], &["--spp", "4"]] {
+    for options in [&["--adaptive"][..], &["--noise", "1%"]] {
         let submit = [
             "submit",
             "scenes/still life.xml",
