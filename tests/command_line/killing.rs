@@ -56,7 +56,7 @@ fn content(shop: &Workshop, name: &str) -> Option<Vec<u8>> {
 
 #[test]
 #[ignore = "it takes some minutes"]
-fn killed_renders_go_on_to_the_same_bits() {
+fn renders_killed_at_random_moments_go_on_to_the_same_bits() {
     let shop = Workshop::new();
     shop.scene(SCENE);
     let kinds: [&[&str]; 4] = [

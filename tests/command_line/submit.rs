@@ -96,22 +96,20 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
     }
 }
 
+/// A job that is not measured.
+const SLURM: [&str; 6] = ["--to", "slurm", "-o", "job", "--shares", "1"];
+
 #[test]
 fn options_that_tasks_cannot_have_are_refused_at_once() {
     let shop = shop();
-    for options in [&["--adaptive"][..], &["--noise", "1%"]] {
-        let submit = [
-            "submit",
-            "scenes/still life.xml",
-            "--to",
-            "slurm",
-            "-o",
-            "job",
-            "--shares",
-            "1",
-            "--dry-run",
-            "--",
-        ];
+    for options in [
+        &["--adaptive"][..],
+        &["--noise", "1%"],
+        &["--spp", "8"],
+        &["--crop", "0,0,32,32"],
+        &["--resume", "c.exr"],
+    ] {
+        let submit = [&["submit", "scenes/still life.xml"][..], &SLURM, &["--dry-run", "--"]].concat();
         let output = run(&shop, &[&submit[..], options].concat());
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{said}");
@@ -428,19 +426,7 @@ fn what_cannot_be_a_job_is_refused() {
     assert!(more(&["--crops", "2x0"]).contains("expected COLUMNSxROWS"));
     let absolute = SCENE.replace("../meshes", &shop.path("meshes").display().to_string());
     shop.write("scenes/absolute.xml", absolute);
-    let text = refused(
-        &[
-            "submit",
-            "scenes/absolute.xml",
-            "--to",
-            "slurm",
-            "-o",
-            "job",
-            "--shares",
-            "1",
-        ],
-        1,
-    );
+    let text = refused(&[&["submit", "scenes/absolute.xml"][..], &SLURM].concat(), 1);
     assert!(text.contains("absolute name"), "{text}");
     assert!(!shop.path("job").exists());
 }

@@ -15,12 +15,12 @@ use clap::{Args, Parser, ValueEnum};
 use sunroom::app::headless::render_only;
 use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
-use sunroom::engine::{Limits, RenderControl, load_to_completion};
+use sunroom::engine::{Limits, RenderControl, full_size, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
 use sunroom::render::part;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
-use sunroom::scene::{ActiveSensor, Crop, Film, OpenScene, SceneStatus, Trust};
+use sunroom::scene::{ActiveSensor, Film, OpenScene, SceneStatus, Trust};
 
 use self::plan::{Plan, Whole};
 use super::args::{MemoryArgs, SceneArgs};
@@ -52,11 +52,11 @@ pub struct SubmitArgs {
     /// The time that a task should take on a machine like this one, on which a few seconds are rendered to measure it
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
     task_time: Duration,
-    /// Divide each frame into this number of tasks, and measure nothing
+    /// Divide the samples of each frame into this number of ranges, and measure nothing
     #[arg(long, value_name = "COUNT", conflicts_with = "task_time", value_parser = clap::value_parser!(u32).range(1..))]
     shares: Option<u32>,
     /// Cut each frame into columns and rows of crops as well, such as 4x2 [default: where ranges of samples alone would be longer than --task-time]
-    #[arg(long, value_name = "COLSxROWS", value_parser = parse::grid)]
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse::grid)]
     crops: Option<[u32; 2]>,
     /// Remove the noise of the merged pictures
     #[arg(long)]
@@ -221,13 +221,9 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
     apply_overrides(app.world_mut(), &options.render)?;
     let sensor = app.world().resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| app.world().get::<Film>(sensor));
-    let spp = args.spp.or(film.map(|film| film.sample_count)).unwrap_or(1);
-    let size = app.world().resource::<RenderControl>().film_size_override;
-    let size = size.map(|size| size.to_array()).or(film.map(|film| {
-        let Crop { width, height, .. } = film.window();
-        [width, height]
-    }));
-    let size = size.ok_or_else(|| format!("{} has no camera", path.display()))?;
+    let film = film.ok_or_else(|| format!("{} has no camera", path.display()))?;
+    let spp = args.spp.unwrap_or(film.sample_count);
+    let size = full_size(film, app.world().resource::<RenderControl>()).to_array();
     let read = recorded_reads().into_iter().map(|file| settle(&file));
     let files: Vec<PathBuf> = read.filter(|file| !is_own_part(file)).collect();
     let assets = std::env::var_os("SUNROOM_ASSETS").unwrap_or_default();
@@ -249,17 +245,32 @@ fn task_options(args: &SubmitArgs) -> Result<TaskOptions, Failure> {
         words.extend(["--frames".into(), frames.start().to_string().into()]);
     }
     words.extend(render_options(args).into_iter().map(Into::into));
-    // Each task has such a range, which not all options go with.
-    words.extend(["--samples".into(), "0..1".into()]);
-    TaskOptions::try_parse_from(words).map_err(|error| {
-        // The usage that follows would be that of another command.
+    // Each task adds these options. None may be given twice, and some options do not go with them.
+    let added = [
+        "--spp",
+        "1",
+        "--samples",
+        "0..1",
+        "--crop",
+        "0,0,1,1",
+        "--checkpoint",
+        "c.exr",
+        "--resume",
+        "c.exr",
+    ];
+    words.extend(added.map(Into::into));
+    let options = TaskOptions::try_parse_from(words).map_err(|error| {
+        // The rest of the message is the usage of another command.
         let text = error.to_string();
         let text = text.split("\n\n").next().unwrap_or_default();
         Failure::Usage(format!(
             "the options after `--`: {}",
             text.trim_start_matches("error: ")
         ))
-    })
+    })?;
+    // A task renders a single frame, which is no whole turn.
+    options.render.sequence.first_outputs(&[])?;
+    Ok(options)
 }
 
 /// A name of a file in the document that is absolute and not excepted, if there is one.
@@ -295,8 +306,8 @@ fn frame_seconds(args: &SubmitArgs, spp: u32) -> Result<f64, Failure> {
     if let Some(frames) = &args.frames {
         render.args(["--frames", &frames.start().to_string()]);
     }
-    let output = render.stderr(std::process::Stdio::piped()).output()?;
-    // Where the time is over before each pixel has a sample, that is an error, and the figures are there all the same.
+    let output = render.output()?;
+    // If the time ends before each pixel has a sample, the render fails, but it prints its figures all the same.
     let Ok(stats) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
         report::line(String::from_utf8_lossy(&output.stderr).trim_end());
         return Err("the scene cannot be rendered as the tasks would render it".into());

@@ -6,9 +6,9 @@ use sunroom::render::part::Crop;
 use sunroom::render::passes::chunk_of;
 use sunroom::render::tile::TILE;
 
-/// The side that a crop has at least where nobody asked for crops, in pixels: a small one costs more to start than to render.
+/// The least side of a crop that nobody asked for, in pixels. A smaller crop costs more to start than to render.
 const LEAST_CROP: u32 = 256;
-/// A task may take so many times the time that it should before crops divide it further.
+/// The factor by which a task may exceed the time that is asked for, before crops divide it further.
 const TOLERANCE: f64 = 1.25;
 
 /// The tasks of a job. Task `n` renders range `n % ranges` of crop `n / ranges % crops` of the frames of group `n / ranges / crops`.
