@@ -92,6 +92,11 @@ pub enum ShapeKind {
 }
 
 impl ShapeKind {
+    /// Whether a shape of this kind encloses nothing, whatever its size: both sides of its surface can be seen.
+    pub(crate) fn is_flat(&self) -> bool {
+        matches!(self, Self::Rectangle | Self::Disk | Self::Triangle { .. })
+    }
+
     /// The names of all plugins, groups apart.
     pub const PLUGINS: [&'static str; 13] = [
         "sphere",

@@ -374,7 +374,7 @@ fn a_new_camera_is_in_the_medium_of_the_one_that_is_looked_through() {
     assert_eq!(world.get::<InMedium>(second), world.get::<InMedium>(eye));
 }
 
-/// As a window that has not heard of another's change: saving takes it in, as a reload does.
+/// The file changes while the window has edits, and the window has not reloaded it. Saving reads the change first, as a reload does.
 #[test]
 fn an_edit_of_a_medium_and_a_change_in_the_file_come_together() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -73,6 +73,7 @@ impl Import<'_> {
                 surface,
             }) => match has_inside(&shape) {
                 true => {
+                    self.deepen(node.span());
                     shape.children.push(reference(None, border, node.span()));
                     shape.children.push(reference(Some("interior"), medium, node.span()));
                 }

@@ -17,7 +17,8 @@ use crate::document::{Category, Child, Object, Span, Value};
 /// The shortest distance of a colour relative to the longest: with none at all the medium would be infinitely dense.
 const SHORTEST: f32 = 0.01;
 
-/// The depth that paths get at least where light is scattered below surfaces, which happens some dozens of times.
+/// The depth that paths get at least where light is scattered below surfaces. The fits are of media with a low albedo compared with milk, in which light
+/// is scattered some dozens of times.
 const DEPTH: i64 = 256;
 
 impl Import<'_> {
@@ -34,7 +35,6 @@ impl Import<'_> {
         }
         let message = "light goes below the surface of <SSS>, as far as `ScatterDistance` and `ScatterColor` say; in the original it is diffuse";
         self.note(span, message);
-        self.deepen(span);
         let (albedo, mean_free_path) = (albedo(color), distances * path_per_distance(color));
         let medium = Object::new(Category::Medium, "homogeneous").at(span);
         let sigma_t = Object::new(Category::Volume, "constvolume").at(span);
@@ -44,7 +44,7 @@ impl Import<'_> {
     }
 
     /// Lets the integrator trace media, as deep as these need.
-    fn deepen(&mut self, span: Span) {
+    pub fn deepen(&mut self, span: Span) {
         let mut raised = None;
         for child in &mut self.root.children {
             let Child::Object(object) = child else {

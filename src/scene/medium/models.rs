@@ -92,17 +92,55 @@ impl Medium {
 
     /// Shows `meet` every grid among the parameters.
     pub fn for_each_grid(&self, meet: &mut dyn FnMut(&super::GridFile)) {
-        let (sigma_t, albedo) = self.coefficients.sigma_t_and_albedo();
-        for volume in [&sigma_t, &albedo, &self.emission] {
-            volume.grid().into_iter().for_each(&mut *meet);
-        }
-        self.phase
-            .for_each_volume(&mut |weight| weight.grid().into_iter().for_each(&mut *meet));
+        self.for_each_placed(&mut |_, file| file.into_iter().for_each(&mut *meet));
     }
 }
 
 impl Medium {
-    /// Shows `meet` the map from the unit cube to the world of every volume that has a place.
+    /// Shows `meet` every volume that has a place: the map from the unit cube to the world, and the file if it is a grid.
+    pub(crate) fn for_each_placed(&self, meet: &mut dyn FnMut(&Affine3A, Option<&super::GridFile>)) {
+        let of_coefficients = match &self.coefficients {
+            Coefficients::Extinction { sigma_t, albedo } => [Some(sigma_t), Some(albedo)],
+            Coefficients::Separate { .. } => [None, None],
+        };
+        let of_colors = of_coefficients.into_iter().flatten().chain([&self.emission]);
+        for (to_world, file) in of_colors.filter_map(VolumeParameter::placed) {
+            meet(to_world, file);
+        }
+        self.phase.for_each_volume(&mut |weight| {
+            if let Some((to_world, file)) = weight.placed() {
+                meet(to_world, file);
+            }
+        });
+    }
+
+    /// How far light goes on average before it is scattered or absorbed, by colour, in units of the world; infinite where nothing is taken out. None if the
+    /// extinction varies in space.
+    pub fn mean_free_path(&self) -> Option<Rgb> {
+        Some((self.coefficients.uniform_extinction()? * self.scale).recip())
+    }
+
+    /// Sets [`Self::mean_free_path`]. Colours whose path is not above 0, or is as before, keep their extinction. False if the extinction varies in space or
+    /// the density is 0.
+    pub fn set_mean_free_path(&mut self, path: Rgb) -> bool {
+        let (Some(extinction), Some(before)) = (self.coefficients.uniform_extinction(), self.mean_free_path()) else {
+            return false;
+        };
+        if self.scale <= 0.0 {
+            return false;
+        }
+        let (path, before, most) = (path.to_array(), before.to_array(), *SIGMA_T.range.end());
+        let mut extinction = extinction.to_array();
+        for color in 0..3 {
+            if path[color] > 0.0 && path[color] != before[color] {
+                extinction[color] = (path[color] * self.scale).recip().min(most);
+            }
+        }
+        self.coefficients.set_uniform_extinction(Rgb::from_array(extinction));
+        true
+    }
+
+    /// Shows `meet` the map from the unit cube to the world of every volume that has a place, to be changed.
     pub(crate) fn for_each_place(&mut self, meet: &mut dyn FnMut(&mut Affine3A)) {
         if let Coefficients::Extinction { sigma_t, albedo } = &mut self.coefficients {
             [sigma_t, albedo]
@@ -119,7 +157,7 @@ impl Medium {
     /// Whether any of its values has a place in the world.
     pub(crate) fn has_place(&self) -> bool {
         let mut found = false;
-        self.clone().for_each_place(&mut |_| found = true);
+        self.for_each_placed(&mut |_, _| found = true);
         found
     }
 }

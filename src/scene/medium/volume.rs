@@ -40,6 +40,15 @@ impl<T> VolumeParameter<T> {
 }
 
 impl<T> VolumeParameter<T> {
+    /// The map from the unit cube to the world, and the file if it is a grid; None if it is the same everywhere.
+    pub(crate) fn placed(&self) -> Option<(&Affine3A, Option<&GridFile>)> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Box { to_world, .. } => Some((to_world, None)),
+            Self::Grid(grid) => Some((&grid.to_world, Some(grid))),
+        }
+    }
+
     /// The map from the unit cube to the world, to be changed; None if it is the same everywhere.
     pub(crate) fn place_mut(&mut self) -> Option<&mut Affine3A> {
         match self {
@@ -98,7 +107,7 @@ impl GridFile {
     }
 }
 
-/// The kind of a volume file, which the plugin says that names it.
+/// The kind of a volume file. The plugin that names the file says it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum VolumeFormat {
     /// Mitsuba's `.vol`: one grid.

@@ -123,7 +123,7 @@ pub(crate) fn is_frame(object: &Object) -> bool {
     object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
 }
 
-/// Where the things of a sorted list were before, and where those of the list are afterwards.
+/// The order of a list: the old place of each thing by its new one, and the new place by the old one.
 fn by_order<T, Order: Ord>(list: &[T], order: impl Fn(&T) -> Order) -> (Vec<usize>, Vec<usize>) {
     let mut old_place: Vec<usize> = (0..list.len()).collect();
     old_place.sort_by_key(|&old| order(&list[old]));

@@ -103,7 +103,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
         let access = origin.map_or_else(Access::everywhere, |origin| origin.access.clone());
         let search = MeshSearch::of_format(folder(&target), &document.search_folders).within(access.clone());
         let find = |name: &str| search.find_file(name, folder(&target));
-        VolumeFiles::new(&target, &find, access).translate(Arc::make_mut(&mut document.root))?;
+        VolumeFiles::new(&target, &find, access).translate_all(Arc::make_mut(&mut document.root))?;
     }
     // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());

@@ -1,5 +1,6 @@
 //! Writes grids of `.vdb` files as `.vol` files beside the scene, which Mitsuba reads.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,6 +23,8 @@ pub(super) struct VolumeFiles<'f> {
     /// Finds a file by its name in the scene.
     find: &'f dyn Fn(&str) -> Option<PathBuf>,
     access: Access,
+    /// The files that no grid may be written to: the scene names them, or has a grid there already.
+    taken: HashSet<PathBuf>,
     /// The grids that have been written, by their assets: the names of their files, and their own transforms.
     written: Vec<(PathBuf, String, Affine3A)>,
 }
@@ -32,36 +35,62 @@ impl<'f> VolumeFiles<'f> {
             target,
             find,
             access,
+            taken: HashSet::new(),
             written: Vec::new(),
         }
     }
 
+    /// Turns every `vdbvolume` of a document into a `gridvolume`, see [`Self::translate`].
+    pub(super) fn translate_all(mut self, root: &mut Object) -> Result<(), SaveError> {
+        self.note_files(root);
+        self.translate(root)
+    }
+
+    /// Notes the files that the volumes inside name, so that none of them is replaced.
+    fn note_files(&mut self, object: &Object) {
+        for inner in object.objects() {
+            self.note_files(inner);
+        }
+        if object.category == Category::Volume
+            && let Some(Value::String(name)) = value_of(object, FILENAME.name)
+        {
+            self.taken.insert(self.found(name));
+        }
+    }
+
+    /// The file of this name in the scene.
+    fn found(&self, name: &str) -> PathBuf {
+        (self.find)(name).unwrap_or_else(|| self.target.with_file_name(name))
+    }
+
     /// Turns every `vdbvolume` inside into a `gridvolume` at the same place. An error names a file that cannot be read or written.
-    pub(super) fn translate(&mut self, object: &mut Object) -> Result<(), SaveError> {
+    fn translate(&mut self, object: &mut Object) -> Result<(), SaveError> {
         for child in &mut object.children {
             if let Child::Object(inner) = child {
                 self.translate(Arc::make_mut(inner))?;
             }
         }
-        let format = VolumeFormat::Vdb {
-            grid: match value_of(object, GRID) {
-                Some(Value::String(name)) if !name.is_empty() => Some(name.clone()),
-                _ => None,
-            },
-        };
+        let mut format = VolumeFormat::Vdb { grid: None };
         if object.category != Category::Volume || object.plugin != format.plugin() {
             return Ok(());
+        }
+        if let Some(Value::String(name)) = value_of(object, GRID)
+            && !name.is_empty()
+        {
+            format = VolumeFormat::Vdb {
+                grid: Some(name.clone()),
+            };
         }
         let Some(Value::String(name)) = value_of(object, FILENAME.name) else {
             return Ok(());
         };
-        let path = (self.find)(name).unwrap_or_else(|| self.target.with_file_name(name));
+        let path = self.found(name);
         let (name, world_from_local) = self.write(&path, &format)?;
         let to_world = match value_of(object, "to_world") {
             Some(Value::Transform(steps)) => TransformOp::compose(steps),
             _ => Default::default(),
         };
-        // The very product that this program has for the grid.
+        // This is the same product as in the renderer, so that the picture is the same.
         let to_world = Mat4::from(to_world * world_from_local);
         object.plugin = VolumeFormat::Vol.plugin().into();
         let replaced = [FILENAME.name, GRID, "to_world"];
@@ -86,7 +115,10 @@ impl<'f> VolumeFiles<'f> {
             reason: error.to_string(),
         })?;
         let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
-        let name = format!("{stem}.volume-{}.vol", self.written.len() + 1);
+        let names = (1..).map(|number| format!("{stem}.volume-{number}.vol"));
+        let is_free = |name: &String| !self.taken.contains(&self.target.with_file_name(name));
+        let name = names.into_iter().find(is_free).unwrap_or_default();
+        self.taken.insert(self.target.with_file_name(&name));
         write_file(&self.target.with_file_name(&name), volume.to_vol())?;
         let world_from_local = volume.world_from_local;
         self.written.push((asset, name.clone(), world_from_local));

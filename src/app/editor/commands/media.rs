@@ -1,16 +1,16 @@
-//! Edits of media: who is in which, what shapes are filled with, and fog.
+//! Edits of media: which medium is inside and around things, what shapes are filled with, and fog.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::spot;
 use super::things::{need, need_surface, replace};
+use super::world::tell;
 use crate::app::editor::camera::{picking, pose, rounding};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::media::{Filling, MediumSide};
 use crate::app::editor::session::history::Edit;
-use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust;
 use crate::color::Rgb;
 use crate::engine::PackedScene;
@@ -95,7 +95,7 @@ pub fn spawn(edit: &mut Edit, name: &str, medium: Medium) -> Entity {
     edit.spawn((medium, order, SceneId(name.clone()), Name::new(name)))
 }
 
-/// Fills closed shapes. All of them get the same medium. A surface that lets no light in is replaced by none, which is told.
+/// Fills closed shapes. All of them get the same medium. A surface that lets no light in gets the material `null`, which a message says.
 pub fn fill(edit: &mut Edit, shapes: &[Entity], with: Filling) -> Result<(), CommandError> {
     // What is selected may hold other things.
     let is_free = |shape: &Entity| need_surface(edit, *shape).is_ok() && edit.world.get::<Locked>(*shape).is_none();
@@ -105,7 +105,7 @@ pub fn fill(edit: &mut Edit, shapes: &[Entity], with: Filling) -> Result<(), Com
     }
     for &shape in &shapes {
         let kind = edit.world.get::<Shape>(shape).map(|shape| &shape.kind);
-        if kind.is_some_and(is_flat) {
+        if kind.is_some_and(ShapeKind::is_flat) {
             return Err("Only a closed shape can be filled: this one has no inside.".into());
         }
     }
@@ -122,14 +122,6 @@ pub fn fill(edit: &mut Edit, shapes: &[Entity], with: Filling) -> Result<(), Com
     let opaque: Vec<Entity> = opaque.filter(|shape| !lets_light_in(edit.world, *shape)).collect();
     open_surfaces(edit, &opaque);
     Ok(())
-}
-
-/// Whether a shape of this kind encloses nothing, whatever its size.
-pub fn is_flat(kind: &ShapeKind) -> bool {
-    matches!(
-        kind,
-        ShapeKind::Rectangle | ShapeKind::Disk | ShapeKind::Triangle { .. } | ShapeKind::Frame
-    )
 }
 
 /// Gives shapes the material `null`, and says so.
@@ -149,7 +141,7 @@ fn open_surfaces(edit: &mut Edit, shapes: &[Entity]) {
         _ => format!("{} shapes", shapes.len()),
     };
     let verb = if shapes.len() == 1 { "has" } else { "have" };
-    note(
+    tell(
         edit.world,
         format!(
             "{what} {verb} the material `null` now: the one before let no light in, and would have hidden what is inside."
@@ -242,13 +234,7 @@ fn size_of(world: &World, shape: Entity) -> Option<f32> {
     (size.is_finite() && size > 0.0).then_some(size)
 }
 
-fn note(world: &mut World, text: String) {
-    if let Some(mut toasts) = world.get_resource_mut::<Toasts>() {
-        toasts.info(text);
-    }
-}
-
-/// To be called at the end of an edit: volumes have moved with the shapes that they fill, and light meets media from the first one on.
+/// Completes an edit, at its end: volumes move with the shapes that they fill, and where something has got a medium, the integrator traces media.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
     let is_new = |edit: &Edit| {
@@ -263,17 +249,33 @@ pub fn follow(edit: &mut Edit) {
             ) || has(edit.world.get::<InMedium>(entity).is_some(), before.in_medium.is_some())
         })
     };
-    let integrator = edit.world.get_resource::<IntegratorSettings>();
-    let integrator = integrator.copied().unwrap_or_default();
-    if !integrator.plugin.traces_media() && is_new(edit) {
-        edit.world.insert_resource(IntegratorSettings {
-            plugin: PathPlugin::VolPath,
-            ..integrator
-        });
-        note(
-            edit.world,
-            "The integrator is `volpath` now: with `path` no medium is there.".into(),
+    if is_new(edit) {
+        trace(edit.world, 0);
+    }
+}
+
+/// Lets the integrator trace media, with paths of at least `depth` segments, and says what has changed.
+pub fn trace(world: &mut World, depth: u32) {
+    let before = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
+    let mut after = before;
+    if !before.plugin.traces_media() {
+        after.plugin = PathPlugin::VolPath;
+    }
+    after.max_depth = before.max_depth.map(|most| most.max(depth));
+    if after == before {
+        return;
+    }
+    world.insert_resource(after);
+    if after.plugin != before.plugin {
+        tell(
+            world,
+            "The integrator is `volpath` now: with `path` no medium is there.",
         );
+    }
+    if after.max_depth != before.max_depth {
+        let text =
+            format!("Paths have up to {depth} segments now, because light is scattered often below the surface.");
+        tell(world, text);
     }
 }
 
@@ -359,7 +361,7 @@ pub fn copied_with_place(edit: &mut Edit, medium: Entity, before: &Affine3A, aft
     Some(spawn(edit, &name, copy))
 }
 
-/// The whole scene, with all cameras, in a box of fog. The box becomes the result. Its `name` is that of the fog as well.
+/// Puts the whole scene, with all cameras, into a box of fog, and returns the box. The medium is called `NAME-medium`.
 pub fn surround(edit: &mut Edit, name: &str) -> Entity {
     let packed = edit.world.get_resource::<PackedScene>();
     let bounds = packed.and_then(picking::scene_bounds);
@@ -371,9 +373,7 @@ pub fn surround(edit: &mut Edit, name: &str) -> Entity {
         min: Vec3::splat(-ALONE),
         max: Vec3::splat(ALONE),
     });
-    let bounds = eyes
-        .into_iter()
-        .fold(bounds, |all, eye| all.union(Aabb { min: eye, max: eye }));
+    let bounds = eyes.into_iter().fold(bounds, Aabb::grown);
     let size = bounds.extent().length();
     let half = (0.5 * bounds.extent() + Vec3::splat(AROUND * size)).map(|half| rounding::with_digits(half, 3));
     let center = spot::rounded_place(bounds.center(), size);

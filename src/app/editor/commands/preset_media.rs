@@ -7,9 +7,8 @@ use super::things::delete;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::presets::{self, Preset};
 use crate::app::editor::session::history::Edit;
-use crate::app::editor::session::toasts::Toasts;
 use crate::scene::medium::users_of_medium;
-use crate::scene::{IntegratorSettings, InteriorMedium, LengthUnit, Medium, ObjectState, PathPlugin, SceneId, Shape};
+use crate::scene::{InteriorMedium, LengthUnit, Medium, ObjectState, SceneId, Shape};
 
 /// The depth that paths get at least: light is scattered often before it comes out again. A ball of milk of 5 cm is 2 % too dark with it, and 9 % with a
 /// quarter.
@@ -20,7 +19,7 @@ pub fn need_inside(edit: &Edit, preset: &Preset, shapes: &[Entity]) -> Result<()
     let is_flat = |shape: &Entity| {
         edit.world
             .get::<Shape>(*shape)
-            .is_some_and(|shape| media::is_flat(&shape.kind))
+            .is_some_and(|shape| shape.kind.is_flat())
     };
     match preset.medium.is_some() && shapes.iter().any(is_flat) {
         true => Err(format!(
@@ -35,27 +34,25 @@ pub fn need_inside(edit: &Edit, preset: &Preset, shapes: &[Entity]) -> Result<()
 /// Fills shapes with the medium of a preset. One without a medium takes away that of another, but no medium that the user has made.
 pub fn fill(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) {
     let unit = edit.world.get_resource::<LengthUnit>().copied().unwrap_or_default();
-    let before = interiors(edit.world, shapes);
+    let before = of_library(edit.world, &interiors(edit.world, shapes), unit);
     match preset.medium_in(unit) {
         Some(medium) => {
             let medium = used_again(edit, preset, &medium).unwrap_or_else(|| media::spawn(edit, &name(preset), medium));
             for &shape in shapes {
                 edit.set(shape, InteriorMedium(medium));
             }
-            trace(edit);
+            media::trace(edit.world, DEPTH);
         }
-        None if before.is_empty() => return,
         None => {
-            let of_library = of_library(edit.world, &before, unit);
             for &shape in shapes {
                 let interior = edit.world.get::<InteriorMedium>(shape);
-                if interior.is_some_and(|interior| of_library.contains(&interior.0)) {
+                if interior.is_some_and(|interior| before.contains(&interior.0)) {
                     edit.remove::<InteriorMedium>(shape);
                 }
             }
         }
     }
-    for medium in of_library(edit.world, &before, unit) {
+    for medium in before {
         let is_used = users_of_medium(edit.world, medium).any(|user| ObjectState::is_in_scene(edit.world, user));
         if !is_used {
             delete(edit, medium);
@@ -102,26 +99,4 @@ fn used_again(edit: &mut Edit, preset: &Preset, medium: &Medium) -> Option<Entit
 /// The id that a medium of the scene gets; the material has that of the preset.
 fn name(preset: &Preset) -> String {
     format!("{}-inside", preset.id())
-}
-
-/// Lets the integrator trace media, as deep as these need, and says so.
-fn trace(edit: &mut Edit) {
-    let Some(before) = edit.world.get_resource::<IntegratorSettings>().copied() else {
-        return;
-    };
-    let mut after = before;
-    if !before.plugin.traces_media() {
-        after.plugin = PathPlugin::VolPath;
-    }
-    after.max_depth = before.max_depth.map(|depth| depth.max(DEPTH));
-    if after == before {
-        return;
-    }
-    edit.world.insert_resource(after);
-    if let Some(mut toasts) = edit.world.get_resource_mut::<Toasts>() {
-        toasts.info(format!(
-            "The integrator is `{}` now, with paths of at least {DEPTH} segments: light is scattered below the surface.",
-            after.plugin.name()
-        ));
-    }
 }

@@ -12,11 +12,11 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::files::{self, Access};
+use crate::files::{self, Access, FileError};
 use crate::scene::assets::volume_map::load_volume;
 use crate::scene::{Coefficients, GridFile, Medium, PhaseFunction, VolumeFormat, VolumeParameter};
 
-/// The largest file that the window waits for, in bytes. The box of a larger one is a cube.
+/// The largest `.vol` file that the window waits for, in bytes. The box of a larger one is a cube.
 const LARGEST: u64 = 64 << 20;
 /// The optical depth through a box whose voxels are all 1: a cloud is seen, and lamps in it are, too.
 const DEPTH: f32 = 8.0;
@@ -65,8 +65,10 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
 /// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube. Voxels are cubes unless the
 /// file says more.
 fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), CommandError> {
-    let (file, _) = VolumeFormat::of_asset(asset);
-    if files::check(file, LARGEST).is_err() {
+    let (file, format) = VolumeFormat::of_asset(asset);
+    let is_large = matches!(files::check(file, LARGEST), Err(FileError::TooLarge { .. }));
+    // The place of a `.vdb` grid is known only from its file.
+    if is_large && format == VolumeFormat::Vol {
         return Ok((Vec3::ONE, Affine3A::IDENTITY));
     }
     // The user has chosen the file.

@@ -12,6 +12,13 @@ pub(crate) fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R)
     }
 }
 
+/// Tells the user something, where there are messages.
+pub(crate) fn tell(world: &mut World, text: impl Into<String>) {
+    if let Some(mut toasts) = world.get_resource_mut::<Toasts>() {
+        toasts.info(text.into());
+    }
+}
+
 /// Sets the unit of length, and says so if the file cannot keep it.
 pub(crate) fn set_unit(world: &mut World, unit: LengthUnit) {
     set_resource(world, unit);

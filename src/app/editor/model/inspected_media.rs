@@ -104,12 +104,8 @@ impl Media<'_, '_> {
 
 /// World from the unit cube for the box of each volume of a medium. `content` tells what is in a file.
 fn boxes(medium: &Medium, content: impl Fn(&GridFile) -> Option<InspectedGrid>) -> Vec<Affine3A> {
-    let mut files = Vec::new();
-    medium.for_each_grid(&mut |grid| files.push(grid.clone()));
     let mut boxes: Vec<Affine3A> = Vec::new();
-    medium.clone().for_each_place(&mut |place| {
-        // A box that is no grid has no file.
-        let file = files.iter().find(|file| file.to_world == *place);
+    medium.for_each_placed(&mut |place, file| {
         let mut whole = *place;
         if let Some((file, content)) = file.and_then(|file| Some((file, content(file)?))) {
             whole *= content.world_from_local;

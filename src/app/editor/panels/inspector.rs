@@ -124,7 +124,7 @@ fn sections(
     if has_surface {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
-            let is_flat = inspected.shape.as_ref().is_some_and(is_flat);
+            let is_flat = inspected.shape.as_ref().is_some_and(|shape| shape.kind.is_flat());
             let edit = moving(ui, &model.timeline, (inspected.entity, "emitter."), |ui| {
                 emission::area_light(ui, &mut edited, is_flat, &model.textures)
             });
@@ -254,14 +254,6 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
         EmitterKind::SunSky(_) => Vec3::Z,
         _ => Vec3::Y,
     }
-}
-
-/// Whether both sides of the surface can be seen.
-fn is_flat(shape: &Shape) -> bool {
-    matches!(
-        shape.kind,
-        ShapeKind::Rectangle | ShapeKind::Disk | ShapeKind::Triangle { .. }
-    )
 }
 
 /// Shows the rows of a shape; true if edited.

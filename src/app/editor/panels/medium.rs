@@ -13,7 +13,8 @@ use crate::app::editor::model::{InspectedGrid, InspectedMedium};
 use crate::color::Rgb;
 use crate::scene::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 use crate::scene::{
-    Coefficients, GridFile, Medium, ParameterInfo, PhaseFunction, VolumeFilter, VolumeParameter, VolumeWrap,
+    Coefficients, GridFile, Medium, ParameterInfo, PhaseFunction, VolumeFilter, VolumeFormat, VolumeParameter,
+    VolumeWrap,
 };
 
 /// The names of the rows that are no parameters of the format.
@@ -34,12 +35,10 @@ pub(super) fn medium(ui: &mut Ui, edited: &mut Medium, shown: &InspectedMedium, 
 
 /// The mean free path by colour, which is the inverse of the extinction. That of a grid varies, and has no row.
 fn free_path(ui: &mut Ui, medium: &mut Medium) -> bool {
-    let scale = medium.scale;
-    let Some(sigma_t) = medium.coefficients.uniform_extinction() else {
+    let Some(path) = medium.mean_free_path() else {
         return false;
     };
-    let mut lengths = (sigma_t * scale).to_array().map(f32::recip);
-    let before = lengths;
+    let mut lengths = path.to_array();
     let speed = 0.01 * lengths.into_iter().filter(|it| it.is_finite()).fold(1e-3, f32::max);
     let styles = ["R", "G", "B"].map(|letter| NumberStyle {
         letter,
@@ -53,14 +52,7 @@ fn free_path(ui: &mut Ui, medium: &mut Medium) -> bool {
     if !lengths::numbers(ui, caption, &mut lengths, styles) {
         return false;
     }
-    let mut sigma_t = sigma_t.to_array();
-    for (place, length) in lengths.into_iter().enumerate() {
-        let is_usable = length > 0.0 && scale > 0.0 && length != before[place];
-        if is_usable {
-            sigma_t[place] = (length * scale).recip();
-        }
-    }
-    medium.coefficients.set_uniform_extinction(Rgb::from_array(sigma_t));
+    medium.set_mean_free_path(Rgb::from_array(lengths));
     true
 }
 
@@ -159,10 +151,13 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
     fields::note(ui, "Voxels", size);
     let filters = VolumeFilter::ALL.map(|filter| (filter, filter.name()));
     let mut changed = fields::choice(ui, "Filter", &mut grid.filter, &filters);
-    let wraps = VolumeWrap::ALL.map(|wrap| (wrap, wrap.name()));
-    changed |= fields::choice(ui, "Outside", &mut grid.wrap, &wraps);
-    if grid.use_grid_bbox || content.is_some_and(|content| content.bounds.is_some()) {
-        changed |= fields::checkbox(ui, "Box of file", &mut grid.use_grid_bbox);
+    // The plugin of `.vdb` files has neither.
+    if grid.format == VolumeFormat::Vol {
+        let wraps = VolumeWrap::ALL.map(|wrap| (wrap, wrap.name()));
+        changed |= fields::choice(ui, "Outside", &mut grid.wrap, &wraps);
+        if grid.use_grid_bbox || content.is_some_and(|content| content.bounds.is_some()) {
+            changed |= fields::checkbox(ui, "Box of file", &mut grid.use_grid_bbox);
+        }
     }
     place(ui, "Grid", &mut grid.to_world) || changed
 }

@@ -108,7 +108,7 @@ fn header(ui: &mut Ui, entry: &InspectedMedium, inspected: &Inspected) {
         ui.add(egui::Label::new(egui::RichText::new(place).italics()).truncate());
     }
     match entry.users {
-        0 => ui.weak("nothing is filled with it"),
+        0 => ui.weak("nothing uses it"),
         1 if entry.side.is_some() => return,
         1 => ui.weak("in 1 thing"),
         users => ui.weak(format!("in {users} things")),

@@ -70,7 +70,7 @@ pub fn next_acts(world: &mut World, random: &mut Random, folder: &Folder, own: O
     (kind, after_packing(acts))
 }
 
-/// What depends on the scene as the engine has packed it last, which may be older than the last edit: places of things, and the picture.
+/// The commands that use the scene as the engine has packed it last (places of things, the picture), which may be older than the last edit.
 const FROM_PACKED: [&str; 9] = [
     "align ",
     "bake-lights",

@@ -75,14 +75,11 @@ pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit
         visitor.value("mean_free_path", &mut path, |text| parse_lengths(text, unit).map(Some));
         visitor.value("filename", &mut file, |text| Ok(Some(settle(text.as_ref()))));
     })?;
-    if let Some(path) = path {
-        if medium.coefficients.uniform_extinction().is_none() || medium.scale <= 0.0 {
-            return Err(AssignError::Refused("its extinction varies, or is nowhere".to_owned()));
-        }
-        let extinction = (path * medium.scale)
-            .recip()
-            .min(Rgb::splat(*medium::SIGMA_T.range.end()));
-        medium.coefficients.set_uniform_extinction(extinction);
+    if let Some(path) = path
+        && !medium.set_mean_free_path(path)
+    {
+        let reason = "the extinction varies in space, or the density is 0";
+        return Err(AssignError::Refused(reason.to_owned()));
     }
     if let Some(path) = file {
         let (mut sigma_t, albedo) = medium.coefficients.sigma_t_and_albedo();
@@ -95,6 +92,9 @@ pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit
             VolumeParameter::Constant(_) => GridFile::default(),
         };
         (grid.format, grid.path) = (VolumeFormat::of_file(&path), path);
+        if grid.format != VolumeFormat::Vol {
+            (grid.wrap, grid.use_grid_bbox) = Default::default();
+        }
         sigma_t = VolumeParameter::Grid(grid);
         medium.coefficients = Coefficients::Extinction { sigma_t, albedo };
     }

@@ -6,6 +6,7 @@ use super::error::ScriptError;
 use super::names::{all_named, named, unknown};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::media::{Filling, MediumSide};
+use crate::scene::Medium;
 
 /// `medium MEDIUM|none interior|exterior|around THING...`
 pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> Result<Command, ScriptError> {
@@ -31,11 +32,13 @@ pub fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<
 /// `fill fog|smoke|MEDIUM SHAPE...`
 pub fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<Command, ScriptError> {
     // A medium of the scene is meant if there is one of this name.
-    let with = match (named(world, with), with) {
-        (Ok(medium), _) => Filling::Medium(medium),
-        (Err(_), "fog") => Filling::Fog,
-        (Err(_), "smoke") => Filling::Smoke,
-        (Err(error), _) => return Err(error),
+    let known = named(world, with).ok();
+    let known = known.filter(|thing| world.get::<Medium>(*thing).is_some());
+    let with = match (known, with) {
+        (Some(medium), _) => Filling::Medium(medium),
+        (None, "fog") => Filling::Fog,
+        (None, "smoke") => Filling::Smoke,
+        (None, name) => Filling::Medium(named(world, name)?),
     };
     Ok(Command::Fill {
         shapes: all_named(world, shapes)?,

@@ -107,7 +107,7 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     update_until(&mut app, |world| size(world) == (60, 40));
 }
 
-/// Its samples may be those of a night.
+/// The samples may have taken a night.
 #[test]
 fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
     let folder = tempfile::tempdir().expect("a folder");
