@@ -43,7 +43,7 @@ pub(crate) struct TravelLanes {
     pub distance: Lanes,
     pub is_scattered: Lanes,
     pub throughput: Vec3Lanes,
-    /// As [`super::Travel::passed`].
+    /// The probabilities of having come so far, see [`super::Travel::passed`].
     pub passed: Lanes,
 }
 

@@ -17,7 +17,7 @@ pub struct AwaitedImage {
     pub before: Before,
 }
 
-/// What waiting for a picture changes.
+/// The demands on rendering that waiting for a picture replaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Before {
     /// The full film was to be traced: the exact number of samples that was asked for before.
