@@ -17,8 +17,8 @@ use crate::render::scene::SurfaceSlot;
 use crate::render::view::View;
 use crate::sampling::Sampler;
 
-/// The paths under way.
-pub(super) struct PathBatch<'a> {
+/// The paths under way. Without `MEDIA` all space is empty, and what media need is not compiled.
+pub(super) struct PathBatch<'a, const MEDIA: bool> {
     /// The lanes that have a path, a bit per lane.
     pub active: u32,
     /// The paths; their rays are endless except for those from the camera.
@@ -27,10 +27,8 @@ pub(super) struct PathBatch<'a> {
     /// The hits of the rays, in the lanes of `traced`.
     pub(super) hits: [Option<Hit>; LANES],
     traced: u32,
-    /// Whether there are media at all.
-    pub(super) has_media: bool,
     /// The current vertices of the paths, while they take a step.
-    pub(super) vertices: Vertices<'a>,
+    pub(super) vertices: Vertices<'a, MEDIA>,
 }
 
 /// The destination of a path's sample.
@@ -42,9 +40,9 @@ pub(super) struct Output {
     weight: f32,
 }
 
-impl<'a> PathBatch<'a> {
+impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
     /// A batch without paths.
-    pub fn new(view: &View, has_media: bool) -> Self {
+    pub fn new(view: &View) -> Self {
         let nowhere = PathState::new(
             Ray::new(Vec3::ZERO, Vec3::Z),
             Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
@@ -56,7 +54,6 @@ impl<'a> PathBatch<'a> {
             outputs: [Output { job: 0, weight: 0.0 }; LANES],
             hits: [None; LANES],
             traced: 0,
-            has_media,
             vertices: Vertices::new(),
         }
     }
@@ -97,7 +94,6 @@ impl<'a> PathBatch<'a> {
             outputs,
             hits,
             traced,
-            has_media: _,
             vertices: _,
         } = self;
         PathState::move_lane(paths, lane, &other.paths, theirs);
@@ -216,7 +212,7 @@ impl<'a> PathBatch<'a> {
     #[inline(always)]
     pub(super) fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
-        if self.has_media && slot.media.is_transition() {
+        if MEDIA && slot.media.is_transition() {
             self.arrive_at_border(lane, hit, &slot, context, samples);
             return;
         }

@@ -19,18 +19,17 @@ use crate::render::observer::PathObserver;
 use crate::render::roulette;
 use crate::render::scene::SurfaceSlot;
 
-impl<'a> PathBatch<'a> {
+impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
     /// The medium that the path of a lane is in.
     #[inline(always)]
     pub(super) fn medium(&self, lane: usize) -> Option<MediumId> {
-        // Without media the list is not looked at.
-        if self.has_media { self.paths.medium[lane] } else { None }
+        if MEDIA { self.paths.medium[lane] } else { None }
     }
 
     /// The lanes whose paths are in media, a bit each.
     #[inline(always)]
     pub(super) fn in_media(&self) -> u32 {
-        match self.has_media {
+        match MEDIA {
             false => 0,
             true => {
                 each_lane(self.active).fold(0, |lanes, lane| lanes | u32::from(self.medium(lane).is_some()) << lane)
@@ -48,7 +47,7 @@ impl<'a> PathBatch<'a> {
     #[inline(always)]
     pub(super) fn in_media_towards(&self, lanes: u32, dir: &Vec3Lanes) -> u32 {
         let is_in_medium = |lane| u32::from(self.medium_towards(lane, dir.get(lane)).is_some());
-        match self.has_media {
+        match MEDIA {
             false => 0,
             true => each_lane(lanes).fold(0, |found, lane| found | is_in_medium(lane) << lane),
         }

@@ -47,40 +47,48 @@ pub(super) fn trace<'v>(
     };
     let mut samples = Samples::new(view, jobs.len());
     let has_media = settings.media && !scene.media.is_empty();
-    let mut paths = Paths::new(view, jobs, has_media);
-    loop {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        for _ in 0..STEPS_TO_CANCEL {
-            paths.later.trace(Coherence::Incoherent, &context, &mut samples);
-            paths.begin(&context, &mut samples);
-            if paths.later.active == 0 {
-                return Some(samples);
-            }
-            paths.later.step(Coherence::Incoherent, &context, &mut samples);
-        }
-    }
+    let is_done = match has_media {
+        true => Paths::<true>::new(view, jobs).trace(&context, cancel, &mut samples),
+        false => Paths::<false>::new(view, jobs).trace(&context, cancel, &mut samples),
+    };
+    is_done.then_some(samples)
 }
 
 /// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to their first bounce,
 /// their rays are alike. Then they go where there is a free lane, since some end sooner than others.
-struct Paths<'a> {
+struct Paths<'a, const MEDIA: bool> {
     jobs: &'a [Job],
     /// The number of jobs that have been begun.
     begun: usize,
     /// The paths that have left their first vertex, until there is a lane for them.
-    first: PathBatch<'a>,
-    later: PathBatch<'a>,
+    first: PathBatch<'a, MEDIA>,
+    later: PathBatch<'a, MEDIA>,
 }
 
-impl<'a> Paths<'a> {
-    fn new(view: &View, jobs: &'a [Job], has_media: bool) -> Self {
+impl<'a, const MEDIA: bool> Paths<'a, MEDIA> {
+    fn new(view: &View, jobs: &'a [Job]) -> Self {
         Self {
             jobs,
             begun: 0,
-            first: PathBatch::new(view, has_media),
-            later: PathBatch::new(view, has_media),
+            first: PathBatch::new(view),
+            later: PathBatch::new(view),
+        }
+    }
+
+    /// Traces all jobs. False if `cancel` was set in the meantime.
+    fn trace(mut self, context: &Context<'a>, cancel: &AtomicBool, samples: &mut Samples) -> bool {
+        loop {
+            if cancel.load(Ordering::Relaxed) {
+                return false;
+            }
+            for _ in 0..STEPS_TO_CANCEL {
+                self.later.trace(Coherence::Incoherent, context, samples);
+                self.begin(context, samples);
+                if self.later.active == 0 {
+                    return true;
+                }
+                self.later.step(Coherence::Incoherent, context, samples);
+            }
         }
     }
 

@@ -41,7 +41,7 @@ struct Surfaces {
 
 impl Surfaces {
     #[inline(always)]
-    fn new(vertices: &Vertices, dir: Vec3Lanes) -> Self {
+    fn new<const MEDIA: bool>(vertices: &Vertices<'_, MEDIA>, dir: Vec3Lanes) -> Self {
         let lanes = vertices.lanes;
         let frame = FrameLanes {
             n: vertices.shading_normal * vertices.side,
@@ -95,7 +95,7 @@ impl SoughtLight {
     }
 }
 
-impl PathBatch<'_> {
+impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
     /// Steps from the vertices to the next rays.
     pub(super) fn scatter(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
@@ -117,7 +117,7 @@ impl PathBatch<'_> {
     #[inline(always)]
     fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let Surfaces { frame, wo, .. } = *surfaces;
-        let (smooth, raised) = match surfaces.smooth & self.vertices.phase.lanes {
+        let (smooth, raised) = match surfaces.smooth & self.vertices.in_media() {
             0 => (surfaces.smooth, None),
             in_media => self.seek_light(surfaces.smooth, in_media),
         };
@@ -313,7 +313,7 @@ impl PathBatch<'_> {
         path.ray.t_min = here.select(Lanes::ZERO, path.ray.t_min);
         path.ray.t_max = here.select(Lanes::splat(f32::INFINITY), path.ray.t_max);
         let goes_on = here & sample.returned & path.throughput.is_not_zero();
-        if self.vertices.borders != 0 {
+        if MEDIA && self.vertices.borders != 0 {
             self.enter_media(self.vertices.borders & lanes, &sample.wi);
         }
         goes_on
@@ -328,9 +328,9 @@ impl PathBatch<'_> {
             return surfaces.here;
         }
         let mut survival = roulette::survival(path.throughput.max_element(), path.eta_squared);
-        if self.vertices.phase.lanes != 0 {
+        if self.vertices.in_media() != 0 {
             let in_media = roulette::survival_in_media(path.throughput.max_element(), path.eta_squared);
-            survival = lanes_of(self.vertices.phase.lanes).select(in_media, survival);
+            survival = lanes_of(self.vertices.in_media()).select(in_media, survival);
         }
         let u = path.sampler.at_1d(BounceDraw::Roulette.at(path.depth));
         path.throughput = Vec3Lanes::select(plays, path.throughput / survival, path.throughput);

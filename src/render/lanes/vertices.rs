@@ -14,7 +14,7 @@ use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
 
 /// The surfaces and their models; only the lanes of `lanes` have a meaning.
-pub(super) struct Vertices<'a> {
+pub(super) struct Vertices<'a, const MEDIA: bool> {
     /// A bit per lane.
     pub lanes: u32,
     pub position: Vec3Lanes,
@@ -49,7 +49,7 @@ pub(super) struct Met {
     pub albedo: Rgb,
 }
 
-impl<'a> Vertices<'a> {
+impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     pub fn new() -> Self {
         Self {
             lanes: 0,
@@ -77,21 +77,27 @@ impl<'a> Vertices<'a> {
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
     }
 
+    /// The lanes that are in media, a bit each.
+    #[inline(always)]
+    pub fn in_media(&self) -> u32 {
+        if MEDIA { self.phase.lanes } else { 0 }
+    }
+
     /// The lanes with [`crate::material::Scattering::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
-        self.bsdf.smooth() | self.phase.lanes | self.other_smooth
+        self.bsdf.smooth() | self.in_media() | self.other_smooth
     }
 
     /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
     pub fn halved(&self) -> u32 {
-        self.lanes & !(self.bsdf.transmitting() | self.phase.lanes | self.other & !self.other_halved)
+        self.lanes & !(self.bsdf.transmitting() | self.in_media() | self.other & !self.other_halved)
     }
 
     /// The values and densities of the commonest models and of phase functions, in the frames of the vertices.
     #[inline(always)]
     pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
         let (value, pdf) = self.bsdf.eval_and_pdf(wo, wi);
-        match self.phase.lanes {
+        match self.in_media() {
             0 => (value, pdf),
             _ => self.with_densities(value, pdf, wi.z),
         }
@@ -112,7 +118,7 @@ impl<'a> Vertices<'a> {
     #[inline(always)]
     pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
         let sample = self.bsdf.sample(wo, u_lobe, u, TransportMode::Radiance);
-        match self.phase.lanes {
+        match self.in_media() {
             0 => sample,
             _ => self.with_phases(sample, u),
         }
