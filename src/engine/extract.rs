@@ -37,6 +37,8 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
+use crate::medium::MediumId;
+use crate::render::borders::medium_at;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
@@ -89,7 +91,19 @@ pub(super) struct Extracted {
     pub(super) errors: Errors,
     /// The name of the sensor that the view is from.
     sensor_name: String,
+    /// Where the view was flown from; None if it is the sensor's own.
+    flight: Option<Flight>,
     seen_alone: SeenAlone,
+}
+
+/// The way from a sensor to the view that was flown away from it.
+struct Flight {
+    /// The place of the sensor in world space.
+    from: Vec3,
+    /// The medium that the sensor is in.
+    medium: Option<MediumId>,
+    /// The place of the view in world space.
+    to: Vec3,
 }
 
 /// Errors by the step that found them, so that a step that is not repeated keeps its errors.
@@ -148,6 +162,7 @@ impl Default for Extracted {
             rebuild: None,
             errors: Errors::default(),
             sensor_name: String::new(),
+            flight: None,
             seen_alone: SeenAlone::default(),
         }
     }
@@ -246,6 +261,7 @@ pub(super) fn extract_scene(
     }
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
     extracted.update_layers(keeps_groups);
+    extracted.update_medium_of_view();
     extracted.update_sight(&control.sight);
     let same_scene = old.is_same(&extracted.scene);
     let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
@@ -253,6 +269,7 @@ pub(super) fn extract_scene(
         control.forget_size_until_change();
         extracted.update_view(&authored, &control);
         extracted.update_layers(keeps_groups);
+        extracted.update_medium_of_view();
         extracted.update_sight(&control.sight);
     }
     extracted.update_clipping();
@@ -263,6 +280,7 @@ pub(super) fn extract_scene(
         scene: Some(extracted.scene.clone()),
         entity_of_instance: extracted.entity_of_instance.clone(),
         material_of_entity: extracted.material_of_entity.clone(),
+        medium_of_entity: extracted.packed_media.ids.clone(),
         view: extracted.view.clone(),
     };
     deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
@@ -392,6 +410,13 @@ impl Extracted {
         }
     }
 
+    /// A view that was flown through borders of media is in another medium than its sensor.
+    fn update_medium_of_view(&mut self) {
+        if let (Some(view), Some(flight)) = (&mut self.view, &self.flight) {
+            view.medium = medium_at(&self.scene, flight.from, flight.medium, flight.to);
+        }
+    }
+
     fn update_sight(&mut self, control: &SightControl) {
         let only = (self.seen_alone).update(&control.only, &self.scene.geometry, &self.entity_of_instance);
         if let Some(view) = &mut self.view {
@@ -437,6 +462,11 @@ impl Extracted {
         if view.is_some() {
             self.view = view;
             self.sensor_name = name;
+            self.flight = authored.free_view.pose.map(|pose| Flight {
+                from: to_world.0.translation.into(),
+                medium,
+                to: pose.translation.into(),
+            });
         }
         (self.sample_count, self.noise_target) = (film.sample_count, film.noise_target);
         self.is_adaptive = film.adaptive;

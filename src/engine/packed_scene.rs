@@ -6,6 +6,8 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use crate::material::MaterialId;
+use crate::medium::MediumId;
+use crate::render::borders;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
@@ -18,6 +20,21 @@ pub struct PackedScene {
     pub entity_of_instance: Arc<[Entity]>,
     /// The index in `scene.materials` of each material.
     pub material_of_entity: Arc<EntityHashMap<MaterialId>>,
+    /// The index in `scene.media` of each medium; none if the integrator leaves media out.
+    pub medium_of_entity: Arc<EntityHashMap<MediumId>>,
     /// The view; None until there has been a camera.
     pub view: Option<View>,
+}
+
+impl PackedScene {
+    /// The medium at the place `to`, if `medium` is at the place `from`, both in world space. It is `medium` if the integrator leaves media out.
+    pub fn medium_at(&self, from: Vec3, medium: Option<Entity>, to: Vec3) -> Option<Entity> {
+        let Some(scene) = self.scene.as_ref().filter(|_| !self.medium_of_entity.is_empty()) else {
+            return medium;
+        };
+        let before = medium.and_then(|medium| self.medium_of_entity.get(&medium).copied());
+        let id = borders::medium_at(scene, from, before, to)?;
+        let mut media = self.medium_of_entity.iter();
+        media.find(|(_, found)| **found == id).map(|(entity, _)| *entity)
+    }
 }

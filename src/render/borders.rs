@@ -1,13 +1,39 @@
-//! What a camera ray meets behind surfaces that light does not notice, which are mostly borders of media.
+//! Borders of media: what a camera ray meets behind those that light does not notice, and the medium at a place.
+
+use glam::Vec3;
 
 use super::scene::{RenderScene, SurfaceSlot};
-use crate::accel::{Hit, SurfacePoint};
+use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::material::Material;
 use crate::math::{Ray, offset_origin};
 use crate::medium::{MediumId, Way};
 
 /// The most borders that a ray passes.
 const MOST_BORDERS: u32 = 1024;
+
+/// The medium at the place `to`, if `medium` is at the place `from`, both in world space. Every surface on the straight way in between that names media on its
+/// sides is a border, whatever it is made of.
+pub fn medium_at(scene: &RenderScene, from: Vec3, mut medium: Option<MediumId>, to: Vec3) -> Option<MediumId> {
+    let mut ray = Ray::segment(from, to);
+    for _ in 0..MOST_BORDERS {
+        if ray.dir == Vec3::ZERO {
+            break;
+        }
+        let Some(hit) = scene.geometry.intersect(&ray) else {
+            break;
+        };
+        let point = scene.geometry.surface_in(&ray, &hit, Detail::Plain);
+        let normal = point.geometric_normal;
+        medium = scene.slot(&hit).media.entered(medium, ray.dir, normal);
+        let rest = Ray::segment(offset_origin(point.position, point.error, normal, ray.dir), to);
+        // The place is at the surface itself, within rounding.
+        if rest.dir.dot(ray.dir) <= 0.0 {
+            break;
+        }
+        ray = rest;
+    }
+    medium
+}
 
 /// A surface that a ray meets.
 pub(super) struct Met {

@@ -6,6 +6,7 @@ mod split_mix;
 mod support;
 
 mod adaptive;
+mod flying;
 mod large;
 mod light_mixing;
 mod rebuilding;

@@ -26,7 +26,7 @@ pub(in crate::engine) struct AuthoredMedium<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::engine) struct PackedMedia {
     pub sources: Vec<MediumSource>,
-    pub ids: EntityHashMap<MediumId>,
+    pub ids: Arc<EntityHashMap<MediumId>>,
 }
 
 /// Packs all media of a scene. `volumes` looks up files that have been loaded.
@@ -35,16 +35,19 @@ pub(in crate::engine) fn pack_media<'v>(
     volumes: &dyn Fn(&GridFile) -> Option<&'v VolumeMap>,
     errors: &mut Vec<String>,
 ) -> PackedMedia {
-    let mut packed = PackedMedia::default();
+    let (mut sources, mut ids) = (Vec::new(), EntityHashMap::default());
     for AuthoredMedium { entity, name, medium } in authored {
-        packed.ids.insert(*entity, MediumId(packed.sources.len() as u32));
+        ids.insert(*entity, MediumId(sources.len() as u32));
         let mut packer = MediumPacker {
             volumes,
             check: Checker { name, errors },
         };
-        packed.sources.push(packer.pack(medium));
+        sources.push(packer.pack(medium));
     }
-    packed
+    PackedMedia {
+        sources,
+        ids: Arc::new(ids),
+    }
 }
 
 /// A medium that is part of no scene. Its grids are not there, and what is wrong with it is mended.

@@ -138,10 +138,10 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             // At another place it looks as the view does.
             let translation = addition.at.map_or(view.translation, Into::into);
             let active = edit.world.resource::<ActiveSensor>().0;
-            let medium = active.and_then(|active| edit.world.get::<InMedium>(active)).copied();
+            let medium = active.and_then(|active| view::medium_at(edit.world, active, translation.into()));
             let camera = edit.spawn((called, sensor, film, ToWorld(Affine3A { translation, ..view })));
             if let Some(medium) = medium {
-                edit.set(camera, medium);
+                edit.set(camera, InMedium(medium));
             }
             camera
         }

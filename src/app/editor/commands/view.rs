@@ -4,13 +4,14 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::world::{control, set_resource};
-use super::{flight, seeing};
+use super::{flight, media, seeing};
 use crate::app::editor::camera::pose::{self, view_pose};
 use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::stored_view::StoredView;
 use crate::app::editor::session::history::Edit;
@@ -18,7 +19,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
-use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, InMedium, Lens, Sensor, ToWorld};
 
 /// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
 pub fn keep_step(world: &mut World) {
@@ -51,6 +52,15 @@ pub fn rounded_view(world: &World) -> Option<Affine3A> {
     Some(Affine3A { translation, ..pose })
 }
 
+/// The medium at a place of world space, as far as the medium that a sensor is in tells it.
+pub fn medium_at(world: &World, sensor: Entity, place: Vec3) -> Option<Entity> {
+    let medium = world.get::<InMedium>(sensor).map(|medium| medium.0);
+    match world.get::<ToWorld>(sensor) {
+        Some(ToWorld(pose)) => (world.resource::<PackedScene>()).medium_at(pose.translation.into(), medium, place),
+        None => medium,
+    }
+}
+
 /// Puts the camera in use to where the view is, with its lens.
 pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
     let sensor = edit.world.resource::<ActiveSensor>().0;
@@ -62,6 +72,8 @@ pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
     {
         edit.set(sensor, Sensor { lens, ..seen });
     }
+    let medium = medium_at(edit.world, sensor, pose.translation.into());
+    media::use_medium(edit, &[sensor], MediumSide::Around, medium)?;
     edit.set(sensor, ToWorld(pose));
     edit.world.insert_resource(FreeView::default());
     Ok(sensor)
