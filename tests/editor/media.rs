@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bevy::math::{Affine3A, UVec3, Vec3};
 use bevy::prelude::*;
+use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::automation::monkey::Snapshot;
 use sunroom::app::editor::automation::script::parse::{self, Step};
 use sunroom::app::editor::command::Command;
@@ -14,8 +15,11 @@ use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::toasts::Toasts;
 use sunroom::color::Rgb;
+use sunroom::engine::PackedScene;
+use sunroom::material::MaterialId;
 use sunroom::math::Aabb;
-use sunroom::medium::{VolumeGrid, Voxels, write_vol};
+use sunroom::medium::{MediumId, MediumInterface, VolumeGrid, Voxels, write_vol};
+use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::scene::*;
 
 fn say(world: &mut World, line: &str) -> Result<(), String> {
@@ -372,6 +376,68 @@ fn a_new_camera_is_in_the_medium_of_the_one_that_is_looked_through() {
     let second = named(&mut world, "second");
     assert!(world.get::<InMedium>(second).is_some());
     assert_eq!(world.get::<InMedium>(second), world.get::<InMedium>(eye));
+}
+
+/// A ball of radius 1 around the origin with a medium in it, as the engine packs it.
+fn packed_ball(medium: Entity) -> PackedScene {
+    let ball = Instance::new(Primitive::Sphere, Affine3A::IDENTITY).expect("a good pose");
+    let id = MediumId(0);
+    let slot = SurfaceSlot {
+        material: MaterialId(0),
+        light: None,
+        media: MediumInterface {
+            interior: Some(id),
+            exterior: None,
+        },
+    };
+    PackedScene {
+        scene: Some(RenderScene {
+            geometry: Arc::new(Tlas::build(vec![ball], SplitMethod::Sah)),
+            surfaces: Arc::new(SurfaceTable {
+                first_slot: vec![0],
+                slots: vec![slot],
+            }),
+            materials: Arc::default(),
+            textures: Arc::default(),
+            lights: Arc::default(),
+            media: Arc::default(),
+        }),
+        medium_of_entity: Arc::new([(medium, id)].into_iter().collect()),
+        ..PackedScene::default()
+    }
+}
+
+#[test]
+fn cameras_and_lights_that_move_through_borders_are_in_other_media() {
+    let mut world = bare_world();
+    said(
+        &mut world,
+        &[
+            "add sphere name=ball at=0,-1,0 size=1",
+            "fill fog ball",
+            "add camera name=eye at=0,0,5",
+            "add point name=lamp at=5,0,0",
+        ],
+    );
+    let (ball, fog) = (named(&mut world, "ball"), named(&mut world, "fog"));
+    let things = ["eye", "lamp"].map(|name| named(&mut world, name));
+    for thing in things {
+        let pose = ToWorld(Affine3A::from_translation(Vec3::new(0.0, 0.0, 5.0)));
+        world.entity_mut(thing).insert(pose);
+    }
+    world.insert_resource(packed_ball(fog));
+    let media = |world: &World| things.map(|thing| world.get::<InMedium>(thing).map(|medium| medium.0));
+    said(&mut world, &["move eye 0,0,-5", "move lamp 0,0,-5"]);
+    assert_eq!(media(&world), [Some(fog); 2]);
+    said(&mut world, &["undo", "undo"]);
+    assert_eq!(media(&world), [None; 2]);
+    said(&mut world, &["redo", "redo", "move eye 0,0,0.5", "move lamp 0,0,7"]);
+    assert_eq!(media(&world), [Some(fog), None]);
+    // With the ball goes what is in it.
+    let far = |z: f32| Affine3A::from_translation(Vec3::Z * z);
+    let both = vec![(ball, far(9.0)), (things[0], far(9.5))];
+    apply(&mut world, Command::Transform(both)).expect("moved");
+    assert_eq!(media(&world), [Some(fog), None]);
 }
 
 /// The file changes while the window has edits, and the window has not reloaded it. Saving reads the change first, as a reload does.

@@ -234,9 +234,11 @@ fn size_of(world: &World, shape: Entity) -> Option<f32> {
     (size.is_finite() && size > 0.0).then_some(size)
 }
 
-/// Completes an edit, at its end: volumes move with the shapes that they fill, and where something has got a medium, the integrator traces media.
+/// Completes an edit, at its end: volumes move with the shapes that they fill, cameras and lights that have moved through borders of media are in others, and
+/// where something has got a medium, the integrator traces media.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
+    cross_borders(edit);
     let is_new = |edit: &Edit| {
         edit.touched().any(|(entity, before)| {
             let has = |now: bool, before: bool| now && !before;
@@ -321,6 +323,37 @@ fn carry_volumes(edit: &mut Edit) {
         {
             let carried = self::moved(medium, &first.before, &first.after);
             edit.set(first.medium, carried);
+        }
+    }
+}
+
+/// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as well.
+fn cross_borders(edit: &mut Edit) {
+    let mut moved = Vec::new();
+    for (thing, before) in edit.touched() {
+        let (Some(ToWorld(old)), Some(ToWorld(new))) = (before.to_world, edit.world.get(thing)) else {
+            continue;
+        };
+        let thing_now = edit.world.entity(thing);
+        if old == *new {
+            continue;
+        }
+        if thing_now.contains::<InteriorMedium>() || thing_now.contains::<ExteriorMedium>() {
+            return;
+        }
+        let is_in_space = thing_now.contains::<Sensor>() || thing_now.contains::<Emitter>();
+        let around = thing_now.get::<InMedium>().copied();
+        if is_in_space && around == before.in_medium && !thing_now.contains::<Keys>() {
+            moved.push((thing, around, [old, *new].map(|pose| Vec3::from(pose.translation))));
+        }
+    }
+    for (thing, before, [old, new]) in moved {
+        let packed = edit.world.get_resource::<PackedScene>();
+        let before = before.map(|before| before.0);
+        match packed.map_or(before, |packed| packed.medium_at(old, before, new)) {
+            now if now == before => {}
+            Some(medium) => edit.set(thing, InMedium(medium)),
+            None => edit.remove::<InMedium>(thing),
         }
     }
 }

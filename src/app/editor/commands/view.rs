@@ -4,14 +4,13 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::world::{control, set_resource};
-use super::{flight, media, seeing};
+use super::{flight, seeing};
 use crate::app::editor::camera::pose::{self, view_pose};
 use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
-use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::stored_view::StoredView;
 use crate::app::editor::session::history::Edit;
@@ -72,8 +71,6 @@ pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
     {
         edit.set(sensor, Sensor { lens, ..seen });
     }
-    let medium = medium_at(edit.world, sensor, pose.translation.into());
-    media::use_medium(edit, &[sensor], MediumSide::Around, medium)?;
     edit.set(sensor, ToWorld(pose));
     edit.world.insert_resource(FreeView::default());
     Ok(sensor)
