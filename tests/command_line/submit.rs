@@ -98,6 +98,7 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
 
 /// A job that is not measured.
 const SLURM: [&str; 6] = ["--to", "slurm", "-o", "job", "--shares", "1"];
+const OPENJD: [&str; 6] = ["--to", "openjd", "-o", "job", "--shares", "1"];
 
 #[test]
 fn options_that_tasks_cannot_have_are_refused_at_once() {
@@ -108,8 +109,12 @@ fn options_that_tasks_cannot_have_are_refused_at_once() {
         &["--spp", "8"],
         &["--crop", "0,0,32,32"],
         &["--resume", "c.exr"],
+        &["-o", "all.exr"],
+        &["--frames", "0..3"],
+        &["--stats"],
     ] {
-        let submit = [&["submit", "scenes/still life.xml"][..], &SLURM, &["--dry-run", "--"]].concat();
+        let job = if options[0] == "--stats" { OPENJD } else { SLURM };
+        let submit = [&["submit", "scenes/still life.xml"][..], &job, &["--dry-run", "--"]].concat();
         let output = run(&shop, &[&submit[..], options].concat());
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{said}");
@@ -396,6 +401,8 @@ fn a_job_is_measured() {
             "--",
             "--width",
             "16",
+            "--quiet",
+            "--stats=json-lines",
         ],
     );
     succeeds(&output);

@@ -121,7 +121,8 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
         );
         return Err(Failure::Usage(message));
     }
-    let Some(job) = gather(args)? else {
+    let options = task_options(args)?.render;
+    let Some(job) = gather(args, &options)? else {
         return Ok(ExitCode::FAILURE);
     };
     let whole = Whole {
@@ -132,7 +133,11 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     };
     let plan = match args.shares {
         Some(shares) => Plan::of_shares(whole, shares),
-        None => Plan::of_times(whole, frame_seconds(args, job.spp)?, args.task_time.as_secs_f64()),
+        None => Plan::of_times(
+            whole,
+            frame_seconds(args, &options, job.spp)?,
+            args.task_time.as_secs_f64(),
+        ),
     };
     let plan = plan.map_err(Failure::Usage)?;
     let scripts = scripts(args, &plan, &job);
@@ -190,9 +195,8 @@ struct TaskOptions {
 }
 
 /// Loads the scene to see which files it reads. None if it has errors, which have been reported.
-fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
+fn gather(args: &SubmitArgs, options: &RenderArgs) -> Result<Option<Job>, Failure> {
     let path = settle(&args.scene.scene);
-    let options = task_options(args)?;
     record_reads();
     let mut app = render_only(
         OpenScene {
@@ -218,7 +222,7 @@ fn gather(args: &SubmitArgs) -> Result<Option<Job>, Failure> {
         );
         return Err(message.into());
     }
-    apply_overrides(app.world_mut(), &options.render)?;
+    apply_overrides(app.world_mut(), options)?;
     let sensor = app.world().resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| app.world().get::<Film>(sensor));
     let film = film.ok_or_else(|| format!("{} has no camera", path.display()))?;
@@ -259,6 +263,9 @@ fn task_options(args: &SubmitArgs) -> Result<TaskOptions, Failure> {
         "c.exr",
     ];
     words.extend(added.map(Into::into));
+    if matches!(args.to, System::Openjd) {
+        words.push("--stats=json-lines".into());
+    }
     let options = TaskOptions::try_parse_from(words).map_err(|error| {
         // The rest of the message is the usage of another command.
         let text = error.to_string();
@@ -268,6 +275,10 @@ fn task_options(args: &SubmitArgs) -> Result<TaskOptions, Failure> {
             text.trim_start_matches("error: ")
         ))
     })?;
+    if !options.render.output.is_empty() || args.frames.is_none() && options.render.sequence.frames.is_some() {
+        let message = "the options after `--`: tasks have their own --output, and --frames comes before `--`";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     // A task renders a single frame, which is no whole turn.
     options.render.sequence.first_outputs(&[])?;
     Ok(options)
@@ -292,7 +303,7 @@ fn absolute_name(document: &Document, is_excepted: &dyn Fn(&Path) -> bool) -> Op
 }
 
 /// The seconds that a frame takes on this machine, by rendering a little of the first one.
-fn frame_seconds(args: &SubmitArgs, spp: u32) -> Result<f64, Failure> {
+fn frame_seconds(args: &SubmitArgs, options: &RenderArgs, spp: u32) -> Result<f64, Failure> {
     let folder = tempfile::tempdir()?;
     let mut render = Command::new(std::env::current_exe()?);
     render
@@ -300,9 +311,16 @@ fn frame_seconds(args: &SubmitArgs, spp: u32) -> Result<f64, Failure> {
         .arg(&args.scene.scene)
         .arg("-o")
         .arg(folder.path().join("a.pfm"));
-    render
-        .args(["--time", "5s", "--quiet", "--stats=json"])
-        .args(render_options(args));
+    render.args(["--time", "5s", "--stats=json"]);
+    // What the tasks print does not matter here, and no option may be given twice.
+    render.args(
+        render_options(args)
+            .iter()
+            .filter(|option| !option.starts_with("--stats")),
+    );
+    if !options.quiet {
+        render.arg("--quiet");
+    }
     if let Some(frames) = &args.frames {
         render.args(["--frames", &frames.start().to_string()]);
     }
