@@ -4,6 +4,9 @@
 //! `scene` holds the authoring state as entities and assets; `engine` is the only place that knows both sides; `app` drives it with or
 //! without a window.
 
+// The scene and the engine have much that only the window uses.
+#![cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]
+
 pub use sunroom_core::{
     accel, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, metrics, render,
     sampling, shading, texture,
