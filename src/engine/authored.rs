@@ -14,9 +14,9 @@ use super::pack::texture::TexturePacker;
 use crate::light::WeightedSource;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView,
-    GridFile, Hidden, InMedium, InstanceOf, IntegratorSettings, InteriorMedium, Material, Medium, MemberOf, MeshHandle,
-    Pictures, Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, TextureMap,
-    ToWorld, TriangleMesh, UsesMaterial, VolumeMap, Volumes,
+    GridFile, Hidden, InMedium, InstanceOf, IntegratorSettings, InteriorMedium, InteriorOf, Material, Medium, MemberOf,
+    MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup,
+    TextureMap, ToWorld, TriangleMesh, UsesMaterial, VolumeMap, Volumes,
 };
 use crate::shading::DielectricModel;
 
@@ -109,8 +109,10 @@ pub(super) struct Authored<'w, 's> {
             &'static DocumentOrder,
             Option<&'static SceneId>,
             &'static Medium,
+            Option<&'static InteriorOf>,
         ),
     >,
+    pub hidden: Query<'w, 's, (), With<Hidden>>,
     pub emitters: Query<
         'w,
         's,
@@ -172,6 +174,11 @@ impl Authored<'_, '_> {
         pack_materials(&sources, model, textures, errors)
     }
 
+    /// Whether all shapes that a medium is inside of are hidden. It is not there then.
+    fn are_hidden(&self, shapes: &InteriorOf) -> bool {
+        !shapes.is_empty() && shapes.iter().all(|shape| self.hidden.contains(shape))
+    }
+
     /// Packs all media in the order of the file; none if the integrator leaves them out.
     pub(crate) fn pack_media(&self, errors: &mut Vec<String>) -> PackedMedia {
         if !self.integrator.plugin.traces_media() {
@@ -181,7 +188,8 @@ impl Authored<'_, '_> {
         media.sort_by_key(|&(entity, &order, ..)| (order, entity));
         let authored: Vec<AuthoredMedium> = media
             .into_iter()
-            .map(|(entity, order, id, medium)| AuthoredMedium {
+            .filter(|(.., shapes)| !shapes.is_some_and(|shapes| self.are_hidden(shapes)))
+            .map(|(entity, order, id, medium, _)| AuthoredMedium {
                 entity,
                 name: name_of("medium", *order, id),
                 medium,

@@ -173,6 +173,7 @@ pub(super) struct MediumChanges<'w, 's> {
     changed: Query<'w, 's, (), (With<Medium>, Or<(Changed<Medium>, Changed<DocumentOrder>)>)>,
     volumes: MessageReader<'w, 's, AssetEvent<VolumeMap>>,
     gone: RemovedComponents<'w, 's, Medium>,
+    filled: Query<'w, 's, (), With<InteriorMedium>>,
 }
 
 #[derive(SystemParam)]
@@ -243,9 +244,20 @@ pub(super) fn detect_changes(
     shapes.lights.for_each(|entity| dirty.surfaces.add([entity]));
     dirty.surfaces.add(shapes.uses_gone.read());
     dirty.surfaces.add(shapes.lights_gone.read());
-    shapes.interiors.for_each(|entity| dirty.surfaces.add([entity]));
+    // A medium is there if a shape that it is inside of is not hidden.
+    let mut borders = shapes
+        .hidden
+        .iter()
+        .chain(shown.iter().copied())
+        .any(|entity| media.filled.contains(entity));
+    shapes.interiors.for_each(|entity| {
+        dirty.surfaces.add([entity]);
+        borders = true;
+    });
     shapes.exteriors.for_each(|entity| dirty.surfaces.add([entity]));
-    dirty.surfaces.add(shapes.interiors_gone.read());
+    dirty
+        .surfaces
+        .add(shapes.interiors_gone.read().inspect(|_| borders = true));
     dirty.surfaces.add(shapes.exteriors_gone.read());
     let materials = !materials.changed.is_empty()
         | (materials.pictures.read().count() > 0)
@@ -256,7 +268,8 @@ pub(super) fn detect_changes(
         | view.integrator.is_changed();
     let lights =
         !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | !pose_gone.is_empty() | !shown.is_empty();
-    let media = !media.changed.is_empty()
+    let media = borders
+        | !media.changed.is_empty()
         | (media.volumes.read().count() > 0)
         | (media.gone.read().count() > 0)
         // Says whether light meets media.

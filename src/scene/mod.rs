@@ -87,8 +87,8 @@ pub use material::{
     UsesMaterial,
 };
 pub use medium::{
-    Coefficients, ExteriorMedium, GridFile, InMedium, InteriorMedium, Medium, PhaseBlend, PhaseFunction, VolumeFilter,
-    VolumeFormat, VolumeParameter, VolumeWrap,
+    Coefficients, ExteriorMedium, GridFile, InMedium, InteriorMedium, InteriorOf, Medium, PhaseBlend, PhaseFunction,
+    VolumeFilter, VolumeFormat, VolumeParameter, VolumeWrap,
 };
 pub use moment::shown_time;
 pub(crate) use object_change::{ObjectChange, Side};

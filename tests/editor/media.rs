@@ -9,6 +9,7 @@ use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::automation::monkey::Snapshot;
 use sunroom::app::editor::automation::script::parse::{self, Step};
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::media::MediumSide;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
@@ -376,6 +377,40 @@ fn a_new_camera_is_in_the_medium_of_the_one_that_is_looked_through() {
     let second = named(&mut world, "second");
     assert!(world.get::<InMedium>(second).is_some());
     assert_eq!(world.get::<InMedium>(second), world.get::<InMedium>(eye));
+}
+
+#[test]
+fn what_was_in_fog_that_is_deleted_is_in_what_was_around_it() {
+    let mut world = bare_world();
+    said(
+        &mut world,
+        &[
+            "add camera name=eye at=0,0,5",
+            "add sphere name=ball at=0,0,0 size=1",
+            "fill smoke ball",
+            "add fog",
+        ],
+    );
+    let [eye, ball, medium] = ["eye", "ball", "fog-medium"].map(|name| named(&mut world, name));
+    let around = |world: &World| {
+        let of_eye = world.get::<InMedium>(eye).map(|medium| medium.0);
+        (of_eye, world.get::<ExteriorMedium>(ball).map(|medium| medium.0))
+    };
+    assert_eq!(around(&world), (Some(medium), Some(medium)));
+    let text = Snapshot::of(&mut world).contents();
+    said(&mut world, &["select fog", "delete"]);
+    assert_eq!(around(&world), (None, None));
+    said(&mut world, &["undo"]);
+    assert_eq!(Snapshot::of(&mut world).contents(), text);
+    let smoke = named(&mut world, "smoke");
+    let fog = named(&mut world, "fog");
+    let with_smoke = Command::UseMedium {
+        things: vec![fog],
+        side: MediumSide::Interior,
+        medium: Some(smoke),
+    };
+    apply(&mut world, with_smoke).expect("filled anew");
+    assert_eq!(around(&world), (Some(smoke), Some(smoke)));
 }
 
 /// A ball of radius 1 around the origin with a medium in it, as the engine packs it.

@@ -4,7 +4,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::engine::PackedScene;
 use sunroom::scene::{
-    DocumentOrder, FreeView, InMedium, IntegratorSettings, InteriorMedium, Medium, PathPlugin, Sensor, Shape,
+    DocumentOrder, FreeView, Hidden, InMedium, IntegratorSettings, InteriorMedium, Medium, PathPlugin, Sensor, Shape,
 };
 
 use crate::{ball, finish};
@@ -72,4 +72,22 @@ fn without_media_in_the_picture_a_place_keeps_its_medium() {
     finish(&mut app);
     let packed = app.world().resource::<PackedScene>();
     assert_eq!(packed.medium_at(MIDDLE, Some(medium), Vec3::ZERO), Some(medium));
+}
+
+#[test]
+fn a_medium_whose_borders_are_hidden_is_not_there() {
+    let (mut app, medium) = filled_ball();
+    let world = app.world_mut();
+    let (sensor, ball) = (only::<Sensor>(world), only::<Shape>(world));
+    world.entity_mut(sensor).insert(InMedium(medium));
+    assert!(is_in_medium(&mut app, None));
+    app.world_mut().entity_mut(ball).insert(Hidden);
+    assert!(!is_in_medium(&mut app, None));
+    app.world_mut().entity_mut(ball).remove::<Hidden>();
+    assert!(is_in_medium(&mut app, None));
+    // A medium without any borders has no shape that could be hidden.
+    app.world_mut().entity_mut(ball).remove::<InteriorMedium>();
+    assert!(is_in_medium(&mut app, None));
+    app.world_mut().entity_mut(ball).insert(Hidden);
+    assert!(is_in_medium(&mut app, None));
 }

@@ -97,8 +97,9 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
         AdditionKind::Fog => media::surround(edit, addition.name.as_deref().unwrap_or("fog")),
         AdditionKind::FogBox => {
             let name = addition.name.as_deref().unwrap_or("fog-box");
+            let middle = foot + up * ((1.0 - media::SUNK) * size);
             // Through its middle one seventh of the light passes.
-            media::bounded(edit, name, at(foot + up * size) * scale, media::fog(size))
+            media::bounded(edit, name, at(middle) * scale, media::fog(size))
         }
         AdditionKind::Rectangle => {
             let pose = ToWorld(at(ground) * facing(up) * scale);

@@ -16,7 +16,7 @@ use crate::color::Rgb;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::insert::next_order;
-use crate::scene::medium::InteriorOf;
+use crate::scene::medium::{InteriorOf, users_of_medium};
 use crate::scene::names::free_name_for;
 use crate::scene::{
     Coefficients, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, FirstNestedIn, InMedium, IntegratorSettings,
@@ -53,16 +53,20 @@ pub fn use_medium(
     }
     for &thing in things {
         need_side(edit, thing, side)?;
-        match (side, medium) {
-            (MediumSide::Interior, Some(medium)) => edit.set(thing, InteriorMedium(medium)),
-            (MediumSide::Exterior, Some(medium)) => edit.set(thing, ExteriorMedium(medium)),
-            (MediumSide::Around, Some(medium)) => edit.set(thing, InMedium(medium)),
-            (MediumSide::Interior, None) => edit.remove::<InteriorMedium>(thing),
-            (MediumSide::Exterior, None) => edit.remove::<ExteriorMedium>(thing),
-            (MediumSide::Around, None) => edit.remove::<InMedium>(thing),
-        }
+        set_side(edit, thing, side, medium);
     }
     Ok(())
+}
+
+fn set_side(edit: &mut Edit, thing: Entity, side: MediumSide, medium: Option<Entity>) {
+    match (side, medium) {
+        (MediumSide::Interior, Some(medium)) => edit.set(thing, InteriorMedium(medium)),
+        (MediumSide::Exterior, Some(medium)) => edit.set(thing, ExteriorMedium(medium)),
+        (MediumSide::Around, Some(medium)) => edit.set(thing, InMedium(medium)),
+        (MediumSide::Interior, None) => edit.remove::<InteriorMedium>(thing),
+        (MediumSide::Exterior, None) => edit.remove::<ExteriorMedium>(thing),
+        (MediumSide::Around, None) => edit.remove::<InMedium>(thing),
+    }
 }
 
 fn need_side(edit: &Edit, thing: Entity, side: MediumSide) -> Result<(), CommandError> {
@@ -234,10 +238,11 @@ fn size_of(world: &World, shape: Entity) -> Option<f32> {
     (size.is_finite() && size > 0.0).then_some(size)
 }
 
-/// Completes an edit, at its end: volumes move with the shapes that they fill, cameras and lights that have moved through borders of media are in others, and
+/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have moved through borders of media are in others, and
 /// where something has got a medium, the integrator traces media.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
+    leave_borderless(edit);
     cross_borders(edit);
     let is_new = |edit: &Edit| {
         edit.touched().any(|(entity, before)| {
@@ -327,6 +332,31 @@ fn carry_volumes(edit: &mut Edit) {
     }
 }
 
+/// Where the last shape that a medium was inside of goes, or gets another medium, what was in that medium is in the one that is there now.
+fn leave_borderless(edit: &mut Edit) {
+    let emptied = edit.touched().filter_map(|(shape, before)| {
+        let medium = before.interior?.0;
+        let now = edit.world.get::<InteriorMedium>(shape).map(|now| now.0);
+        let around = before.exterior.map(|around| around.0);
+        let is_borderless = edit
+            .world
+            .get::<InteriorOf>(medium)
+            .is_none_or(|shapes| shapes.is_empty());
+        is_borderless.then_some((medium, now.or(around)))
+    });
+    let emptied: Vec<(Entity, Option<Entity>)> = emptied.collect();
+    for (medium, instead) in emptied {
+        let surrounded: Vec<Entity> = users_of_medium(edit.world, medium).collect();
+        for thing in surrounded {
+            let side = match edit.world.get::<ExteriorMedium>(thing) {
+                Some(_) => MediumSide::Exterior,
+                None => MediumSide::Around,
+            };
+            set_side(edit, thing, side, instead);
+        }
+    }
+}
+
 /// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as well.
 fn cross_borders(edit: &mut Edit) {
     let mut moved = Vec::new();
@@ -350,10 +380,9 @@ fn cross_borders(edit: &mut Edit) {
     for (thing, before, [old, new]) in moved {
         let packed = edit.world.get_resource::<PackedScene>();
         let before = before.map(|before| before.0);
-        match packed.map_or(before, |packed| packed.medium_at(old, before, new)) {
-            now if now == before => {}
-            Some(medium) => edit.set(thing, InMedium(medium)),
-            None => edit.remove::<InMedium>(thing),
+        let now = packed.map_or(before, |packed| packed.medium_at(old, before, new));
+        if now != before {
+            set_side(edit, thing, MediumSide::Around, now);
         }
     }
 }
@@ -416,6 +445,9 @@ pub fn surround(edit: &mut Edit, name: &str) -> Entity {
     bounded(edit, name, pose, medium)
 }
 
+/// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same plane, light would meet one or the other
+/// at random.
+pub const SUNK: f32 = 0.02;
 /// Half the edge of the box of fog in a scene without shapes, in world units.
 const ALONE: f32 = 10.0;
 /// The distance of the box of fog from everything, as a share of the scene's diagonal.

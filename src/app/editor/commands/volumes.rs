@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::things::select_new;
+use super::world::tell;
 use super::{media, spot};
 use crate::app::editor::camera::rounding;
 use crate::app::editor::command::error::CommandError;
@@ -13,7 +14,8 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::files::{self, Access, FileError};
-use crate::scene::assets::volume_map::load_volume;
+use crate::medium::vdb::VdbError;
+use crate::scene::assets::volume_map::{VolumeMapError, load_volume};
 use crate::scene::{Coefficients, GridFile, Medium, PhaseFunction, VolumeFormat, VolumeParameter};
 
 /// The largest `.vol` file that the window waits for, in bytes. The box of a larger one is a cube.
@@ -23,13 +25,24 @@ const DEPTH: f32 = 8.0;
 
 /// Adds a volume file, which stands on `foot`; None: where new things go. The error names what is wrong with the file.
 pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), CommandError> {
-    let format = VolumeFormat::of_file(path);
-    let (sides, world_from_local) = content_of(&format.asset_path(path))?;
+    let mut format = VolumeFormat::of_file(path);
+    let content = match content_of(&format.asset_path(path)) {
+        Err(VolumeMapError::Vdb(VdbError::ManyGrids(names))) => {
+            format = first_of(edit, path, &names);
+            content_of(&format.asset_path(path))
+        }
+        content => content,
+    };
+    let of_file = |reason: &str| CommandError::file(format!("{}: {reason}", path.display()));
+    let (sides, world_from_local) = content.map_err(|error| of_file(&error.to_string()))?;
+    if !sides.cmpgt(Vec3::ZERO).all() || !world_from_local.inverse().is_finite() {
+        return Err(of_file("its grid is flat"));
+    }
     let up = edit.world.resource::<ViewSettings>().navigation.up;
     let found = spot::find(edit.world, None, 1.0, false);
     let foot = foot.unwrap_or(found.foot);
     let half = (sides * found.size).map(|half| rounding::with_digits(half, 3));
-    let middle = spot::rounded_place(foot + up * half.dot(up.abs()), found.size);
+    let middle = spot::rounded_place(foot + up * ((1.0 - media::SUNK) * half.dot(up.abs())), found.size);
     let pose = Affine3A::from_translation(middle) * Affine3A::from_scale(half);
     // The sum is short in a file, as its parts are.
     let filling = Affine3A {
@@ -64,7 +77,7 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
 
 /// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube. Voxels are cubes unless the
 /// file says more.
-fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), CommandError> {
+fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), VolumeMapError> {
     let (file, format) = VolumeFormat::of_asset(asset);
     let is_large = matches!(files::check(file, LARGEST), Err(FileError::TooLarge { .. }));
     // The place of a `.vdb` grid is known only from its file.
@@ -72,8 +85,7 @@ fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), CommandError> {
         return Ok((Vec3::ONE, Affine3A::IDENTITY));
     }
     // The user has chosen the file.
-    let map = load_volume(asset, &Access::everywhere());
-    let map = map.map_err(|error| CommandError::file(format!("{}: {error}", file.display())))?;
+    let map = load_volume(asset, &Access::everywhere())?;
     let voxels = map.grid.resolution().as_vec3();
     let axes = map
         .world_from_local
@@ -86,9 +98,19 @@ fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), CommandError> {
         _ if map.world_from_local != Affine3A::IDENTITY => Vec3::from_array(axes),
         _ => voxels,
     };
-    let sides = sides / sides.max_element();
-    match sides.cmpgt(Vec3::ZERO).all() && map.world_from_local.inverse().is_finite() {
-        true => Ok((sides, map.world_from_local)),
-        false => Err(CommandError::file(format!("{}: its grid is flat", file.display()))),
-    }
+    Ok((sides / sides.max_element(), map.world_from_local))
+}
+
+/// The first grid of a `.vdb` file with several, and a message that there are others.
+fn first_of(edit: &mut Edit, path: &Path, names: &[String]) -> VolumeFormat {
+    let grid = names.first().cloned();
+    let others: Vec<String> = names.iter().skip(1).map(|name| format!("`{name}`")).collect();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let text = format!(
+        "{file} has no grid `density`: `{}` is taken. The inspector of the medium can name another: {}.",
+        grid.as_deref().unwrap_or_default(),
+        others.join(", ")
+    );
+    tell(edit.world, text);
+    VolumeFormat::Vdb { grid }
 }

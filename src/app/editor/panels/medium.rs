@@ -1,7 +1,7 @@
 //! Rows of the parameters of participating media.
 
 use bevy::math::{Affine3A, Vec3};
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
 use super::color_field;
@@ -20,6 +20,7 @@ use crate::scene::{
 /// The names of the rows that are no parameters of the format.
 const FREE_PATH: &str = "Free path";
 const PHASE: &str = "Phase";
+const GRID_NAME: &str = "Of file";
 
 /// Shows the rows of a medium; true if edited.
 pub(super) fn medium(ui: &mut Ui, edited: &mut Medium, shown: &InspectedMedium, textures: &PanelTextures) -> bool {
@@ -150,7 +151,11 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
     };
     fields::note(ui, "Voxels", size);
     let filters = VolumeFilter::ALL.map(|filter| (filter, filter.name()));
-    let mut changed = fields::choice(ui, "Filter", &mut grid.filter, &filters);
+    let mut changed = false;
+    if let VolumeFormat::Vdb { grid: name } = &mut grid.format {
+        changed |= name_of_grid(ui, name);
+    }
+    changed |= fields::choice(ui, "Filter", &mut grid.filter, &filters);
     // The plugin of `.vdb` files has neither.
     if grid.format == VolumeFormat::Vol {
         let wraps = VolumeWrap::ALL.map(|wrap| (wrap, wrap.name()));
@@ -160,6 +165,31 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
         }
     }
     place(ui, "Grid", &mut grid.to_world) || changed
+}
+
+/// The grid of a `.vdb` file that is read. A name that is being typed counts once the field is left.
+fn name_of_grid(ui: &mut Ui, name: &mut Option<String>) -> bool {
+    let id = ui.make_persistent_id("name of grid");
+    let shown = name.clone().unwrap_or_default();
+    let mut text: String = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| shown.clone());
+    let about = "The grid of the file. Empty: `density`, or else the only one.";
+    let response = fields::row(ui, Caption::from((GRID_NAME, "grid")).explained(about), |ui| {
+        let width = ui.available_width() - 8.0;
+        ui.add(egui::TextEdit::singleline(&mut text).id(id).desired_width(width))
+    });
+    let is_typing = response.has_focus();
+    ui.data_mut(|data| {
+        if is_typing {
+            data.insert_temp(id, text.clone());
+        } else {
+            data.remove_temp::<String>(id);
+        }
+    });
+    let is_chosen = !is_typing && text != shown;
+    if is_chosen {
+        *name = (!text.is_empty()).then_some(text);
+    }
+    is_chosen
 }
 
 /// The corner and the size of a volume, which is the unit cube under this map.

@@ -220,7 +220,7 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog 
     let (title, purpose) = match kind {
         FileDialogKind::OpenScene => ("Open a scene".to_owned(), Purpose::Open(&SCENE_FILES)),
         FileDialogKind::Import => (
-            "Import a mesh, a scene or an environment".to_owned(),
+            "Import a mesh, a volume, a scene or an environment".to_owned(),
             Purpose::Open(IMPORTS),
         ),
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
