@@ -26,12 +26,12 @@ pub struct Piece {
 
 impl Piece {
     /// Has the next picture go on with what a file has. The scene is packed as it was then. The error is a sentence that says why the picture is another one, or why
-    /// the file cannot be read; it does not name the file.
-    pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<(), String> {
+    /// the file cannot be read; it does not name the file. Returns the number of samples that every pixel of the piece has.
+    pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<u32, String> {
         let header = file.header();
         let view = world.resource::<PackedScene>().view.as_ref();
         let Some(kept) = view.map(|view| view.film_layers()) else {
-            return Ok(());
+            return Ok(0);
         };
         if [header.width, header.height] != self.size || header.film_layers() != kept {
             return Err(
@@ -52,8 +52,9 @@ impl Piece {
             film.keep_chunks();
         }
         let job = file.read_into(&mut film).map_err(|error| error.to_string())?;
+        let samples = self.counts(&film).min().unwrap_or(0);
         resume(world, film, job);
-        Ok(())
+        Ok(samples)
     }
 
     /// Whether every pixel of the piece has exactly its samples.

@@ -188,7 +188,14 @@ impl Share {
             ));
         }
         let taken = self.piece.take_up(world, &file);
-        taken.map_err(|error| format!("{name}: {error}").into())
+        let samples = taken.map_err(|error| format!("{name}: {error}"))?;
+        let asked = self.piece.samples[1] - self.piece.samples[0];
+        if samples > asked {
+            report::line(format_args!(
+                "warning: {name} has {samples} samples per pixel already, and {asked} are asked for: the picture keeps all of them"
+            ));
+        }
+        Ok(())
     }
 }
 

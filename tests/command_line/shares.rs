@@ -603,6 +603,24 @@ fn a_checkpoint_of_another_picture_is_refused_unless_forced() {
     succeeds(&shop, &resume);
     succeeds(&shop, &["render", "scene.xml", "-q", "-o", "whole.exr", "--spp", "16"]);
     same(&shop, "a.exr", "whole.exr");
+    // Samples that are there are not thrown away, which is said.
+    let fewer = [
+        "render",
+        "scene.xml",
+        "-q",
+        "-o",
+        "b.exr",
+        "--spp",
+        "3",
+        "--resume",
+        "c.exr",
+    ];
+    let output = run(&shop, &fewer);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let words = "c.exr has 8 samples per pixel already, and 3 are asked for: the picture keeps all of them";
+    assert!(output.status.success() && said.contains(words), "{said}");
+    succeeds(&shop, &["render", "scene.xml", "-q", "-o", "eight.exr", "--spp", "8"]);
+    same(&shop, "b.exr", "eight.exr");
     let message = fails(&shop, 1, &[&resume[..], &["--seed", "3", "--max-depth", "2"]].concat());
     assert!(
         message.contains("c.exr is a checkpoint of another picture: the seed is 3, and was 0; the integrator"),

@@ -5,6 +5,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui;
 use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
+use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
@@ -59,6 +60,7 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         seeing: Default::default(),
         isolated: false,
         has_textures: false,
+        has_kept_picture: false,
         timeline_shown: false,
         playing: false,
         flying: false,
@@ -119,6 +121,7 @@ impl ViewportContent {
             paths: &self.paths,
             legend: None,
             captions: &[],
+            compared: CompareView::Off,
             region: None,
             navigation: Navigation {
                 scene_size: 10.0,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
@@ -12,7 +12,7 @@ use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::panel;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
-use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::input::actions::{ActionContext, find};
 use sunroom::app::editor::model::{HistoryModel, Model, Notice, Outline, StatusModel};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::{diagnostics, history, status};
@@ -20,6 +20,8 @@ use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::session::layout::Layout;
 use sunroom::document::Severity;
 use sunroom::engine::{RenderState, RenderStatus};
+
+use crate::support::context;
 
 use super::{Panel, Shown, click, entity, item, show, show_at};
 
@@ -54,6 +56,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 seeing: Default::default(),
                 isolated: false,
                 has_textures: false,
+                has_kept_picture: false,
                 timeline_shown: false,
                 playing: false,
                 flying: false,
@@ -97,6 +100,30 @@ fn menus_say_commands() {
         Command::SetDenoising(true),
     ];
     assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn without_a_kept_picture_there_is_none_to_resume() {
+    let mut harness = menus(DenoiserState::Off);
+    for entry in ["Resume the kept picture", "Remove the kept picture"] {
+        click(&mut harness, "File");
+        assert!(harness.get_by_label_contains(entry).accesskit_node().is_disabled());
+        harness.get_by_label_contains(entry).hover();
+        // The tool tip waits for a moment.
+        harness.run_steps(40);
+        assert!(
+            harness.query_by_label_contains("No picture is kept").is_some(),
+            "{entry}"
+        );
+        click(&mut harness, "File");
+    }
+    let selection = Selection::default();
+    let kept = ActionContext {
+        has_kept_picture: true,
+        ..context(&selection)
+    };
+    let resume = find("continue-picture").expect("an action");
+    assert!((resume.command)(&kept).is_some() && (resume.command)(&context(&selection)).is_none());
 }
 
 #[test]

@@ -13,3 +13,22 @@ pub enum CompareView {
     /// The difference of each component.
     Difference,
 }
+
+impl CompareView {
+    /// The border between both parts, as a fraction of the width; None without one.
+    pub fn border(self) -> Option<f32> {
+        match self {
+            Self::Wipe(at) | Self::Noisy(at) => Some(at),
+            Self::Off | Self::Difference => None,
+        }
+    }
+
+    /// The same with the border at this fraction of the width, if it has one.
+    pub fn with_border(self, at: f32) -> Self {
+        match self {
+            Self::Wipe(_) => Self::Wipe(at),
+            Self::Noisy(_) => Self::Noisy(at),
+            Self::Off | Self::Difference => self,
+        }
+    }
+}

@@ -20,6 +20,7 @@ use crate::app::editor::session::kept_picture::{KeptPictures, Returning, Shown, 
 use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::figures::counted;
 use crate::app::origin::origin_of_open;
 use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
 use crate::render::layered_image::{Attribute, LayeredImage};
@@ -272,11 +273,13 @@ pub(crate) fn follow(world: &mut World) {
         return;
     }
     let (revision, is_fresh) = (status.revision, status.fresh_load);
-    let kept = status.path.as_deref().map(kept_file);
-    let is_opened = world.resource_mut::<KeptPictures>().take_opened(revision, is_fresh);
+    let is_kept = status.path.as_deref().is_some_and(|scene| kept_file(scene).is_file());
+    let mut pictures = world.resource_mut::<KeptPictures>();
+    pictures.is_there = is_kept;
+    let is_opened = pictures.take_opened(revision, is_fresh);
     // What was recovered is of no file.
     if is_opened
-        && kept.is_some_and(|kept| kept.is_file())
+        && is_kept
         && world.resource::<History>().is_saved()
         && let Err(error) = begin_to_continue(world)
     {
@@ -320,19 +323,30 @@ fn go_on(world: &mut World, mut returning: Returning) {
         return world.insert_resource(returning);
     }
     let name = name_of(&kept_file(&returning.scene));
-    if let Err(error) = take_up(world, &returning, size) {
-        control(world, |control| control.size_until_change = None);
-        return fail(world, format!("{name}: {error}"));
-    }
+    let samples = match take_up(world, &returning, size) {
+        Ok(samples) => samples,
+        Err(error) => {
+            control(world, |control| control.size_until_change = None);
+            return fail(world, format!("{name}: {error}"));
+        }
+    };
     world.resource_mut::<KeptPictures>().note_resumed();
     control(world, |control| control.restart_requested = true);
-    world
-        .resource_mut::<Toasts>()
-        .info(format!("Resumed the picture in {name}"));
+    let asked = world.resource::<RenderStatus>().target;
+    let text = match samples > asked {
+        true => {
+            format!("{name} has {samples} samples already, and {asked} are asked for: the picture keeps all of them")
+        }
+        false => format!(
+            "Resumed the picture in {name}, at {}",
+            counted(samples.into(), "sample")
+        ),
+    };
+    world.resource_mut::<Toasts>().info(text);
 }
 
-/// Resumes the picture, if it is of the scene as it is now. The error says what differs.
-fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<(), String> {
+/// Resumes the picture, if it is of the scene as it is now. Returns the samples that every pixel has. The error says what differs.
+fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<u32, String> {
     let view = world.resource::<PackedScene>().view.as_ref();
     if view.is_none_or(|view| [view.width, view.height] != size) {
         return Err("the view was changed meanwhile, and the picture begins anew".to_owned());

@@ -147,6 +147,7 @@ mod tests {
             seeing: Default::default(),
             isolated: false,
             has_textures: false,
+            has_kept_picture: false,
             timeline_shown: false,
             playing: false,
             flying: false,

@@ -11,7 +11,6 @@ use bevy::prelude::*;
 
 use super::leaks::Leaks;
 use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
-use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
@@ -20,6 +19,7 @@ use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
 use crate::app::editor::picture::noise_trend::NoiseTrend;
+use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -123,6 +123,8 @@ pub struct Settings<'w, 's> {
 #[derive(SystemParam)]
 pub struct PictureState<'w> {
     mix: Res<'w, LightMix>,
+    /// The texture; None without a window.
+    texture: Option<Res<'w, Picture>>,
     film: Res<'w, RenderFilm>,
     comparison: Res<'w, Comparison>,
     trend: Res<'w, NoiseTrend>,
@@ -224,6 +226,7 @@ pub fn gather_status(
             undone: owned(undone),
         });
     }
+    let seen = picture.texture.as_ref().and_then(|texture| texture.denoised());
     model.status = StatusModel {
         status: status.clone(),
         paused: settings.control.paused,
@@ -231,8 +234,7 @@ pub fn gather_status(
         unsaved: !history.is_saved(),
         being_saved: history.is_being_saved(),
         load_failed: scene.state == SceneState::Failed,
-        denoiser: denoiser.state(picture.view.denoising),
-        shows_picture: picture.view.display.mode == DisplayMode::Shaded,
+        denoiser: denoiser.state(picture.view.denoising, seen),
         awaited_image: picture.awaited_image.as_deref().cloned(),
         is_full: settings.control.full_until_change,
         noise_trend: picture.trend.clone(),

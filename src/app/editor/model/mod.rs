@@ -374,10 +374,8 @@ pub struct StatusModel {
     pub being_saved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
-    /// Whether there is a denoised picture, or one is on its way.
+    /// Whether the denoised picture is shown, or one is on its way.
     pub denoiser: DenoiserState,
-    /// Whether the display mode is the picture itself, which alone is denoised.
-    pub shows_picture: bool,
     /// The image that is saved when the full film is there.
     pub awaited_image: Option<AwaitedImage>,
     /// Whether the full film is traced until the next change.

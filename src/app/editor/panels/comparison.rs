@@ -40,10 +40,7 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
 fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     let mut view = model.view;
     // The place of the border does not matter to the choice, and stays where it is.
-    let border = match model.view {
-        CompareView::Wipe(border) | CompareView::Noisy(border) => border,
-        CompareView::Off | CompareView::Difference => 0.5,
-    };
+    let border = model.view.border().unwrap_or(0.5);
     let mut views = vec![(CompareView::Off, "off")];
     if model.snapshot.is_some() || !model.denoising {
         views.push((CompareView::Wipe(border), "wipe"));

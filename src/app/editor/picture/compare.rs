@@ -105,6 +105,11 @@ impl<'a> PixelComparison<'a> {
         }
     }
 
+    /// What is compared, and where the border is.
+    pub fn view(&self) -> CompareView {
+        self.view
+    }
+
     /// The colour that is shown at a column and row where the picture has the colour `now`.
     pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
         let place = y as usize * self.width as usize + x as usize;

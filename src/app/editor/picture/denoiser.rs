@@ -144,9 +144,11 @@ impl Denoiser {
         matches!(self.stage, Stage::Working(_))
     }
 
-    /// The state to show. `is_on`: whether the user has switched it on.
-    pub fn state(&self, is_on: bool) -> DenoiserState {
-        match &self.shown {
+    /// The state to show. `is_on`: whether the user has switched it on; `seen`: the number of the denoised picture that is in the window.
+    pub fn state(&self, is_on: bool, seen: Option<u64>) -> DenoiserState {
+        // The first tile of the next film may take the place of a film that was abandoned before the state is drawn.
+        let is_seen = |shown: &&Denoised| seen == Some(shown.number) && self.abandoned != Some(shown.job);
+        match self.shown.as_ref().filter(is_seen) {
             _ if self.unavailable => DenoiserState::Unavailable,
             _ if !is_on => DenoiserState::Off,
             Some(shown) => DenoiserState::Shown {
@@ -359,7 +361,7 @@ pub enum DenoiserState {
     /// The picture is shown as sampled.
     #[default]
     Off,
-    /// The picture is too young, or the first filter is at work: it is shown as sampled.
+    /// The picture is shown as sampled: it is too young, the first filter is at work, or the display mode shows something else.
     Waiting,
     /// The denoised picture is shown.
     Shown {

@@ -31,6 +31,8 @@ pub struct Picture {
     /// The colours of a picture that is too large for a texture, which shows it smaller; else empty.
     too_large: Vec<u8>,
     shown: Option<Shown>,
+    /// The comparison that the pixels show.
+    compared: CompareView,
     scales: Scales,
     /// The film's job when the texture was last written.
     job: u64,
@@ -54,6 +56,16 @@ impl Picture {
     /// The texture and its size, once there is a picture.
     pub fn texture(&self) -> Option<(egui::TextureId, [u32; 2])> {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
+    }
+
+    /// The number of the denoised picture that the pixels show; None if they are as sampled.
+    pub(crate) fn denoised(&self) -> Option<u64> {
+        self.shown.as_ref()?.denoised
+    }
+
+    /// The comparison that the pixels show, which may be none though one is wanted.
+    pub(crate) fn compared(&self) -> CompareView {
+        self.compared
     }
 
     /// The data that the colours of the texture depend on.
@@ -82,6 +94,7 @@ pub fn create_picture(
         size: UVec2::ZERO,
         too_large: Vec::new(),
         shown: None,
+        compared: CompareView::Off,
         scales: Scales::default(),
         job: 0,
         revision: 0,
@@ -151,7 +164,9 @@ pub fn update_picture(
     let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
     let beside_noisy =
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
-    match (denoised.filter(|_| beside_noisy.is_none()), compared.or(beside_noisy)) {
+    let compared = compared.or(beside_noisy);
+    picture.compared = compared.as_ref().map_or(CompareView::Off, PixelComparison::view);
+    match (denoised.filter(|_| noisy_left.is_none()), compared) {
         (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
         (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
         (None, compared) => {

@@ -63,6 +63,8 @@ pub struct KeptPictures {
     kept: (u64, f64),
     /// Whether the next picture is the kept one.
     resumes: bool,
+    /// Whether a picture is kept beside the open scene.
+    pub is_there: bool,
     /// Whether the user is asked before the picture is lost.
     pub is_offered: bool,
     /// The reason why the kept picture was not resumed when that was last asked for.

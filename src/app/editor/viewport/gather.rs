@@ -69,6 +69,7 @@ pub(crate) struct ViewportScene {
     /// The legend of false colours, if there are any.
     pub legend: Option<Legend>,
     pub captions: Vec<Caption>,
+    pub compared: CompareView,
     boxes: CollectedBoxes,
     bounds: SelectionBounds,
     members: UnselectedMembers,
@@ -292,15 +293,13 @@ pub(crate) fn gather_viewport(
     seen.volume_boxes = media.iter().flat_map(|entry| entry.boxes.iter().copied()).collect();
     seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
-    let compared = &model.0.render.comparison;
     let is_denoised = matches!(model.0.status.denoiser, DenoiserState::Shown { .. });
-    let compared = match compared.view {
+    seen.compared = match sources.picture.compared() {
         CompareView::Noisy(_) if !is_denoised => CompareView::Off,
-        CompareView::Wipe(_) | CompareView::Difference if compared.snapshot.is_none() => CompareView::Off,
         view => view,
     };
     let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
-    seen.captions = captions(is_split, compared);
+    seen.captions = captions(is_split, seen.compared);
     seen.picture = sources.picture.texture();
     // The picture stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());

@@ -28,6 +28,7 @@ pub mod texturing;
 pub mod tool_icons;
 pub mod toolbar;
 mod volume_boxes;
+mod wipe;
 
 use std::time::Duration;
 
@@ -106,6 +107,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     {
         let bounds = picking::scene_bounds(model.packed).unwrap_or(Aabb::EMPTY);
         cut_handle::cut_handle(ui, screen, &bounds, &model.keys.seeing, commands);
+        wipe::handle(ui, picture, model.compared, commands);
     }
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
@@ -354,9 +356,7 @@ fn paint_over(
     if model.keys.display.mode != DisplayMode::Shaded {
         notes.push(model.keys.display.mode.name().to_owned());
     }
-    if let DenoiserState::Shown { seconds, samples } = model.denoiser
-        && model.keys.display.mode == DisplayMode::Shaded
-    {
+    if let DenoiserState::Shown { seconds, samples } = model.denoiser {
         notes.push(format!("denoised, {samples} spp, {seconds:.1} s"));
     }
     if model.keys.overlay.shown {

@@ -10,6 +10,7 @@ use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
 use super::texturing::{TextureTarget, TexturingModel};
 use crate::app::editor::camera::navigation::Navigation;
+use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::input::actions::ActionContext;
@@ -67,6 +68,8 @@ pub struct ViewportModel<'a> {
     pub legend: Option<&'a Legend>,
     /// The texts at the edge of the picture.
     pub captions: &'a [Caption],
+    /// The comparison that the picture shows.
+    pub compared: CompareView,
     /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
     pub region: Option<bevy::math::Rect>,
     /// The speed and centre of the view's movements.

@@ -109,6 +109,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
         has_textures: true,
+        has_kept_picture: true,
         timeline_shown: model.timeline.is_shown(settings.timeline_shown),
         playing: settings.playback.is_playing(),
         flying: false,

@@ -4,7 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use super::full_film::{app, update_until};
 use super::*;
-use crate::app::editor::picture::denoiser::follow_denoiser;
+use crate::app::editor::command::light_mix::Channel;
+use crate::app::editor::picture::denoiser::{DenoiserState, follow_denoiser};
+use crate::app::editor::picture::texture::{Picture, create_picture, update_picture};
 use crate::engine::EngineSystems;
 use crate::files::{ExrCompression, LARGEST_DATA, read};
 use crate::render::denoise::denoise_film;
@@ -27,6 +29,73 @@ fn shown(world: &World) -> Option<u32> {
 
 fn is_best(world: &World) -> bool {
     world.resource::<RenderFilm>().samples > 0 && !awaits_denoised(world) && shown(world).is_some()
+}
+
+/// What the labels of a frame say, which are drawn before the commands and the tiles of the frame come in.
+#[derive(Resource, Default)]
+struct Labels(DenoiserState);
+
+/// Whether the labels say that the picture is denoised, and whether it is.
+fn labels_and_picture(app: &mut App) -> (bool, bool) {
+    app.update();
+    let world = app.world();
+    let says = matches!(world.resource::<Labels>().0, DenoiserState::Shown { .. });
+    (says, world.resource::<Picture>().denoised().is_some())
+}
+
+#[test]
+fn no_label_calls_a_picture_denoised_that_is_shown_as_sampled() {
+    let mut app = denoising_app(16);
+    let write = |mut labels: ResMut<Labels>, denoiser: Res<Denoiser>, picture: Res<Picture>| {
+        labels.0 = denoiser.state(true, picture.denoised());
+    };
+    app.init_asset::<Image>()
+        .init_resource::<bevy_egui::EguiUserTextures>()
+        .init_resource::<Labels>()
+        .add_systems(Startup, create_picture)
+        .add_systems(PreUpdate, write)
+        .add_systems(PostUpdate, update_picture.after(follow_denoiser));
+    apply(app.world_mut(), Command::SetLightLayers(true)).expect("set");
+    let settle = |app: &mut App| {
+        update_until(app, is_best);
+        app.update();
+        assert_eq!(labels_and_picture(app), (true, true));
+    };
+    settle(&mut app);
+    // The picture is begun anew.
+    for turn in 1..4 {
+        let pose = Affine3A::from_rotation_y(0.2 * turn as f32);
+        apply(app.world_mut(), Command::MoveView(pose)).expect("moved");
+        let mut was_as_sampled = false;
+        while !(was_as_sampled && is_best(app.world())) {
+            let (says, is_denoised) = labels_and_picture(&mut app);
+            assert!(is_denoised || !says);
+            was_as_sampled |= !is_denoised;
+        }
+        settle(&mut app);
+    }
+    // The lights are mixed anew, of the same samples.
+    let sky = app
+        .world_mut()
+        .query_filtered::<Entity, With<Emitter>>()
+        .single(app.world())
+        .expect("one light");
+    let mut mix = LightMix::default();
+    mix.set(
+        sky,
+        Channel {
+            strength: 0.5,
+            ..Channel::default()
+        },
+    );
+    apply(app.world_mut(), Command::SetLightMix(mix)).expect("mixed");
+    // The labels of this frame were drawn before the command.
+    assert_eq!(labels_and_picture(&mut app), (true, false));
+    while !is_best(app.world()) {
+        let (says, is_denoised) = labels_and_picture(&mut app);
+        assert!(is_denoised || !says);
+    }
+    settle(&mut app);
 }
 
 fn pixels(path: &Path) -> Vec<Rgb> {

@@ -174,7 +174,11 @@ fn all_samples_are_there_at_once() {
     let mut first = desk.open(true, [8, 8]);
     assert!(tell(&mut first, KeptPicture::Continue).is_err_and(|error| error.contains("No picture")));
     update_until(&mut first, |world| samples(world) >= MANY);
+    let is_offered = |app: &App| app.world().resource::<KeptPictures>().is_there;
+    assert!(!is_offered(&first));
     tell(&mut first, KeptPicture::Keep).expect("it is kept");
+    first.update();
+    assert!(is_offered(&first));
     // Without a user it goes on only when that is asked for.
     let mut second = desk.open(false, [8, 8]);
     assert!(samples(second.world()) < MANY);
@@ -190,6 +194,8 @@ fn all_samples_are_there_at_once() {
     assert!(samples(second.world()) >= MANY, "{:?}", texts(&second));
     tell(&mut second, KeptPicture::Discard).expect("it is removed");
     assert!(!desk.kept().exists());
+    second.update();
+    assert!(!is_offered(&second));
     assert!(tell(&mut second, KeptPicture::Discard).is_err());
 }
 

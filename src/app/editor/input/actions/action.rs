@@ -7,6 +7,7 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
@@ -46,6 +47,8 @@ pub struct ActionContext<'a> {
     pub isolated: bool,
     /// Whether the selected shape has textures that can be placed.
     pub has_textures: bool,
+    /// Whether a picture of the scene is kept beside it.
+    pub has_kept_picture: bool,
     /// Whether the timeline is shown.
     pub timeline_shown: bool,
     /// Whether the timeline plays.
@@ -116,6 +119,7 @@ impl Action {
     /// The reason why there is no command, as a tool tip.
     pub fn missing(&self) -> &'static str {
         match self.name {
+            "continue-picture" | "discard-picture" => "No picture is kept beside this scene",
             "place-texture" => "For a selected shape with a picture or a checkerboard in its material",
             _ => "For what is selected",
         }
@@ -123,7 +127,12 @@ impl Action {
 
     /// The command of its key where there is none: it is refused, and says why. None for actions of which that is plain.
     pub(in crate::app::editor::input) fn refused(&self) -> Option<Command> {
-        (self.name == "place-texture").then_some(Command::SetTool(Tool::PlaceTexture))
+        match self.name {
+            "continue-picture" => Some(Command::KeptPicture(KeptPicture::Continue)),
+            "discard-picture" => Some(Command::KeptPicture(KeptPicture::Discard)),
+            "place-texture" => Some(Command::SetTool(Tool::PlaceTexture)),
+            _ => None,
+        }
     }
 
     /// Whether it switches something that is on now, or chooses what is chosen already.
@@ -160,6 +169,10 @@ impl Action {
 impl ActionContext<'_> {
     pub(super) fn with_selection(&self, command: Command) -> Option<Command> {
         (!self.selection.is_empty()).then_some(command)
+    }
+
+    pub(super) fn with_kept_picture(&self, what: KeptPicture) -> Option<Command> {
+        self.has_kept_picture.then_some(Command::KeptPicture(what))
     }
 
     pub(super) fn exposed(&self, stops: f32) -> Command {

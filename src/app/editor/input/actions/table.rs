@@ -78,12 +78,20 @@ pub const FILE: &[Action] = &[
     action(Group::File, "keep-picture", "Keep rendering later", &[], |_| {
         Some(Command::KeptPicture(KeptPicture::Keep))
     }),
-    action(Group::File, "continue-picture", "Resume the kept picture", &[], |_| {
-        Some(Command::KeptPicture(KeptPicture::Continue))
-    }),
-    action(Group::File, "discard-picture", "Remove the kept picture", &[], |_| {
-        Some(Command::KeptPicture(KeptPicture::Discard))
-    }),
+    action(
+        Group::File,
+        "continue-picture",
+        "Resume the kept picture",
+        &[],
+        |context| context.with_kept_picture(KeptPicture::Continue),
+    ),
+    action(
+        Group::File,
+        "discard-picture",
+        "Remove the kept picture",
+        &[],
+        |context| context.with_kept_picture(KeptPicture::Discard),
+    ),
     action(Group::File, "quit", "Quit", &[command(Key::Q)], |_| Some(Command::Quit)),
 ];
 
