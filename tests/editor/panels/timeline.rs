@@ -63,11 +63,16 @@ fn shown() -> Harness<'static, Shown> {
         .build_ui_state(show, state)
 }
 
-/// The place of a time on the band, in the row of the keys.
-fn at(harness: &Harness<Shown>, time: f32) -> egui::Pos2 {
+/// The place of a time on the band, at this height from the foot.
+fn at_height(harness: &Harness<Shown>, time: f32, height: f32) -> egui::Pos2 {
     let band = harness.get_by_label("Frames and keys").rect();
     let (left, right) = (band.left() + 12.0, band.right() - 12.0);
-    pos2(left + (right - left) * time / 2.0, band.bottom() - 7.0)
+    pos2(left + (right - left) * time / 2.0, band.bottom() - height)
+}
+
+/// The place of a time on the band, in the row of the keys.
+fn at(harness: &Harness<Shown>, time: f32) -> egui::Pos2 {
+    at_height(harness, time, 11.0)
 }
 
 fn drag(harness: &mut Harness<Shown>, from: egui::Pos2, to: egui::Pos2) {
@@ -100,6 +105,35 @@ fn a_key_is_dragged_to_another_time() {
         panic!("{:?}", harness.state().commands);
     };
     assert_eq!((values.len(), *from, *to), (1, 1.0, 1.5));
+}
+
+#[test]
+fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
+    // The time that is shown is that of the key. Its handle at the top of the ruler, and the foot of the ruler.
+    for height in [42.0, 23.0] {
+        let mut harness = shown();
+        harness.state_mut().model.time = 1.0;
+        harness.run_steps(2);
+        let (from, to) = (at_height(&harness, 1.0, height), at(&harness, 1.5));
+        drag(&mut harness, from, to);
+        let commands = &harness.state().commands;
+        assert_eq!(commands.last(), Some(&Command::SetTime(1.5)), "{height}");
+        let is_time = |command: &Command| matches!(command, Command::SetTime(_));
+        assert!(commands.iter().all(is_time), "{height}: {commands:?}");
+    }
+    // The mark of the key, and the ends of the track above and below it.
+    for height in [11.0, 21.0, 2.0] {
+        let mut harness = shown();
+        harness.state_mut().model.time = 1.0;
+        harness.run_steps(2);
+        let (from, to) = (at_height(&harness, 1.0, height), at(&harness, 0.5));
+        drag(&mut harness, from, to);
+        let commands = &harness.state().commands;
+        assert!(
+            matches!(commands[..], [Command::Key(_, KeyEdit::Move { from: 1.0, to: 0.5 })]),
+            "{height}: {commands:?}"
+        );
+    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
-//! The timeline below the picture: buttons and fields for the time, and a band with the keys on which the time is dragged.
+//! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged, and a track of keys below it.
+//! A press on the ruler is never one on a key, so that the time can be dragged away from a key.
 
-use bevy_egui::egui::{self, Color32, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+use bevy_egui::egui::{
+    self, Color32, CursorIcon, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
+};
 
 use super::look;
 use crate::app::editor::command::Command;
@@ -11,8 +14,9 @@ use crate::app::editor::model::timeline::{TickTime, TimelineModel};
 use crate::document::Interpolation;
 use crate::scene::{KeyEdit, KeyPath};
 
-/// The height of the band in points.
-const BAND: f32 = 40.0;
+/// The heights in points of the ruler, on which the time is dragged, and of the track of the keys below it.
+const RULER: f32 = 22.0;
+const TRACK: f32 = 22.0;
 /// The room at both ends of the band.
 const MARGIN: f32 = 12.0;
 /// The half diagonal of a key's mark, and the distance at which the pointer has hold of it.
@@ -172,11 +176,11 @@ impl Scale {
 }
 
 fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands: &mut Vec<Command>) {
-    let size = vec2(ui.available_width(), BAND);
+    let size = vec2(ui.available_width(), RULER + TRACK);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Frames and keys"));
     let scale = Scale::new(model, rect);
-    let row = rect.bottom() - 2.0 - MARK;
+    let track = rect.with_min_y(rect.top() + RULER);
     let is_whole = !ui.input(|input| input.modifiers.command);
     let time_at = |place: f32| match is_whole {
         true => model.frames.snapped(scale.time(place)),
@@ -184,8 +188,7 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
     };
     let pointer = response.interact_pointer_pos();
     let key_at = |place: egui::Pos2| {
-        let near =
-            |time: &&TickTime| (scale.place(time.0) - place.x).abs() <= MARK && (place.y - row).abs() <= 2.0 * MARK;
+        let near = |time: &&TickTime| (scale.place(time.0) - place.x).abs() <= MARK && place.y >= track.top();
         model.selected.keys().find(near).copied()
     };
     if response.drag_started() {
@@ -213,6 +216,13 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
         state.menu = pointer.and_then(key_at);
     }
     let hovered = response.hover_pos().and_then(key_at);
+    let cursor = match state.dragged.map(|(key, _)| key).or(hovered) {
+        _ if state.menu.is_some() => CursorIcon::Default,
+        Some(_) if state.dragged.is_some() => CursorIcon::Grabbing,
+        Some(_) => CursorIcon::Grab,
+        None => CursorIcon::ResizeHorizontal,
+    };
+    let response = response.on_hover_and_drag_cursor(cursor);
     if let Some(key) = state.menu {
         let shown = response.context_menu(|ui| key_menu(ui, model, key, commands));
         if shown.is_none() {
@@ -224,7 +234,7 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
         names.dedup();
         response.clone().on_hover_text(names.join(", "));
     }
-    paint(ui, model, &scale, rect, row, state);
+    paint(ui, model, &scale, rect, track, state);
 }
 
 fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Vec<Command>) {
@@ -258,7 +268,7 @@ fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Ve
     }
 }
 
-fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, state: &TimelineState) {
+fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect, state: &TimelineState) {
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     let frames = &model.frames;
@@ -286,6 +296,25 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, st
             color,
         );
     }
+    painter.hline(
+        rect.x_range(),
+        track.top(),
+        Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.4)),
+    );
+    // Keys are drawn over the line of the time, which does not take their drags.
+    let now = scale.place(model.time);
+    let accent = look::accent(visuals);
+    painter.vline(now, rect.y_range(), Stroke::new(2.0, accent));
+    painter.add(Shape::convex_polygon(
+        vec![
+            pos2(now - 5.0, rect.top()),
+            pos2(now + 5.0, rect.top()),
+            pos2(now, rect.top() + 7.0),
+        ],
+        accent,
+        Stroke::NONE,
+    ));
+    let row = track.center().y;
     for time in model.all.iter() {
         painter.add(mark(
             pos2(scale.place(*time), row),
@@ -300,18 +329,6 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, row: f32, st
             .map_or(time.0, |(_, to)| to);
         painter.add(mark(pos2(scale.place(shown), row), key_color(ui), 1.0));
     }
-    let now = scale.place(model.time);
-    let accent = look::accent(visuals);
-    painter.vline(now, rect.y_range(), Stroke::new(2.0, accent));
-    painter.add(Shape::convex_polygon(
-        vec![
-            pos2(now - 5.0, rect.top()),
-            pos2(now + 5.0, rect.top()),
-            pos2(now, rect.top() + 7.0),
-        ],
-        accent,
-        Stroke::NONE,
-    ));
 }
 
 /// The round frames from `first` to `last` that have numbers. `most` is how many steps between numbers have room.
