@@ -199,6 +199,9 @@ impl<'l> Writer<'l> {
         let triple = |v: Vec3| list(&v.to_array(), name, owner);
         match *op {
             TransformOp::Translate(by) => self.tag("translate", &[("value", &triple(by)?)], true),
+            TransformOp::Scale(by) if by == Vec3::splat(by.x) => {
+                self.tag("scale", &[("value", &list(&[by.x], name, owner)?)], true)
+            }
             TransformOp::Scale(by) => self.tag("scale", &[("value", &triple(by)?)], true),
             TransformOp::Rotate { axis, degrees } => {
                 let angle = list(&[degrees], name, owner)?;

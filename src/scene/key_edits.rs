@@ -133,7 +133,11 @@ pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
     let keys = &world.get_resource::<IntegratorKeys>()?.0;
     let settings = world.get_resource::<IntegratorSettings>()?;
     let authored = world.get_resource::<AuthoredScene>()?.integrator.as_ref();
-    let plugin = Draft::new(authored.map(|(_, authored)| authored), objects::integrator(settings)).object;
+    let plugin = objects::integrator(settings);
+    let plugin = match authored {
+        Some((_, authored)) => Draft::of_integrator(authored, plugin).object,
+        None => plugin,
+    };
     let time = shown_time(world);
     let mut edited = keys.clone();
     for (path, track) in keys.tracks() {

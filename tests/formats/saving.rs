@@ -105,16 +105,40 @@ fn coloured(color: Vec3) -> impl FnOnce(&mut SceneDescription) {
 #[test]
 fn layers_are_put_around_the_integrator_and_taken_away() {
     let path = "  <integrator type=\"path\">\n    <integer name=\"max_depth\" value=\"7\"/>\n  </integrator>";
-    let (_, come) = changes(path, |scene| {
-        scene.integrator.layers = Layers::of(&[Layer::Depth, Layer::Direct])
-    });
-    let text = come.join("\n");
-    let aovs = "<string name=\"aovs\" value=\"Depth:depth,Direct:direct\"/>";
+    let choose = |scene: &mut SceneDescription| scene.integrator.layers = Layers::of(&[Layer::Depth, Layer::Direct]);
+    let (gone, come) = changes(path, choose);
+    let aovs = "    <string name=\"aovs\" value=\"Depth:depth,Direct:direct\"/>";
+    let depth = "    <integer name=\"max_depth\" value=\"7\"/>";
+    assert_eq!(gone, lines(&["  <integrator type=\"path\">", depth]));
+    // No setting is written that the file did not have.
+    let inside = [
+        "    <integrator type=\"path\">",
+        "      <integer name=\"max_depth\" value=\"7\"/>",
+        "    </integrator>",
+    ];
+    let around = [&["  <integrator type=\"aov\">", aovs][..], &inside].concat();
+    assert_eq!(come, lines(&around));
+    let (gone, come) = changes("", choose);
+    let plain = [around[0], aovs, "    <integrator type=\"path\"/>", "  </integrator>"];
+    assert_eq!((gone, come), (Vec::new(), lines(&plain)));
+    // Integrators that are not known stay inside, and where they are as long as nothing is edited.
+    let unknown = "  <integrator type=\"bdpt\"/>";
+    let moment = "  <integrator type=\"moment\">\n    <integrator type=\"path\"/>\n  </integrator>";
+    let other_layers =
+        "  <integrator type=\"aov\"><string name=\"aovs\" value=\"a:dp_du\"/><integrator type=\"path\"/></integrator>";
+    for text in [unknown, moment, other_layers] {
+        let move_camera =
+            |scene: &mut SceneDescription| scene.sensors[0].to_world = Affine3A::from_translation(Vec3::X);
+        let (gone, _) = changes(text, move_camera);
+        assert!(!gone.iter().any(|line| line.contains("integrator")), "{gone:?}");
+    }
+    let (_, come) = changes(unknown, choose);
+    assert!(come.contains(&"    <integrator type=\"bdpt\"/>".to_owned()), "{come:?}");
+    let (_, come) = changes(moment, choose);
     assert!(
-        text.contains("<integrator type=\"aov\">") && text.contains(aovs),
-        "{text}"
+        come.contains(&"    <integrator type=\"moment\">".to_owned()),
+        "{come:?}"
     );
-
     let aov = "  <integrator type=\"aov\">\n    <string name=\"aovs\" value=\"dd.y:depth\"/> <!-- far -->\n    \
                <integrator type=\"path\">\n      <integer name=\"max_depth\" value=\"7\"/>\n    </integrator>\n  </integrator>";
     // Another parameter leaves the list as it is.
@@ -131,11 +155,7 @@ fn layers_are_put_around_the_integrator_and_taken_away() {
         lines(&["    <string name=\"aovs\" value=\"UV:uv\"/> <!-- far -->"])
     );
     let (_, come) = changes(aov, |scene| scene.integrator.layers = Layers::default());
-    let text = come.join("\n");
-    assert!(
-        text.contains("<integrator type=\"path\">") && !text.contains("aov"),
-        "{text}"
-    );
+    assert_eq!(come, lines(&["  <integrator type=\"path\">", depth]));
 }
 
 #[test]

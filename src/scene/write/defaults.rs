@@ -5,7 +5,7 @@ use std::path::Path;
 
 use smol_str::SmolStr;
 
-use crate::document::{Category, Object, Property, parse_str};
+use crate::document::{Category, Child, Object, Property, parse_str};
 use crate::scene::encode::{lights, objects};
 use crate::scene::read;
 
@@ -39,6 +39,16 @@ impl Defaults {
         }
         object
     }
+
+    /// The object and those directly inside without the properties that have their default.
+    pub fn left_out_inside(&self, mut object: Object) -> Object {
+        for child in &mut object.children {
+            if let Child::Object(inner) = child {
+                *inner = self.left_out(Object::clone(inner)).into();
+            }
+        }
+        self.left_out(object)
+    }
 }
 
 fn read_plain(category: Category, plugin: &str) -> Option<Object> {
@@ -57,6 +67,7 @@ fn read_plain(category: Category, plugin: &str) -> Option<Object> {
             let shape = scene.shapes.first()?;
             objects::shape(&shape.shape, &shape.to_world, None, folder)
         }
+        Category::Integrator => objects::integrator(&scene.integrator),
         Category::Bsdf => objects::material(&scene.materials.first()?.material, folder),
         Category::Medium => objects::medium(&scene.media.first()?.medium, folder),
         Category::Emitter => {

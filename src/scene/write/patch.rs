@@ -47,6 +47,9 @@ pub(in crate::scene) fn unwritten_value(name: &str, value: &Value) -> Option<Val
     }
 }
 
+/// The integrator that has layers, around the one that finds the light.
+const LAYERED: &str = "aov";
+
 /// A plugin on its way into the file. What each child is, references followed, is known.
 pub struct Draft {
     pub object: Object,
@@ -84,6 +87,39 @@ impl Draft {
         let mut draft = unchanged;
         draft.patch(&as_read, &current);
         draft
+    }
+
+    /// Begins a patch of the integrator. Layers come around it and are taken from it without a change of its other settings.
+    pub fn of_integrator(authored: &Authored, current: Object) -> Self {
+        let has_layers = |object: &Object| object.plugin == LAYERED;
+        let inside = |object: &Object| {
+            let mut objects = object.objects();
+            objects.find(|child| child.category == Category::Integrator).cloned()
+        };
+        let as_read = authored.as_read();
+        match (inside(&authored.object), inside(&current)) {
+            (_, Some(now)) if has_layers(&current) && !has_layers(&authored.object) => {
+                let now = Object {
+                    id: None,
+                    name: None,
+                    span: Span::default(),
+                    ..Self::new(Some(authored), now).object
+                };
+                // What is around it takes its place in the text.
+                let around = Object {
+                    id: authored.object.id.clone(),
+                    name: authored.object.name.clone(),
+                    span: authored.object.span,
+                    children: vec![now.into()],
+                    ..current
+                };
+                Self::new(None, around)
+            }
+            (Some(written), _) if has_layers(&as_read) && !has_layers(&current) => {
+                Self::new(None, revised(&written.into(), inside(&as_read).as_ref(), current))
+            }
+            _ => Self::new(Some(authored), current),
+        }
     }
 
     fn patch(&mut self, before: &Object, now: &Object) {

@@ -276,9 +276,9 @@ impl<'s> Writer<'s> {
         let current = objects::integrator(settings);
         let keys = Some(&self.scene.integrator_keys).filter(|keys| !keys.is_empty());
         let (order, draft) = match &self.scene.remains.integrator {
-            Some((order, authored)) => (*order, Draft::new(Some(authored), current)),
+            Some((order, authored)) => (*order, Draft::of_integrator(authored, current)),
             None if keys.is_none() && current == objects::integrator(&IntegratorSettings::default()) => return None,
-            None => (0, Draft::new(None, current)),
+            None => (0, Draft::new(None, self.defaults.left_out_inside(current))),
         };
         Some((order, self.with_keys(draft, keys).object))
     }
