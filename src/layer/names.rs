@@ -151,7 +151,7 @@ impl Layer {
             Self::Direct => "Direct light",
             Self::Indirect => "Indirect light",
             Self::Emitted => "Emitted light",
-            Self::LightGroups => "Each light",
+            Self::LightGroups => "Light groups",
             Self::Denoised => "Denoised",
             Self::DenoiserAlbedo => "Albedo for the denoiser",
             Self::DenoiserNormal => "Normal for the denoiser",

@@ -6,12 +6,25 @@ use crate::app::editor::command::Command;
 use crate::layer::{Layer, Layers};
 use crate::scene::IntegratorSettings;
 
+/// The names that a layer has elsewhere.
+fn names(layer: Layer) -> String {
+    let (channel, name) = (layer.name_in_pictures(), layer.name());
+    let channels = match layer {
+        Layer::Alpha => format!("the channel `{channel}`"),
+        Layer::LightGroups => format!("channels `{channel}.NAME.R`, with the name of each light"),
+        Layer::CryptoObject | Layer::CryptoMaterial => format!("channels `{channel}00.R` and further"),
+        _ => format!("channels `{channel}.…`"),
+    };
+    format!("In EXR files: {channels}\nOn the command line: --aov {name}")
+}
+
 /// A box to check for each layer. The scene remembers the choice.
 pub fn layer_rows(ui: &mut Ui, integrator: IntegratorSettings, commands: &mut Vec<Command>) {
     ui.weak("Saved with EXR images, beside the picture.");
     for layer in Layer::ALL {
         let mut is_chosen = integrator.layers.contains(layer);
-        if ui.checkbox(&mut is_chosen, layer.label()).changed() {
+        let row = ui.checkbox(&mut is_chosen, layer.label());
+        if row.on_hover_text(names(layer)).changed() {
             let this = Layers::of(&[layer]);
             let layers = match is_chosen {
                 true => integrator.layers.and(this),
