@@ -14,14 +14,17 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
 use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension, noisy_beside};
+use crate::files::check_writable;
 use crate::render::image_io::FileFormat;
 use crate::render::tonemap::ToneMap;
 
 #[derive(Resource, Default)]
 pub struct Dialogs {
     open: Option<(FileDialogKind, FileDialog)>,
-    /// The folder in which a picture was last saved.
-    image_folder: Option<PathBuf>,
+    /// The folder in which a picture was last saved, and the scene that it is of.
+    image_folder: Option<(Option<PathBuf>, PathBuf)>,
+    /// The format in which a picture was last saved.
+    image_ending: Option<&'static str>,
     /// The folder from which a picture was last taken.
     picture_folder: Option<PathBuf>,
     /// The folder from which something was last imported.
@@ -58,18 +61,8 @@ impl Dialogs {
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            let examples = || program_folder("scenes");
-            let before = match wanted {
-                FileDialogKind::SaveImage => self.image_folder.clone().or_else(|| own_folder(model)),
-                FileDialogKind::SaveScene => own_folder(model),
-                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
-                FileDialogKind::Import => self.import_folder.clone(),
-                FileDialogKind::AssetFolder => self.around_folder.clone(),
-                FileDialogKind::OpenScene => None,
-            };
-            let start = before.or_else(|| beside(model.scene)).or_else(examples);
-            let dialog = opened(wanted, model, &start.unwrap_or_else(|| ".".into()));
-            self.open = Some((wanted, dialog));
+            let ending = self.image_ending.unwrap_or("png");
+            self.open = Some((wanted, opened(wanted, model, &self.start(wanted, model), ending)));
         }
         let Some((kind, dialog)) = &mut self.open else {
             return;
@@ -80,7 +73,12 @@ impl Dialogs {
             Outcome::Picked(path) => {
                 let folder = path.parent().map(Path::to_path_buf);
                 match kind {
-                    FileDialogKind::SaveImage => self.image_folder = folder,
+                    FileDialogKind::SaveImage => {
+                        let ending = extension(&path);
+                        let format = IMAGES.iter().find(|(_, known)| *known == ending);
+                        self.image_ending = format.map(|(_, known)| *known).or(self.image_ending);
+                        self.image_folder = folder.map(|folder| (model.scene.map(Path::to_path_buf), folder));
+                    }
                     FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
                         self.picture_folder = folder
                     }
@@ -95,6 +93,26 @@ impl Dialogs {
             }
         }
         (self.open, requests.dialog) = (None, None);
+    }
+
+    /// The folder that a dialog begins in.
+    fn start(&self, wanted: FileDialogKind, model: DialogModel) -> PathBuf {
+        let last_of_scene = || {
+            let (scene, folder) = self.image_folder.as_ref()?;
+            (scene.as_deref() == model.scene).then(|| folder.clone())
+        };
+        let before = match wanted {
+            FileDialogKind::SaveImage => last_of_scene()
+                .or_else(|| beside(model.scene).filter(|folder| check_writable(&folder.join("picture.png")).is_ok()))
+                .or_else(|| own_folder(model)),
+            FileDialogKind::SaveScene => own_folder(model),
+            FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
+            FileDialogKind::Import => self.import_folder.clone(),
+            FileDialogKind::AssetFolder => self.around_folder.clone(),
+            FileDialogKind::OpenScene => None,
+        };
+        let start = before.or_else(|| beside(model.scene));
+        start.or_else(|| program_folder("scenes")).unwrap_or_else(|| ".".into())
     }
 }
 
@@ -215,7 +233,8 @@ const IMAGES: &[(&str, &str)] = &[
     ("PFM, linear", "pfm"),
 ];
 
-fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog {
+/// The dialog, in the folder `start`. `ending`: that of the file of a picture.
+fn opened(kind: FileDialogKind, model: DialogModel, start: &Path, ending: &str) -> FileDialog {
     let proposed = |otherwise, extension| proposed_name(model.scene, otherwise, extension);
     let (title, purpose) = match kind {
         FileDialogKind::OpenScene => ("Open a scene".to_owned(), Purpose::Open(&SCENE_FILES)),
@@ -232,7 +251,7 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path) -> FileDialog 
         ),
         FileDialogKind::SaveImage => (
             format!("Save the picture (PNG: tone map {})", model.tone_map.name()),
-            Purpose::Save(IMAGES, proposed("picture", "png")),
+            Purpose::Save(IMAGES, proposed("picture", ending)),
         ),
     };
     let dialog = FileDialog::new(title, purpose, absolute(start), places(model.scene, model.recent));
@@ -300,6 +319,30 @@ mod tests {
         assert_eq!(start(None, &recent), Some(folder.path().to_path_buf()));
         assert_eq!(start(Some(&own), &recent), None);
         assert_ne!(start(Some(&sample), &recent[..2]), beside(Some(&sample)));
+    }
+
+    #[test]
+    fn pictures_are_saved_beside_their_scene_first() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (scene, other) = (folder.path().join("room.xml"), folder.path().join("b/other.xml"));
+        std::fs::create_dir(folder.path().join("b")).expect("a folder");
+        let start = |dialogs: &Dialogs, scene: Option<&Path>| {
+            let model = DialogModel {
+                scene,
+                tone_map: ToneMap::Clip,
+                denoises: false,
+                recent: &[],
+            };
+            dialogs.start(FileDialogKind::SaveImage, model)
+        };
+        let mut dialogs = Dialogs::default();
+        assert_eq!(start(&dialogs, Some(&scene)), folder.path());
+        let sample = program_folder("scenes").expect("a checkout").join("cornell-box.xml");
+        assert_eq!(Some(start(&dialogs, Some(&sample))), beside(Some(&sample)));
+        let pictures = folder.path().join("pictures");
+        dialogs.image_folder = Some((Some(scene.clone()), pictures.clone()));
+        assert_eq!(start(&dialogs, Some(&scene)), pictures);
+        assert_eq!(start(&dialogs, Some(&other)), folder.path().join("b"));
     }
 
     #[test]
