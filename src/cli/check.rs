@@ -1,5 +1,6 @@
 //! `sunroom check`: reads scenes and the files they name, and reports.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -108,11 +109,11 @@ fn content(world: &mut World) -> String {
     format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"))
 }
 
-fn counted(number: usize, what: &str) -> String {
-    match number {
-        1 => format!("1 {what}"),
-        _ => format!("{number} {what}s"),
-    }
+/// The number with its noun: `1 shape`, `2 shapes`.
+pub fn counted(number: impl Display, what: &str) -> String {
+    let number = number.to_string();
+    let ending = if number == "1" { "" } else { "s" };
+    format!("{number} {what}{ending}")
 }
 
 /// Lists what `--camera` accepts, if there is a choice.

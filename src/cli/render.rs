@@ -14,7 +14,7 @@ use clap::ValueEnum;
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::signals::{is_terminated, note_show, note_termination};
-use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
+use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus};
 use sunroom::engine::{layered_picture, load_to_completion, open_shutter, render_watched};
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
@@ -131,6 +131,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     check_compression(app.world(), compression, &named)?;
     if let Some(address) = &args.display_server {
         display_server::show(&mut app, address, &args.scene.scene);
+    }
+    let layers = app.world().resource::<PackedScene>().view.as_ref();
+    let layers = layers.map(|view| view.film_layers().layers.without(Layers::of(&[Layer::Alpha])));
+    if layers.is_some_and(|layers| !layers.is_empty()) {
+        outputs::report_without_layers(&named);
     }
     let Some(frames) = args.sequence.frames.clone() else {
         let progress = Progress::new(args.quiet, args.time);
@@ -275,9 +280,6 @@ fn picture(
         },
         (false, false) => None,
     };
-    if !chosen.without(Layers::of(&[Layer::Alpha])).is_empty() {
-        outputs::report_without_layers(outputs);
-    }
     let mut picture = layered_picture(app.world(), &image, denoised_layer.as_deref());
     describe(&mut picture, app.world(), args);
     let written = write(app.world(), &picture, outputs);

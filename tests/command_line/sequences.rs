@@ -77,6 +77,19 @@ const MOVING: &str = r#"<bsdf type="diffuse" id="red"><rgb name="reflectance" va
   <shape type="rectangle"><transform name="to_world"><scale value="3"/><translate z="-1"/></transform></shape>"#;
 
 #[test]
+fn files_without_layers_are_told_of_once() {
+    let shop = Workshop::new();
+    let scene = shop.scene(&scene(MOVING));
+    let options = ["--frames", "1..3", "--spp", "1", "--aov", "depth"];
+    let output = render(&scene, &shop.path("a-##.png"), &options);
+    assert_code(&output, 0);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(said.matches("has no layers").count(), 1, "{said}");
+    assert!(said.contains("a-##.png has no layers"), "{said}");
+    assert!(shop.path("a-03.png").exists());
+}
+
+#[test]
 fn a_frame_alone_has_the_bits_that_it_has_in_the_sequence() {
     let shop = Workshop::new();
     let path = shop.scene(&scene(MOVING));

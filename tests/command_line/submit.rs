@@ -78,6 +78,22 @@ fn the_tasks_of_a_job_make_the_pictures_of_one_render() {
     for frame in ["3", "4", "5"] {
         script(&job, "merge", &[frame]);
     }
+    // What is no task or frame of the job is an error, and not nothing to do.
+    let refused = [
+        ("task", vec!["6"], "the tasks of this job are 0 to 5"),
+        ("task", vec![], "the tasks of this job are 0 to 5"),
+        ("task", vec!["-1"], "no task `-1`"),
+        ("task", vec!["1x"], "no task `1x`"),
+        ("merge", vec!["6"], "the frames of this job are 3 to 5"),
+    ];
+    for (name, arguments, words) in refused {
+        let output = Command::new(job.join(name)).args(&arguments).output().expect("bash");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(2) && said.contains(words),
+            "{name} {arguments:?}: {said}"
+        );
+    }
     std::fs::rename(shop.path("elsewhere"), shop.path("meshes")).expect("renamed");
     let mut render = vec!["render", scene, "-o", "whole-####.exr"];
     render.extend(frames);
@@ -138,7 +154,7 @@ fn crops_of_a_job_make_the_picture_of_one_render() {
     succeeds(&output);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        text.contains("12 tasks: 1 frames, each in 6 crops of its 100 x 70 pixels and 2 ranges of its 16 samples"),
+        text.contains("12 tasks: 1 frame, each in 6 crops of its 100 x 70 pixels and 2 ranges of its 16 samples"),
         "{text}"
     );
     let job = shop.path("job");
@@ -406,7 +422,7 @@ fn a_job_is_measured() {
         ],
     );
     succeeds(&output);
-    assert!(String::from_utf8_lossy(&output.stdout).contains("1 tasks"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("1 task: 1 frame, each in 1 crop of its"));
 }
 
 #[test]

@@ -24,7 +24,7 @@ use sunroom::scene::{ActiveSensor, Film, OpenScene, SceneStatus, Trust};
 
 use self::plan::{Plan, Whole};
 use super::args::{MemoryArgs, SceneArgs};
-use super::check::report_scene;
+use super::check::{counted, report_scene};
 use super::render::{RenderArgs, apply_overrides};
 use super::report::{self, Failure};
 use super::sequence::frames;
@@ -150,15 +150,15 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     }
     let _ = writeln!(
         text,
-        "{} tasks: {} frames, each in {} crops of its {} x {} pixels and {} ranges of its {} samples, {} frames a task",
-        plan.tasks(),
-        plan.frames.end() - plan.frames.start() + 1,
-        plan.crops.len(),
+        "{}: {}, each in {} of its {} x {} pixels and {} of its {}, {} a task",
+        counted(plan.tasks(), "task"),
+        counted(plan.frames.end() - plan.frames.start() + 1, "frame"),
+        counted(plan.crops.len(), "crop"),
         job.size[0],
         job.size[1],
-        plan.ranges(),
-        job.spp,
-        plan.frames_a_task,
+        counted(plan.ranges(), "range"),
+        counted(job.spp, "sample"),
+        counted(plan.frames_a_task, "frame"),
     );
     outputs::print(text.as_bytes())?;
     if args.dry_run {
