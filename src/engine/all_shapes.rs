@@ -11,6 +11,7 @@ use super::detect::Touched;
 use super::extract::Extracted;
 use super::pack::group::Layout;
 use super::packing::{Built, LONGEST, Packing, Reading};
+use super::splice::ShapeNews;
 
 impl Extracted {
     /// Brings the shapes up to date. Tells which instances are not where and what they were; None while all are being packed, which goes on in the
@@ -21,35 +22,31 @@ impl Extracted {
         authored: &Authored,
         cache: &mut BlasCache,
         policy: &BuildPolicy,
-    ) -> Option<Vec<bool>> {
+    ) -> Option<ShapeNews> {
         if self.packing.is_none()
             && let Touched::These(shapes) = &*touched
-            && let Some(moved) = self.edit_shapes(shapes, authored, cache, policy)
+            && let Some(news) = self.edit_shapes(shapes, authored, cache, policy)
         {
             *touched = Touched::default();
-            return Some(moved);
+            return Some(news);
         }
         if self.packing.is_none() {
             // What changes from now on is packed once more.
             *touched = Touched::default();
         }
-        let moved = self.pack_all(authored, cache, policy)?;
-        let Touched::These(shapes) = &*touched else {
-            return Some(moved);
-        };
-        if shapes.is_empty() {
-            return Some(moved);
+        let mut moved = self.pack_all(authored, cache, policy)?;
+        if let Touched::These(shapes) = &*touched
+            && !shapes.is_empty()
+        {
+            *touched = match self.edit_shapes(shapes, authored, cache, policy) {
+                Some(_) => {
+                    moved = vec![true; self.layout.shapes.len()];
+                    Touched::default()
+                }
+                None => Touched::All,
+            };
         }
-        match self.edit_shapes(shapes, authored, cache, policy) {
-            Some(_) => {
-                *touched = Touched::default();
-                Some(vec![true; self.layout.shapes.len()])
-            }
-            None => {
-                *touched = Touched::All;
-                Some(moved)
-            }
-        }
+        Some(ShapeNews { moved, edits: None })
     }
 
     /// Packs all shapes, or goes on with it. Tells which instances are not where and what they were once that is done.
@@ -111,6 +108,7 @@ impl Extracted {
         if !moved.contains(&true)
             && self.layout.shapes.len() == layout.shapes.len()
             && layout.placed_as(&self.layout)
+            && layout.is_of_same_entities(&self.layout)
             && self.method == policy.method
         {
             self.layout = layout;

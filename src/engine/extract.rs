@@ -22,7 +22,7 @@ use super::pack::group::Layout;
 use super::pack::light::LightContext;
 use super::pack::material::material_table;
 use super::pack::medium::PackedMedia;
-use super::pack::surface::{SurfaceSource, pack_surfaces};
+use super::pack::surface::{SurfacePacker, SurfaceSource};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
 use super::packed_scene::PackedScene;
@@ -31,6 +31,7 @@ use super::rebuild::Rebuild;
 use super::renderer::Renderer;
 use super::resolution::{self, is_same_at_other_size};
 use super::sight::SeenAlone;
+use super::splice::{ListEdits, ShapeNews};
 use super::status::BvhStatus;
 use super::stop_condition::FilmLimits;
 use crate::accel::{SplitMethod, Tlas};
@@ -74,6 +75,8 @@ pub(super) struct Extracted {
     pub(super) layout: Layout,
     pub(super) entity_of_instance: Arc<[Entity]>,
     material_of_entity: Arc<EntityHashMap<MaterialId>>,
+    /// See [`PackedSurfaces::special`](super::pack::surface::PackedSurfaces::special).
+    pub(super) special: Vec<u32>,
     pub(super) method: SplitMethod,
     light_sources: Vec<WeightedSource>,
     packed_media: PackedMedia,
@@ -150,6 +153,7 @@ impl Default for Extracted {
             layout: Layout::default(),
             entity_of_instance: Arc::from([]),
             material_of_entity: Arc::default(),
+            special: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
             packed_media: PackedMedia::default(),
@@ -230,7 +234,10 @@ pub(super) fn extract_scene(
     }
     let old = extracted.scene.clone();
     let old_view = extracted.view.clone();
-    let mut moved = Some(Vec::new());
+    let mut news = Some(ShapeNews {
+        moved: Vec::new(),
+        edits: Some(ListEdits::default()),
+    });
     let has_shapes = is_packing || dirty.instances.any();
     if has_shapes {
         let policy = BuildPolicy {
@@ -239,24 +246,25 @@ pub(super) fn extract_scene(
             wait: !control.interactive,
             wake_up: wake_up.clone(),
         };
-        moved = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
+        news = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
     }
     // The camera of a scene that was just opened waits for its shapes.
     let is_new_scene = authored.status.fresh_load && extracted.packs_revision != extracted.packed_revision;
-    if moved.is_none() && (is_new_scene || !dirty.view) {
+    if news.is_none() && (is_new_scene || !dirty.view) {
         return;
     }
-    if let Some(moved) = &moved {
-        extracted.update_bindings(&dirty.surfaces, &authored);
+    if let Some(news) = &mut news {
+        extracted.update_bindings(&dirty.surfaces, &authored, news);
         if dirty.media {
             extracted.update_media(&authored);
+            news.edits = None;
         }
         if has_shapes || dirty.surfaces.any() || dirty.materials || dirty.lights || dirty.media {
-            extracted.update_surfaces_and_lights(&authored, moved);
+            extracted.update_surfaces_and_lights(&authored, news);
         }
     }
     // The number of the camera's medium may have changed.
-    if dirty.view || dirty.media && moved.is_some() {
+    if dirty.view || dirty.media && news.is_some() {
         extracted.update_view(&authored, &control);
     }
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
@@ -284,7 +292,7 @@ pub(super) fn extract_scene(
         view: extracted.view.clone(),
     };
     deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
-    *dirty = match moved {
+    *dirty = match news {
         // Shapes that have changed while all were packed are left where that has to be done once more.
         Some(_) => Dirty {
             instances: std::mem::take(&mut dirty.instances),
@@ -307,7 +315,7 @@ impl Extracted {
         self.packed_media = packed;
     }
 
-    fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &[bool]) {
+    fn update_surfaces_and_lights(&mut self, authored: &Authored, news: &ShapeNews) {
         self.errors.surfaces.clear();
         let model = if authored.integrator.schlick {
             DielectricModel::Schlick
@@ -330,19 +338,18 @@ impl Extracted {
                 light: found.and_then(|(_, _, _, light, _)| light),
             }
         };
-        let packed = pack_surfaces(
-            &self.layout,
+        let edits = news.edits.as_ref().filter(|_| *self.material_of_entity == ids);
+        let packed = SurfacePacker {
+            layout: &self.layout,
             source,
-            materials,
-            &ids,
-            &self.packed_media.ids,
+            ids: &ids,
+            media: &self.packed_media.ids,
             model,
-            &mut textures,
-            &mut self.errors.surfaces,
-        );
-        if *self.scene.surfaces != packed.table {
-            self.scene.surfaces = Arc::new(packed.table);
+            textures: &mut textures,
+            errors: &mut self.errors.surfaces,
         }
+        .pack(materials, &self.scene.surfaces, &self.special, edits);
+        (self.scene.surfaces, self.special) = (packed.table, packed.special);
         if *self.material_of_entity != ids {
             self.material_of_entity = Arc::new(ids);
         }
@@ -368,7 +375,7 @@ impl Extracted {
         }
         let (owners, sources): (Vec<Entity>, _) = sources.into_iter().unzip();
         (self.owners, self.layers) = group_lights(&owners);
-        self.update_lights(sources, repainted, moved);
+        self.update_lights(sources, repainted, &news.moved);
     }
 
     /// Updates the lights. `repainted` says that textures have changed.

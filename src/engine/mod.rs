@@ -35,6 +35,7 @@ mod shapes;
 pub mod shutter;
 mod sight;
 mod solid_meshes;
+mod splice;
 pub mod status;
 mod stop_condition;
 

@@ -14,6 +14,7 @@ use super::extract::Extracted;
 use super::named_mesh::mesh_of;
 use super::pack::instance::{InstanceRecord, pack_instance};
 use super::rebuild::Rebuild;
+use super::splice::{ListEdits, Piece, ShapeNews, pieces};
 use super::status::BvhStatus;
 use crate::accel::{Blas, Instance, Primitive, ShapeEdits, Tlas};
 use crate::scene::ShapeKind;
@@ -33,7 +34,7 @@ impl Extracted {
         authored: &Authored,
         cache: &mut BlasCache,
         policy: &BuildPolicy,
-    ) -> Option<Vec<bool>> {
+    ) -> Option<ShapeNews> {
         let is_settled = self.meshes_loading == 0 && cache.builds_running() == 0 && self.method == policy.method;
         if !is_settled || !self.scene.geometry.is_edited_in_place() {
             return None;
@@ -64,10 +65,10 @@ impl Extracted {
             }
         }
         let mut lost_meshes = false;
-        for (number, record) in (0..).zip(&self.layout.shapes[..in_world]) {
-            if !changed.contains(&record.entity) {
-                continue;
-            }
+        // The list of entities is a fraction of the memory of the records.
+        let entities = (0u32..).zip(&self.entity_of_instance[..in_world]);
+        for (number, _) in entities.filter(|(_, entity)| changed.contains(*entity)) {
+            let record = &self.layout.shapes[number as usize];
             let mesh_before = matches!(record.primitive, Primitive::Mesh(_));
             match now.remove(&record.entity).and_then(|edited| edited.packed) {
                 Some((instance, new)) if new.key() == record.key() => {
@@ -103,8 +104,15 @@ impl Extracted {
             inserted.push((number, record));
         }
         if edits.is_empty() {
+            let changed = replaced.iter().map(|(number, _)| *number).collect();
             self.layout.edit(&[], replaced, Vec::new());
-            return Some(vec![false; self.layout.shapes.len()]);
+            return Some(ShapeNews {
+                moved: vec![false; self.layout.shapes.len()],
+                edits: Some(ListEdits {
+                    changed,
+                    ..ListEdits::default()
+                }),
+            });
         }
         let anew = self.take_rebuilt();
         let geometry = anew.as_ref().unwrap_or(&self.scene.geometry).edited(&edits)?;
@@ -117,6 +125,27 @@ impl Extracted {
         let added = edits.replaced.iter().chain(&edits.inserted);
         let after = triangles(&mut added.map(|(_, instance)| &instance.primitive));
         self.triangles = self.triangles - before + after;
+        let list = ListEdits {
+            removed: edits.removed.clone(),
+            inserted: inserted.iter().map(|(number, _)| *number).collect(),
+            changed: replaced.iter().map(|(number, _)| edits.renumbered(*number)).collect(),
+        };
+        if !list.removed.is_empty() || !list.inserted.is_empty() {
+            let old = &self.entity_of_instance;
+            let mut entities = Vec::with_capacity(old.len() + inserted.len());
+            for piece in pieces(old.len(), &list.removed, &list.inserted) {
+                match piece {
+                    Piece::Kept(range) => entities.extend_from_slice(&old[range]),
+                    Piece::New(index) => entities.push(inserted[index].1.entity),
+                }
+            }
+            self.entity_of_instance = entities.into();
+            self.special
+                .retain(|number| list.removed.binary_search(number).is_err());
+            self.special
+                .iter_mut()
+                .for_each(|number| *number = edits.renumbered(*number));
+        }
         self.layout.edit(&edits.removed, replaced, inserted);
         let mut moved = vec![false; self.layout.shapes.len()];
         for &(number, _) in &edits.replaced {
@@ -126,13 +155,6 @@ impl Extracted {
             .inserted
             .iter()
             .for_each(|&(number, _)| moved[number as usize] = true);
-        if !edits.removed.is_empty() || !edits.inserted.is_empty() {
-            let placed = self.entity_of_instance[in_world..].iter().copied();
-            let shapes = self.layout.shapes[..self.layout.in_world]
-                .iter()
-                .map(|record| record.entity);
-            self.entity_of_instance = shapes.chain(placed).collect();
-        }
         if lost_meshes {
             let meshes = self.layout.shapes.iter().filter_map(|record| match &record.primitive {
                 Primitive::Mesh(mesh) => Some(Arc::as_ptr(mesh)),
@@ -144,7 +166,8 @@ impl Extracted {
         self.scene.geometry = Arc::new(geometry);
         self.rebuild_if_worn(cache, policy);
         self.update_figures(cache);
-        Some(moved)
+        let edits = Some(list);
+        Some(ShapeNews { moved, edits })
     }
 
     /// Has the hierarchy built anew if so much has been edited that it is worth it.
@@ -166,21 +189,38 @@ impl Extracted {
         anew.finish(&self.scene.geometry)
     }
 
-    /// Looks up which materials, lights and media shapes have.
-    pub(super) fn update_bindings(&mut self, touched: &Touched, authored: &Authored) {
-        if !touched.any() {
-            return;
-        }
-        for record in &mut self.layout.shapes {
-            let is_touched = match touched {
-                Touched::These(shapes) => shapes.contains(&record.entity),
-                Touched::All => true,
-            };
+    /// Looks up which materials, lights and media shapes have, and adds the shapes to what has changed.
+    pub(super) fn update_bindings(&mut self, touched: &Touched, authored: &Authored, news: &mut ShapeNews) {
+        let touched: Vec<u32> = match touched {
+            Touched::All => {
+                news.edits = None;
+                (0..self.layout.shapes.len() as u32).collect()
+            }
+            Touched::These(shapes) if shapes.is_empty() => return,
+            Touched::These(shapes) => {
+                let (in_world, all) = (self.layout.in_world, &self.layout.shapes);
+                let members = all[in_world..].iter().map(|record| &record.entity);
+                let entities = self.entity_of_instance[..in_world].iter().chain(members);
+                let numbered = (0..).zip(entities);
+                let touched = numbered.filter(|(_, entity)| shapes.contains(*entity));
+                touched.map(|(number, _)| number).collect()
+            }
+        };
+        for &number in &touched {
+            let record = &mut self.layout.shapes[number as usize];
             // A shape that was just removed is not among these records, because its removal has packed them anew.
-            if is_touched && let Ok((_, _, uses, light, media)) = authored.surface_bindings.get(record.entity) {
+            if let Ok((_, _, uses, light, media)) = authored.surface_bindings.get(record.entity) {
                 (record.material, record.has_light) = (uses.map(|uses| uses.0), light.is_some());
                 record.media = media.entities();
             }
+        }
+        if let Some(edits) = &mut news.edits {
+            edits.changed.extend(touched);
+            edits.changed.sort_unstable();
+            edits.changed.dedup();
+            edits
+                .changed
+                .retain(|number| edits.inserted.binary_search(number).is_err());
         }
     }
 

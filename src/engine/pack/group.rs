@@ -112,6 +112,12 @@ impl Layout {
         self.placed.len() == old.placed.len() && self.placed.iter().zip(&old.placed).all(same)
     }
 
+    /// Whether the shapes are of the same entities.
+    pub(crate) fn is_of_same_entities(&self, old: &Self) -> bool {
+        let old = old.shapes.iter().map(|record| record.entity);
+        self.shapes.iter().map(|record| record.entity).eq(old)
+    }
+
     /// Whether the shape is a member of a group, which cannot shine.
     pub(crate) fn is_member(&self, shape: usize) -> bool {
         shape >= self.in_world
