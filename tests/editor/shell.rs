@@ -87,7 +87,8 @@ fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
                 uses: None,
                 hidden: false,
                 locked: false,
-            }],
+            }]
+            .into(),
             ..Outline::default()
         }),
         scene_files: Arc::new(vec!["/there/cornell-box.xml".into()]),

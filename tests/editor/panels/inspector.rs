@@ -25,7 +25,7 @@ fn inspect_in(width: f32, inspected: Inspected) -> Harness<'static, Shown<Model>
     let model = Model {
         inspected: Some(inspected),
         outline: std::sync::Arc::new(Outline {
-            materials: vec![item(30, "red wall"), item(31, "glass")],
+            materials: vec![item(30, "red wall"), item(31, "glass")].into(),
             ..Outline::default()
         }),
         ..Model::default()

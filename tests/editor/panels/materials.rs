@@ -127,7 +127,7 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
     let model = Model {
         presets: std::sync::Arc::new(presets::load().0),
         outline: std::sync::Arc::new(Outline {
-            shapes: vec![item(5, "ball"), item(6, "floor")],
+            shapes: vec![item(5, "ball"), item(6, "floor")].into(),
             ..Outline::default()
         }),
         selection: Selection::of([entity(5), entity(9)]),
@@ -319,7 +319,7 @@ fn a_shape_takes_another_material_or_a_new_one() {
     click(&mut harness, "Uses");
     click(&mut harness, "glass");
     let used = Command::UseMaterial {
-        shapes: vec![entity(5)],
+        shapes: vec![entity(5)].into(),
         material: Some(entity(31)),
     };
     assert_eq!(harness.state().commands, [used]);

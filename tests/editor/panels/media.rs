@@ -73,7 +73,7 @@ fn a_medium_is_chosen_made_and_taken_away() {
     let choose = |side: &str, option: &str| {
         let mut harness = inspect(shape());
         let outline = std::sync::Arc::make_mut(&mut harness.state_mut().given.outline);
-        outline.media = vec![item(40, "haze")];
+        outline.media = vec![item(40, "haze")].into();
         harness.run_steps(2);
         click(&mut harness, side);
         harness.get_by_label(option).click();

@@ -33,7 +33,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
         },
         scene_files: std::sync::Arc::new(vec!["/there/cornell-box.xml".into()]),
         outline: std::sync::Arc::new(Outline {
-            sensors: vec![item(9, "from above")],
+            sensors: vec![item(9, "from above")].into(),
             ..Outline::default()
         }),
         ..Model::default()

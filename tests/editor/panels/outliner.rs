@@ -14,8 +14,8 @@ use super::{Shown, click, drag_between, entity, item, press_at, with_outline};
 #[test]
 fn the_outliner_selects_and_finds() {
     let outline = Outline {
-        shapes: vec![item(1, "floor"), item(2, "bunny")],
-        lights: vec![item(3, "lamp")],
+        shapes: vec![item(1, "floor"), item(2, "bunny")].into(),
+        lights: vec![item(3, "lamp")].into(),
         ..Outline::default()
     };
     let state = std::sync::Mutex::new(OutlinerState::default());
@@ -47,7 +47,7 @@ fn the_outliner_selects_and_finds() {
 #[test]
 fn the_outliner_hides_renames_and_puts_into_folders() {
     let outline = Outline {
-        shapes: vec![item(1, "table/leg"), item(2, "bunny"), item(3, "floor")],
+        shapes: vec![item(1, "table/leg"), item(2, "bunny"), item(3, "floor")].into(),
         ..Outline::default()
     };
     let state = std::sync::Mutex::new(OutlinerState::default());
@@ -152,8 +152,8 @@ fn a_folder_has_an_eye_and_a_shape_names_its_material() {
     let mut top = item(2, "table/top");
     top.uses = Some(entity(5));
     let outline = Outline {
-        shapes: vec![hidden, top],
-        materials: vec![item(5, "oak")],
+        shapes: vec![hidden, top].into(),
+        materials: vec![item(5, "oak")].into(),
         ..Outline::default()
     };
     let state = std::sync::Mutex::new(OutlinerState::default());

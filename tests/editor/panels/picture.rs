@@ -75,7 +75,7 @@ const MIDDLE: Pos2 = Pos2::new(170.0, 130.0);
 #[test]
 fn a_material_is_dragged_from_the_list_onto_the_picture() {
     let outline = Outline {
-        materials: vec![item(31, "glass")],
+        materials: vec![item(31, "glass")].into(),
         ..Outline::default()
     };
     let mut state = OutlinerState::default();

@@ -1,7 +1,6 @@
 //! The selection: things of the scene in the order in which they were chosen.
 
-use std::collections::HashSet;
-
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 /// The last one is the active one: panels show it, and pivots and alignments go by it.
@@ -9,7 +8,7 @@ use bevy::prelude::*;
 pub struct Selection {
     order: Vec<Entity>,
     /// The entities of `order` as a set, to find out quickly whether it holds one.
-    all: HashSet<Entity>,
+    all: EntityHashSet,
 }
 
 /// The way in which things join a selection.
@@ -58,7 +57,7 @@ impl Selection {
             *self = Self::default();
         }
         let mut joining = Vec::new();
-        let mut moved = HashSet::new();
+        let mut moved = EntityHashSet::new();
         for entity in entities {
             if moved.insert(entity) && !(how == Extend::Toggle && self.all.contains(&entity)) {
                 joining.push(entity);

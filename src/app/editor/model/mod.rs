@@ -7,6 +7,7 @@ pub mod freedom;
 pub(crate) mod gather;
 pub(crate) mod inspected_media;
 pub(crate) mod inspection;
+pub mod item_list;
 pub(crate) mod leaks;
 pub mod mixed;
 pub(crate) mod outline;
@@ -40,6 +41,7 @@ use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, Medium, SamplerSettings, Sensor,
     Shape,
 };
+use item_list::ItemList;
 use mixed::Mixed;
 use panel_textures::PanelTextures;
 use timeline::TimelineModel;
@@ -69,30 +71,30 @@ pub struct Item {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     /// The shapes, with instances and without groups.
-    pub shapes: Vec<Item>,
+    pub shapes: ItemList,
     /// The materials, with nested ones.
-    pub materials: Vec<Item>,
+    pub materials: ItemList,
     /// The participating media.
-    pub media: Vec<Item>,
+    pub media: ItemList,
     /// The lights that are no surfaces.
-    pub lights: Vec<Item>,
+    pub lights: ItemList,
     /// The cameras.
-    pub sensors: Vec<Item>,
+    pub sensors: ItemList,
 }
 
 impl Outline {
     /// The name of the material of a shape.
     pub(crate) fn material_of(&self, item: &Item) -> Option<&str> {
         let used = item.uses?;
-        let found = self.materials.iter().find(|material| material.entity == used);
-        found.map(|material| material.name.as_str())
+        let place = self.materials.place_of(used)?;
+        Some(self.materials[place].name.as_str())
     }
 
     /// The heading of the materials.
     pub(crate) const MATERIALS: &str = "Materials";
 
     /// The groups with their headings.
-    pub fn groups(&self) -> [(&'static str, &[Item]); 5] {
+    pub fn groups(&self) -> [(&'static str, &ItemList); 5] {
         [
             ("Shapes", &self.shapes),
             (Self::MATERIALS, &self.materials),
@@ -100,6 +102,12 @@ impl Outline {
             ("Lights", &self.lights),
             ("Cameras", &self.sensors),
         ]
+    }
+
+    /// The group that lists a thing first, as an index into [`Self::groups`], and its place there.
+    pub fn place_of(&self, entity: Entity) -> Option<(usize, usize)> {
+        let mut groups = self.groups().into_iter().enumerate();
+        groups.find_map(|(group, (_, items))| Some((group, items.place_of(entity)?)))
     }
 }
 

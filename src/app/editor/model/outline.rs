@@ -7,6 +7,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::gather::{Naming, NamingItem, medium_kind, shape_kind};
+use super::item_list::ItemList;
 use super::{EditorModel, Item, Outline};
 use crate::scene::changes::Changes;
 use crate::scene::{
@@ -159,12 +160,8 @@ impl Things<'_, '_> {
         (self.orders.get(entity).map_or(u32::MAX, |order| order.0), entity)
     }
 
-    fn replace(&self, list: &mut Vec<Item>, changed: &EntityHashSet, now: impl Fn(Entity) -> Option<Placed>) {
-        let listed = list
-            .iter()
-            .enumerate()
-            .filter(|(_, item)| changed.contains(&item.entity));
-        let listed: Vec<usize> = listed.map(|(place, _)| place).collect();
+    fn replace(&self, list: &mut ItemList, changed: &EntityHashSet, now: impl Fn(Entity) -> Option<Placed>) {
+        let listed = list.places_of(changed);
         let mut new: Vec<Placed> = changed.iter().filter_map(|&entity| now(entity)).collect();
         // Most edits leave things where they are.
         let stays = |place: &usize| {
@@ -179,59 +176,22 @@ impl Things<'_, '_> {
             && item.entity == list[place].entity
             && stays(&place)
         {
-            list[place] = item.clone();
+            list.replace(place, item.clone());
             return;
         }
-        remove(list, &listed);
+        list.remove(&listed);
         new.sort_by_key(|(order, item)| (*order, item.entity));
         let placed = new.into_iter().map(|(order, item)| {
             let key = (order, item.entity);
             (list.partition_point(|other| self.key(other.entity) < key), item)
         });
         let placed: Vec<(usize, Item)> = placed.collect();
-        insert(list, placed);
+        list.insert(placed);
     }
-}
-
-/// Moving all that comes after is quicker than a new list, up to this number of places.
-const FEW: usize = 8;
-
-/// Takes out what is at these places, ascending.
-fn remove(list: &mut Vec<Item>, places: &[usize]) {
-    if places.len() <= FEW {
-        places.iter().rev().for_each(|&place| drop(list.remove(place)));
-        return;
-    }
-    let mut gone = places.iter().peekable();
-    let mut place = 0..;
-    list.retain(|_| {
-        let place = place.next();
-        gone.next_if(|&&gone| Some(gone) == place).is_none()
-    });
-}
-
-/// Puts items in before those at these places of the list as it is, ascending.
-fn insert(list: &mut Vec<Item>, items: Vec<(usize, Item)>) {
-    if items.len() <= FEW {
-        for (place, item) in items.into_iter().rev() {
-            list.insert(place, item);
-        }
-        return;
-    }
-    let mut merged = Vec::with_capacity(list.len() + items.len());
-    let mut old = std::mem::take(list).into_iter();
-    let mut taken = 0;
-    for (place, item) in items {
-        merged.extend(old.by_ref().take(place - taken));
-        taken = place;
-        merged.push(item);
-    }
-    merged.extend(old);
-    *list = merged;
 }
 
 /// The items in the order of the file; those that were made here come last.
-fn sorted(items: impl Iterator<Item = Placed>) -> Vec<Item> {
+fn sorted(items: impl Iterator<Item = Placed>) -> ItemList {
     let mut items: Vec<Placed> = items.collect();
     items.sort_by_key(|(order, item)| (*order, item.entity));
     items.into_iter().map(|(_, item)| item).collect()
@@ -332,7 +292,7 @@ mod tests {
                     8 => drop(it.remove::<Shape>()),
                     9 => drop(it.insert(UsesMaterial(paint))),
                     10 => drop(it.remove::<UsesMaterial>()),
-                    _ => drop(it.insert(Name::new(format!("name {step}")))),
+                    _ => drop(it.insert(Name::new(format!("{}name {step}", ["", "folder/"][number(2)])))),
                 }
             }
             world.run_system(gather).expect("it runs");

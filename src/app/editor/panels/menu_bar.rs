@@ -204,8 +204,11 @@ fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut 
             before = part;
         }
         drawn_entry(ui, action.name, Some(drawing), context, commands);
+        if action.name != "fill-smoke" || model.outline.media.is_empty() {
+            continue;
+        }
         let shapes = model.selected_shapes();
-        if action.name == "fill-smoke" && !model.outline.media.is_empty() && !shapes.is_empty() {
+        if !shapes.is_empty() {
             ui.menu_button("Fill with a medium of the scene", |ui| {
                 fill_menu(ui, &shapes, model, commands)
             });

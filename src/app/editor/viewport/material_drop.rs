@@ -139,9 +139,9 @@ mod tests {
         let (glass, lamp) = (Entity::from_raw_u32(7), Entity::from_raw_u32(8));
         let [glass, lamp] = [glass, lamp].map(|entity| entity.expect("a small index is valid"));
         let things = Outline {
-            shapes: vec![named(balls[0], "ball")],
-            materials: vec![named(glass, "glass")],
-            lights: vec![named(lamp, "lamp")],
+            shapes: vec![named(balls[0], "ball")].into(),
+            materials: vec![named(glass, "glass")].into(),
+            lights: vec![named(lamp, "lamp")].into(),
             ..Outline::default()
         };
         let (none, locked) = (EntityHashSet::default(), EntityHashSet::from_iter([balls[0]]));

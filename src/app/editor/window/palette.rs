@@ -249,7 +249,7 @@ mod tests {
         };
         let model = Model {
             outline: Arc::new(Outline {
-                shapes: vec![item(1, "left wall"), item(2, "undone sphere")],
+                shapes: vec![item(1, "left wall"), item(2, "undone sphere")].into(),
                 ..Outline::default()
             }),
             scene_files: Arc::new(vec!["/there/undo.xml".into(), "/there/cornell-box.xml".into()]),

@@ -109,14 +109,14 @@ impl LineList {
         (0..self.len).filter_map(|place| self.get(place))
     }
 
-    /// The place of the line of a thing.
-    pub fn place_of(&self, wanted: impl Fn(usize, usize) -> bool) -> Option<usize> {
+    /// The place of the line of a thing, by the index of its group and that within the group.
+    pub fn place_of(&self, wanted: (usize, usize)) -> Option<usize> {
         self.parts.iter().find_map(|(before, part)| match part {
-            Part::One(Line::Item { group, index, .. }) => wanted(*group, *index).then_some(*before),
+            Part::One(Line::Item { group, index, .. }) => ((*group, *index) == wanted).then_some(*before),
             Part::One(_) => None,
             Part::Run { group, indices, .. } => {
-                let place = indices.clone().position(|index| wanted(*group, index))?;
-                Some(before + place)
+                let is_here = *group == wanted.0 && indices.contains(&wanted.1);
+                is_here.then(|| before + wanted.1 - indices.start)
             }
         })
     }
@@ -196,8 +196,7 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
     };
     let mut lines = LineList::default();
     for (group, (name, items)) in outline.groups().into_iter().enumerate() {
-        let is_plain = |item: &Item| item.inside_of.is_none() && !item.name.contains('/');
-        if wanted.is_empty() && !items.is_empty() && items.iter().all(is_plain) {
+        if wanted.is_empty() && !items.is_empty() && items.is_flat() {
             lines.push(Line::Heading {
                 name,
                 count: items.len(),
@@ -387,7 +386,8 @@ mod tests {
                 item(2, "table/leg"),
                 item(3, "lamp"),
                 item(4, "table/top/plate"),
-            ],
+            ]
+            .into(),
             ..Outline::default()
         };
         let mut folding = Folding::default();
@@ -420,7 +420,7 @@ mod tests {
         materials[2].inside_of = Some(materials[3].entity);
         materials[3].inside_of = Some(materials[2].entity);
         let outline = Outline {
-            materials,
+            materials: materials.into(),
             ..Outline::default()
         };
         let mut folding = Folding::default();
@@ -439,7 +439,7 @@ mod tests {
         let shapes = (0..40).map(|number| item(number, if number == 20 { "room/door" } else { "wall" }));
         let outline = Outline {
             shapes: shapes.collect(),
-            lights: vec![item(50, "lamp")],
+            lights: vec![item(50, "lamp")].into(),
             ..Outline::default()
         };
         let list = lines(&outline, "", &Folding::default());
@@ -447,7 +447,7 @@ mod tests {
         assert!(list.get(44).is_none());
         for (place, line) in list.iter().enumerate() {
             if let Line::Item { group, index, .. } = *line {
-                assert_eq!(list.place_of(|g, i| (g, i) == (group, index)), Some(place));
+                assert_eq!(list.place_of((group, index)), Some(place));
             }
         }
         assert_eq!(

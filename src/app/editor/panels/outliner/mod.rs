@@ -99,15 +99,10 @@ fn follow_selection(
 ) -> (Arc<LineList>, Option<f32>) {
     let is_new = state.shown_active != active;
     state.shown_active = active;
-    let item = active.filter(|_| is_new).and_then(|entity| item_of(outline, entity));
-    if let Some(item) = item {
-        if let Some((heading, _)) = outline
-            .groups()
-            .into_iter()
-            .find(|(_, items)| items.iter().any(|other| other.entity == item.entity))
-        {
-            state.folding.closed.remove(heading);
-        }
+    let place = active.filter(|_| is_new).and_then(|entity| outline.place_of(entity));
+    if let Some((group, index)) = place {
+        let item = &outline.groups()[group].1[index];
+        state.folding.closed.remove(outline.groups()[group].0);
         for folder in folders_of(&item.name) {
             state.folding.closed.remove(folder);
         }
@@ -116,9 +111,8 @@ fn follow_selection(
         state.folding.open.extend(around.take(lines::DEEPEST));
     }
     let lines = state.lines.of(outline, &state.filter, &state.folding);
-    let offset = item.and_then(|item| {
-        let groups = outline.groups();
-        let place = lines.place_of(|group, index| groups[group].1[index].entity == item.entity)?;
+    let offset = place.and_then(|place| {
+        let place = lines.place_of(place)?;
         let line = height + ui.spacing().item_spacing.y;
         let seen = ui.available_height();
         let top = place as f32 * line;
@@ -131,11 +125,8 @@ fn follow_selection(
 }
 
 fn item_of(outline: &Outline, entity: Entity) -> Option<&Item> {
-    outline
-        .groups()
-        .into_iter()
-        .flat_map(|(_, items)| items)
-        .find(|item| item.entity == entity)
+    let (group, index) = outline.place_of(entity)?;
+    Some(&outline.groups()[group].1[index])
 }
 
 /// Shows a triangle that opens and closes; true if clicked.
