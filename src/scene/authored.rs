@@ -1,11 +1,13 @@
 //! Keeps what the file said beside what it meant. Saving starts from it, so that everything that was not understood or not edited stays as it was
 //! written.
 
+use std::collections::HashSet;
 use std::ops::Deref;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use smol_str::SmolStr;
 
 use crate::document::{Category, Child, Document, Object, Property, Span};
 
@@ -145,6 +147,8 @@ pub struct AuthoredScene {
     pub properties: Vec<Property>,
     /// The plugins and references that were left out, with their places in the file.
     pub rest: Vec<(u32, Child)>,
+    /// The ids of elements of the files that are no things, such as textures.
+    pub foreign_ids: Arc<HashSet<SmolStr>>,
 }
 
 #[cfg(test)]

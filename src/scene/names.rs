@@ -1,24 +1,12 @@
 //! The names that things may have: free ones, found in one pass over the scene.
 
-use std::sync::{Arc, Weak};
-
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
-use smol_str::SmolStr;
 
-use super::{Authored, AuthoredScene, DocumentOrder, SceneId};
-use crate::document::{Document, Object};
+use super::{AuthoredScene, DocumentOrder, SceneId};
 
 /// Up to this number, stems are compared one by one.
 const FEW: usize = 4;
-
-/// The ids of elements of the file that are no entities, such as textures.
-#[derive(Resource, Default)]
-struct ForeignIds {
-    /// The files that were looked through.
-    of: Weak<Document>,
-    ids: HashSet<String>,
-}
 
 /// The names that are taken and could be in the way of names with a number.
 #[derive(Debug, Default)]
@@ -100,7 +88,9 @@ pub(crate) fn is_taken(world: &mut World, wanted: &str) -> bool {
 
 /// Calls `visit` for the names of all that is in the scene, some of them twice. Names of the file also count.
 pub(super) fn each_name(world: &mut World, mut visit: impl FnMut(&str)) {
-    foreign_ids(world).iter().for_each(|id| visit(id));
+    if let Some(scene) = world.get_resource::<AuthoredScene>() {
+        scene.foreign_ids.iter().for_each(|id| visit(id));
+    }
     let mut named = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
     for (id, name) in named.iter(world) {
         let id = id.map(|id| id.0.as_str());
@@ -108,32 +98,6 @@ pub(super) fn each_name(world: &mut World, mut visit: impl FnMut(&str)) {
         id.into_iter().for_each(&mut visit);
         name.filter(|_| id != name).into_iter().for_each(&mut visit);
     }
-}
-
-fn foreign_ids(world: &mut World) -> &HashSet<String> {
-    let scene = world.get_resource::<AuthoredScene>();
-    let origin = scene.and_then(|scene| scene.origin.clone());
-    let known = world.get_resource_or_init::<ForeignIds>();
-    let wanted = origin.as_ref().map_or_else(Weak::new, Arc::downgrade);
-    if !known.of.ptr_eq(&wanted) {
-        let mut ids = HashSet::default();
-        if let Some(origin) = &origin {
-            collect_ids(&origin.root, &mut ids);
-        }
-        let mut authored = world.query::<&Authored>();
-        for authored in authored.iter(world) {
-            if let Some(id) = &authored.object.id {
-                ids.remove(id.as_str());
-            }
-        }
-        world.insert_resource(ForeignIds { of: wanted, ids });
-    }
-    &world.get_resource_or_init::<ForeignIds>().into_inner().ids
-}
-
-fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
-    ids.extend(object.id.as_ref().map(SmolStr::to_string));
-    object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
 /// The name without the slash of a folder, and whether there is one.

@@ -21,7 +21,10 @@ mod shapes;
 pub mod spectra;
 mod textures;
 
+use std::collections::HashSet;
 use std::sync::Arc;
+
+use smol_str::SmolStr;
 
 use self::scene_reader::SceneReader;
 pub(super) use self::sensors::millimetres;
@@ -37,8 +40,31 @@ pub fn read(document: &mut Document) -> SceneDescription {
     origin.diagnostics = Diagnostics::default();
     origin.diagnostics.sources.clone_from(&document.diagnostics.sources);
     let mut description = read_as(document, true);
+    description.remains.foreign_ids = Arc::new(foreign_ids(&description, &origin.root));
     description.remains.origin = Some(Arc::new(origin));
     description
+}
+
+/// The ids below `root` that are of no thing of the scene.
+fn foreign_ids(scene: &SceneDescription, root: &Object) -> HashSet<SmolStr> {
+    fn collect(object: &Object, ids: &mut HashSet<SmolStr>) {
+        ids.extend(object.id.clone());
+        object.objects().for_each(|inner| collect(inner, ids));
+    }
+    let mut ids = HashSet::new();
+    collect(root, &mut ids);
+    let things = (scene.sensors.iter().map(|it| &it.identity))
+        .chain(scene.media.iter().map(|it| &it.identity))
+        .chain(scene.materials.iter().map(|it| &it.identity))
+        .chain(scene.groups.iter().map(|it| &it.identity))
+        .chain(scene.shapes.iter().map(|it| &it.identity))
+        .chain(scene.emitters.iter().map(|it| &it.identity));
+    for authored in things.filter_map(|identity| identity.authored.as_ref()) {
+        if let Some(id) = &authored.object.id {
+            ids.remove(id);
+        }
+    }
+    ids
 }
 
 /// Reads as [`read`] does, for a scene that is not saved again: of the source it keeps only the places of file names.

@@ -6,9 +6,8 @@
 mod edit;
 mod entry;
 
-use std::collections::HashMap;
-
 use bevy::ecs::entity::EntityHashSet;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 pub use edit::Edit;
