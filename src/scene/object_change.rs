@@ -46,6 +46,13 @@ macro_rules! object_change {
                 }
             }
 
+            /// Takes the present state as the state after.
+            fn refresh(&mut self, world: &World, entity: Entity) {
+                match self {
+                    $(Self::$component(values) => values[1] = world.get::<$component>(entity).cloned(),)*
+                }
+            }
+
             /// Takes the state after from a later change of the same component; gives it back if it is of another.
             fn absorb(&mut self, later: Self) -> Option<Self> {
                 match (self, later) {
@@ -154,6 +161,18 @@ impl ObjectChange {
         }
         self.parts.retain(Part::differs);
         self.parts.is_empty()
+    }
+
+    /// Takes the present state as the state after the edit: a file may have changed it since. What a file has removed stays as it was.
+    pub fn refresh(&mut self, world: &World, entity: Entity) {
+        if !self.is_there[1] || !ObjectState::is_in_scene(world, entity) {
+            return;
+        }
+        if self.is_there[0] {
+            self.parts.iter_mut().for_each(|part| part.refresh(world, entity));
+        } else if let Some(whole) = Self::between(&ObjectState::default(), &ObjectState::of(world, entity)) {
+            *self = whole;
+        }
     }
 
     /// Sets the changed components to their state on one side. The others stay as they are, even if a file has changed them. What a file has

@@ -432,6 +432,27 @@ fn two_windows_keep_what_each_saved() {
     assert_eq!(places(&path), [1.0, 0.0]);
 }
 
+#[test]
+fn what_a_file_changed_since_comes_back_with_redo() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, TWO).expect("a file");
+    let mut world = window_on(&path);
+    say(&mut world, "set a position 1,0,0");
+    say(&mut world, "add sphere name=c at=0,0,0 size=1");
+    save(&mut world);
+    let text = text_of(&path);
+    let own = places(&path);
+    let (old, new) = ("value=\"1, 0, 0\"", "value=\"3, 0, 0\"");
+    assert!(text.contains(old), "{text}");
+    std::fs::write(&path, text.replace(old, new)).expect("a file");
+    save(&mut world);
+    assert!(say(&mut world, "undo") && say(&mut world, "undo"));
+    assert!(say(&mut world, "redo") && say(&mut world, "redo"));
+    save(&mut world);
+    assert_eq!(places(&path), [[3.0].as_slice(), &own[1..]].concat());
+}
+
 /// Whatever the order in which they come to write.
 #[test]
 fn windows_that_save_at_the_same_moment_lose_nothing() {

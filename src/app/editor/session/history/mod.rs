@@ -278,6 +278,9 @@ pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     };
     let shown = shown_time(world);
     go_to_time(world, entry.time);
+    for change in &mut entry.changes {
+        change.change.refresh(world, change.entity);
+    }
     for change in entry.changes.iter().rev() {
         change.change.write(world, change.entity, Side::Before);
     }
