@@ -319,7 +319,7 @@ fn a_shape_takes_another_material_or_a_new_one() {
     click(&mut harness, "Uses");
     click(&mut harness, "glass");
     let used = Command::UseMaterial {
-        shapes: vec![entity(5)].into(),
+        shapes: vec![entity(5)],
         material: Some(entity(31)),
     };
     assert_eq!(harness.state().commands, [used]);
