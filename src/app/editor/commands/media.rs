@@ -238,8 +238,8 @@ fn size_of(world: &World, shape: Entity) -> Option<f32> {
     (size.is_finite() && size > 0.0).then_some(size)
 }
 
-/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have moved through borders of media are in others, and
-/// where something has got a medium, the integrator traces media.
+/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have
+/// moved through borders of media are in others, and where something has got a medium, the integrator traces media.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
     leave_borderless(edit);
@@ -342,7 +342,10 @@ fn leave_borderless(edit: &mut Edit) {
             .world
             .get::<InteriorOf>(medium)
             .is_none_or(|shapes| shapes.is_empty());
-        is_borderless.then_some((medium, now.or(around)))
+        let instead = now
+            .or(around)
+            .filter(|medium| ObjectState::is_in_scene(edit.world, *medium));
+        is_borderless.then_some((medium, instead))
     });
     let emptied: Vec<(Entity, Option<Entity>)> = emptied.collect();
     for (medium, instead) in emptied {
