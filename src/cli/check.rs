@@ -1,6 +1,5 @@
 //! `sunroom check`: reads scenes and the files they name, and reports.
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -11,7 +10,7 @@ use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
 use super::args::{DefineArgs, MemoryArgs, TrustArgs};
-use super::report;
+use super::report::{self, counted};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -107,13 +106,6 @@ fn content(world: &mut World) -> String {
     let shapes = world.query::<&Shape>().iter(world).count();
     let lights = world.query::<&Emitter>().iter(world).count() + world.query::<&AreaLight>().iter(world).count();
     format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"))
-}
-
-/// The number with its noun: `1 shape`, `2 shapes`.
-pub fn counted(number: impl Display, what: &str) -> String {
-    let number = number.to_string();
-    let ending = if number == "1" { "" } else { "s" };
-    format!("{number} {what}{ending}")
 }
 
 /// Lists what `--camera` accepts, if there is a choice.

@@ -10,6 +10,13 @@ use sunroom::document::Diagnostics;
 /// Exit code for a command line that is wrong; clap uses it as well.
 pub const WRONG_USAGE: u8 = 2;
 
+/// The number with its noun: `1 shape`, `2 shapes`.
+pub fn counted(number: impl Display, what: &str) -> String {
+    let number = number.to_string();
+    let ending = if number == "1" { "" } else { "s" };
+    format!("{number} {what}{ending}")
+}
+
 /// Says why a command cannot be done.
 pub enum Failure {
     /// The command line asks for something that is wrong.

@@ -24,9 +24,9 @@ use sunroom::scene::{ActiveSensor, Film, OpenScene, SceneStatus, Trust};
 
 use self::plan::{Plan, Whole};
 use super::args::{MemoryArgs, SceneArgs};
-use super::check::{counted, report_scene};
+use super::check::report_scene;
 use super::render::{RenderArgs, apply_overrides};
-use super::report::{self, Failure};
+use super::report::{self, Failure, counted};
 use super::sequence::frames;
 use super::{outputs, parse};
 

@@ -6,7 +6,7 @@ use sunroom::render::part::Crop;
 use sunroom::render::passes::chunk_of;
 use sunroom::render::tile::TILE;
 
-/// The least side of a crop that nobody asked for, in pixels. A smaller crop costs more to start than to render.
+/// The least side in pixels of a crop that the user has not asked for. A smaller crop costs more to start than to render.
 const LEAST_CROP: u32 = 256;
 /// The factor by which a task may exceed the time that is asked for, before crops divide it further.
 const TOLERANCE: f64 = 1.25;

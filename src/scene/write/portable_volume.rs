@@ -115,9 +115,9 @@ impl<'f> VolumeFiles<'f> {
             reason: error.to_string(),
         })?;
         let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
-        let names = (1..).map(|number| format!("{stem}.volume-{number}.vol"));
         let is_free = |name: &String| !self.taken.contains(&self.target.with_file_name(name));
-        let name = names.into_iter().find(is_free).unwrap_or_default();
+        let mut names = (1..).map(|number| format!("{stem}.volume-{number}.vol"));
+        let name = names.find(is_free).unwrap_or_default();
         self.taken.insert(self.target.with_file_name(&name));
         write_file(&self.target.with_file_name(&name), volume.to_vol())?;
         let world_from_local = volume.world_from_local;

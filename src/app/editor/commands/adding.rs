@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
-use super::{fitting, media, view, volumes};
+use super::{fitting, media, media_boxes, media_upkeep, view, volumes};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
@@ -94,12 +94,12 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let pose = ToWorld(at(foot + up * size) * scale);
             edit.spawn((called, shape(ShapeKind::Cube), pose))
         }
-        AdditionKind::Fog => media::surround(edit, addition.name.as_deref().unwrap_or("fog")),
+        AdditionKind::Fog => media_boxes::surround(edit, addition.name.as_deref().unwrap_or("fog")),
         AdditionKind::FogBox => {
             let name = addition.name.as_deref().unwrap_or("fog-box");
-            let middle = foot + up * ((1.0 - media::SUNK) * size);
+            let middle = foot + up * ((1.0 - media_boxes::SUNK) * size);
             // Through its middle one seventh of the light passes.
-            media::bounded(edit, name, at(middle) * scale, media::fog(size))
+            media_boxes::bounded(edit, name, at(middle) * scale, media::fog(size))
         }
         AdditionKind::Rectangle => {
             let pose = ToWorld(at(ground) * facing(up) * scale);
@@ -139,7 +139,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             // At another place it looks as the view does.
             let translation = addition.at.map_or(view.translation, Into::into);
             let active = edit.world.resource::<ActiveSensor>().0;
-            let medium = active.and_then(|active| view::medium_at(edit.world, active, translation.into()));
+            let medium = active.and_then(|active| media_upkeep::medium_at(edit.world, active, translation.into()));
             let camera = edit.spawn((called, sensor, film, ToWorld(Affine3A { translation, ..view })));
             if let Some(medium) = medium {
                 edit.set(camera, InMedium(medium));

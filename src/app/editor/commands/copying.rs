@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
-use super::{arranging, grouping, media, placing, things};
+use super::{arranging, grouping, media_upkeep, placing, things};
 use crate::app::editor::camera::rounding;
 use crate::app::editor::command::Direction;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
@@ -284,7 +284,7 @@ impl Copier {
         state.write(edit.world, copy);
         edit.world.entity_mut(copy).insert(CopyOf(original));
         if let (Some(InteriorMedium(medium)), Some(before)) = (state.interior, before)
-            && let Some(own) = media::copied_with_place(edit, medium, &before.0, &pose)
+            && let Some(own) = media_upkeep::copied_with_place(edit, medium, &before.0, &pose)
         {
             edit.set(copy, InteriorMedium(own));
             if let Some(name) = edit.world.get::<Name>(own) {

@@ -1,12 +1,12 @@
-//! Edits of media: which medium is inside and around things, what shapes are filled with, and fog.
+//! Edits of media: which medium is inside and around things, and what shapes are filled with.
 
-use bevy::math::{Affine3A, Vec3};
+use bevy::math::Vec3;
 use bevy::prelude::*;
 
 use super::spot;
 use super::things::{need, need_surface, replace};
 use super::world::tell;
-use crate::app::editor::camera::{picking, pose, rounding};
+use crate::app::editor::camera::picking;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::media::{Filling, MediumSide};
@@ -14,14 +14,11 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
 use crate::color::Rgb;
 use crate::engine::PackedScene;
-use crate::math::Aabb;
 use crate::scene::insert::next_order;
-use crate::scene::medium::{InteriorOf, users_of_medium};
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    Coefficients, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, FirstNestedIn, InMedium, IntegratorSettings,
-    InteriorMedium, Keys, Locked, Material, Medium, ObjectState, PathPlugin, PhaseFunction, SceneId, SecondNestedIn,
-    Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
+    Coefficients, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, FirstNestedIn, InMedium, InteriorMedium, Locked,
+    Material, Medium, PhaseFunction, SceneId, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
 /// The depth to which materials inside of others are looked through.
@@ -58,7 +55,8 @@ pub fn use_medium(
     Ok(())
 }
 
-fn set_side(edit: &mut Edit, thing: Entity, side: MediumSide, medium: Option<Entity>) {
+/// Sets the medium at a place of a thing that has such a place, or takes it away.
+pub(super) fn set_side(edit: &mut Edit, thing: Entity, side: MediumSide, medium: Option<Entity>) {
     match (side, medium) {
         (MediumSide::Interior, Some(medium)) => edit.set(thing, InteriorMedium(medium)),
         (MediumSide::Exterior, Some(medium)) => edit.set(thing, ExteriorMedium(medium)),
@@ -236,290 +234,4 @@ fn size_of(world: &World, shape: Entity) -> Option<f32> {
         }
     };
     (size.is_finite() && size > 0.0).then_some(size)
-}
-
-/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have
-/// moved through borders of media are in others, and where something has got a medium, the integrator traces media.
-pub fn follow(edit: &mut Edit) {
-    carry_volumes(edit);
-    leave_borderless(edit);
-    cross_borders(edit);
-    let is_new = |edit: &Edit| {
-        edit.touched().any(|(entity, before)| {
-            let has = |now: bool, before: bool| now && !before;
-            has(
-                edit.world.get::<InteriorMedium>(entity).is_some(),
-                before.interior.is_some(),
-            ) || has(
-                edit.world.get::<ExteriorMedium>(entity).is_some(),
-                before.exterior.is_some(),
-            ) || has(edit.world.get::<InMedium>(entity).is_some(), before.in_medium.is_some())
-        })
-    };
-    if is_new(edit) {
-        trace(edit.world, 0);
-    }
-}
-
-/// Lets the integrator trace media, with paths of at least `depth` segments, and says what has changed.
-pub fn trace(world: &mut World, depth: u32) {
-    let before = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
-    let mut after = before;
-    if !before.plugin.traces_media() {
-        after.plugin = PathPlugin::VolPath;
-    }
-    after.max_depth = before.max_depth.map(|most| most.max(depth));
-    if after == before {
-        return;
-    }
-    world.insert_resource(after);
-    if after.plugin != before.plugin {
-        tell(
-            world,
-            "The integrator is `volpath` now: with `path` no medium is there.",
-        );
-    }
-    if after.max_depth != before.max_depth {
-        let text =
-            format!("Paths have up to {depth} segments now, because light is scattered often below the surface.");
-        tell(world, text);
-    }
-}
-
-/// A shape that has moved, with the medium inside of it.
-struct Carried {
-    medium: Entity,
-    shape: Entity,
-    before: Affine3A,
-    after: Affine3A,
-}
-
-/// Moves the volumes of media with the shapes that they fill, if all of those have moved alike.
-fn carry_volumes(edit: &mut Edit) {
-    let moved = edit.touched().filter_map(|(shape, before)| {
-        let medium = edit.world.get::<InteriorMedium>(shape)?;
-        let [old, new] = [before.to_world?.0, edit.world.get::<ToWorld>(shape)?.0];
-        let is_carried = old != new && before.interior == Some(*medium) && edit.world.get::<Keys>(shape).is_none();
-        is_carried.then_some(Carried {
-            medium: medium.0,
-            shape,
-            before: old,
-            after: new,
-        })
-    });
-    let moved: Vec<Carried> = moved.collect();
-    let edited = edit.touched().filter(|(_, before)| before.medium.is_some());
-    let edited: Vec<Entity> = edited.map(|(medium, _)| medium).collect();
-    let mut done: Vec<Entity> = edited;
-    for first in &moved {
-        if done.contains(&first.medium) {
-            continue;
-        }
-        done.push(first.medium);
-        let step = |of: &Carried| of.after * of.before.inverse();
-        let own: Vec<&Carried> = moved.iter().filter(|other| other.medium == first.medium).collect();
-        let users = edit.world.get::<InteriorOf>(first.medium);
-        let users = users.into_iter().flat_map(|users| users.iter());
-        let mut users = users.filter(|user| ObjectState::is_in_scene(edit.world, *user));
-        let have_all_moved = users.all(|user| own.iter().any(|moved| moved.shape == user));
-        let is_one_step = own.iter().all(|other| step(other).abs_diff_eq(step(first), ALIKE));
-        if let (true, true, Some(medium)) = (have_all_moved, is_one_step, edit.world.get::<Medium>(first.medium))
-            && medium.has_place()
-        {
-            let carried = self::moved(medium, &first.before, &first.after);
-            edit.set(first.medium, carried);
-        }
-    }
-}
-
-/// Where the last shape that a medium was inside of goes, or gets another medium, what was in that medium is in the one that is there now.
-fn leave_borderless(edit: &mut Edit) {
-    let emptied = edit.touched().filter_map(|(shape, before)| {
-        let medium = before.interior?.0;
-        let now = edit.world.get::<InteriorMedium>(shape).map(|now| now.0);
-        let around = before.exterior.map(|around| around.0);
-        let is_borderless = edit
-            .world
-            .get::<InteriorOf>(medium)
-            .is_none_or(|shapes| shapes.is_empty());
-        let instead = now
-            .or(around)
-            .filter(|medium| ObjectState::is_in_scene(edit.world, *medium));
-        is_borderless.then_some((medium, instead))
-    });
-    let emptied: Vec<(Entity, Option<Entity>)> = emptied.collect();
-    for (medium, instead) in emptied {
-        let surrounded: Vec<Entity> = users_of_medium(edit.world, medium).collect();
-        for thing in surrounded {
-            let side = match edit.world.get::<ExteriorMedium>(thing) {
-                Some(_) => MediumSide::Exterior,
-                None => MediumSide::Around,
-            };
-            set_side(edit, thing, side, instead);
-        }
-    }
-}
-
-/// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as well.
-fn cross_borders(edit: &mut Edit) {
-    let mut moved = Vec::new();
-    for (thing, before) in edit.touched() {
-        let (Some(ToWorld(old)), Some(ToWorld(new))) = (before.to_world, edit.world.get(thing)) else {
-            continue;
-        };
-        let thing_now = edit.world.entity(thing);
-        if old == *new {
-            continue;
-        }
-        if thing_now.contains::<InteriorMedium>() || thing_now.contains::<ExteriorMedium>() {
-            return;
-        }
-        let is_in_space = thing_now.contains::<Sensor>() || thing_now.contains::<Emitter>();
-        let around = thing_now.get::<InMedium>().copied();
-        if is_in_space && around == before.in_medium && !thing_now.contains::<Keys>() {
-            moved.push((thing, around, [old, *new].map(|pose| Vec3::from(pose.translation))));
-        }
-    }
-    for (thing, before, [old, new]) in moved {
-        let packed = edit.world.get_resource::<PackedScene>();
-        let before = before.map(|before| before.0);
-        let now = packed.map_or(before, |packed| packed.medium_at(old, before, new));
-        if now != before {
-            set_side(edit, thing, MediumSide::Around, now);
-        }
-    }
-}
-
-/// The difference up to which moves are the same.
-const ALIKE: f32 = 1e-4;
-
-/// The medium with its volumes moved as a shape was that had the first pose and has the second.
-fn moved(medium: &Medium, before: &Affine3A, after: &Affine3A) -> Medium {
-    let by = *after * before.inverse();
-    let mut moved = medium.clone();
-    let filling = *before * cube_from_unit();
-    let size = filling
-        .matrix3
-        .to_cols_array()
-        .into_iter()
-        .fold(0.0f32, |most, it| most.max(it.abs()));
-    moved.for_each_place(&mut |to_world| {
-        // A grid that fills a cube fills it exactly, however often that is moved.
-        *to_world = match to_world.abs_diff_eq(filling, ALIKE * size) {
-            true => *after * cube_from_unit(),
-            false => by * *to_world,
-        };
-    });
-    moved
-}
-
-/// The space of the shape `cube` from the unit cube, which volumes fill.
-pub fn cube_from_unit() -> Affine3A {
-    Affine3A::from_translation(Vec3::NEG_ONE) * Affine3A::from_scale(Vec3::splat(2.0))
-}
-
-/// A copy of a medium whose volumes were moved by a step in the world, for a copy of the shape that it fills. None if it is the same everywhere: the copies share it.
-pub fn copied_with_place(edit: &mut Edit, medium: Entity, before: &Affine3A, after: &Affine3A) -> Option<Entity> {
-    let own = edit.world.get::<Medium>(medium).filter(|medium| medium.has_place())?;
-    let copy = moved(own, before, after);
-    let name = edit.world.get::<Name>(medium).map_or("medium", Name::as_str).to_owned();
-    Some(spawn(edit, &name, copy))
-}
-
-/// Puts the whole scene, with all cameras, into a box of fog, and returns the box. The medium is called `NAME-medium`.
-pub fn surround(edit: &mut Edit, name: &str) -> Entity {
-    let packed = edit.world.get_resource::<PackedScene>();
-    let bounds = packed.and_then(picking::scene_bounds);
-    let ahead = packed.and_then(picking::distance_ahead);
-    let mut cameras = edit.world.query_filtered::<&ToWorld, With<Sensor>>();
-    let mut eyes: Vec<Vec3> = cameras.iter(edit.world).map(|pose| pose.0.translation.into()).collect();
-    eyes.extend(pose::view_pose(edit.world).map(|pose| Vec3::from(pose.translation)));
-    let bounds = bounds.unwrap_or(Aabb {
-        min: Vec3::splat(-ALONE),
-        max: Vec3::splat(ALONE),
-    });
-    let bounds = eyes.into_iter().fold(bounds, Aabb::grown);
-    let size = bounds.extent().length();
-    let half = (0.5 * bounds.extent() + Vec3::splat(AROUND * size)).map(|half| rounding::with_digits(half, 3));
-    let center = spot::rounded_place(bounds.center(), size);
-    let pose = Affine3A::from_translation(center) * Affine3A::from_scale(half);
-    // In the middle of the picture four tenths of the light are the fog's.
-    let medium = fog(2.0 * ahead.filter(|ahead| *ahead > 0.0).unwrap_or(size));
-    bounded(edit, name, pose, medium)
-}
-
-/// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same plane, light would meet one or the other
-/// at random.
-pub const SUNK: f32 = 0.02;
-/// Half the edge of the box of fog in a scene without shapes, in world units.
-const ALONE: f32 = 10.0;
-/// The distance of the box of fog from everything, as a share of the scene's diagonal.
-const AROUND: f32 = 0.05;
-
-/// A box that light does not notice, with this pose, of a new medium. What is in it is told that.
-pub fn bounded(edit: &mut Edit, name: &str, pose: Affine3A, medium: Medium) -> Entity {
-    let around = around(edit.world, &pose);
-    let null = null_material(edit);
-    let order = DocumentOrder(next_order(edit.world));
-    let name = free_name_for(edit.world, name);
-    let shape = Shape {
-        kind: ShapeKind::Cube,
-        ..Shape::default()
-    };
-    let called = (SceneId(name.clone()), Name::new(name.clone()));
-    let entity = edit.spawn((shape, order, called, ToWorld(pose), UsesMaterial(null)));
-    let medium = spawn(edit, &format!("{name}-medium"), medium);
-    edit.set(entity, InteriorMedium(medium));
-    if let Some(around) = around {
-        edit.set(entity, ExteriorMedium(around));
-    }
-    enclose(edit, entity, &pose, medium);
-    entity
-}
-
-/// Tells cameras and borders of other media that are in a cube, and in no other medium, that its medium is around them.
-fn enclose(edit: &mut Edit, cube: Entity, pose: &Affine3A, medium: Entity) {
-    let local = pose.inverse();
-    let is_inside = |point: Vec3| local.transform_point3(point).abs().max_element() < 1.0;
-    let mut cameras = edit
-        .world
-        .query_filtered::<(Entity, &ToWorld), (With<Sensor>, Without<InMedium>)>();
-    let cameras = cameras.iter(edit.world);
-    let cameras = cameras.filter(|(_, pose)| is_inside(pose.0.translation.into()));
-    let cameras: Vec<Entity> = cameras.map(|(camera, _)| camera).collect();
-    for camera in cameras {
-        edit.set(camera, InMedium(medium));
-    }
-    let mut borders = edit
-        .world
-        .query_filtered::<(Entity, &ToWorld, &Shape), (With<InteriorMedium>, Without<ExteriorMedium>)>();
-    let borders = borders.iter(edit.world).filter(|(entity, pose, shape)| {
-        let middle = pose.0.transform_point3(shape.middle());
-        *entity != cube && is_inside(middle)
-    });
-    let borders: Vec<Entity> = borders.map(|(entity, ..)| entity).collect();
-    for border in borders {
-        edit.set(border, ExteriorMedium(medium));
-    }
-}
-
-/// The medium of the smallest cube that this one is inside of.
-fn around(world: &mut World, pose: &Affine3A) -> Option<Entity> {
-    let corners: Vec<Vec3> = (0..8)
-        .map(|corner| {
-            let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-            pose.transform_point3(Vec3::new(sign(0), sign(1), sign(2)))
-        })
-        .collect();
-    let mut cubes = world.query::<(&Shape, &ToWorld, &InteriorMedium, &DocumentOrder)>();
-    let holding = cubes.iter(world).filter(|(shape, pose, ..)| {
-        let local = pose.0.inverse();
-        let is_inside = |corner: &Vec3| local.transform_point3(*corner).abs().max_element() < 1.0;
-        shape.kind == ShapeKind::Cube && corners.iter().all(is_inside)
-    });
-    let volume = |pose: &ToWorld| pose.0.matrix3.determinant().abs();
-    let smallest = holding.min_by(|(_, one, _, first), (_, other, _, second)| {
-        volume(one).total_cmp(&volume(other)).then(first.cmp(second))
-    });
-    smallest.map(|(_, _, medium, _)| medium.0)
 }

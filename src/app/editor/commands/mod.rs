@@ -20,6 +20,8 @@ mod grouping;
 pub(crate) mod kept_picture;
 mod materials;
 mod media;
+mod media_boxes;
+mod media_upkeep;
 mod mixing;
 mod pictures;
 mod placing;
@@ -170,7 +172,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
     let mut edit = Edit::begin(world);
     match apply_edit::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
-            media::follow(&mut edit);
+            media_upkeep::follow(&mut edit);
             edit.follow_keys();
             let title = title.after(edit.world);
             keep_what_is_there(edit.world);

@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::media;
 use super::things::delete;
+use super::{media, media_upkeep};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::presets::{self, Preset};
 use crate::app::editor::session::history::Edit;
@@ -41,7 +41,7 @@ pub fn fill(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) {
             for &shape in shapes {
                 edit.set(shape, InteriorMedium(medium));
             }
-            media::trace(edit.world, DEPTH);
+            media_upkeep::trace(edit.world, DEPTH);
         }
         None => {
             for &shape in shapes {

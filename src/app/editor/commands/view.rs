@@ -18,7 +18,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
-use crate::scene::{ActiveSensor, FreeView, InMedium, Lens, Sensor, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
 /// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
 pub fn keep_step(world: &mut World) {
@@ -49,15 +49,6 @@ pub fn rounded_view(world: &World) -> Option<Affine3A> {
     let unit = rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size);
     let translation = rounding::rounded_place(pose.translation.into(), unit).into();
     Some(Affine3A { translation, ..pose })
-}
-
-/// The medium at a place of world space, as far as the medium that a sensor is in tells it.
-pub fn medium_at(world: &World, sensor: Entity, place: Vec3) -> Option<Entity> {
-    let medium = world.get::<InMedium>(sensor).map(|medium| medium.0);
-    match world.get::<ToWorld>(sensor) {
-        Some(ToWorld(pose)) => (world.resource::<PackedScene>()).medium_at(pose.translation.into(), medium, place),
-        None => medium,
-    }
 }
 
 /// Puts the camera in use to where the view is, with its lens.

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::things::select_new;
 use super::world::tell;
-use super::{media, spot};
+use super::{media_boxes, media_upkeep, spot};
 use crate::app::editor::camera::rounding;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
@@ -42,12 +42,12 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
     let found = spot::find(edit.world, None, 1.0, false);
     let foot = foot.unwrap_or(found.foot);
     let half = (sides * found.size).map(|half| rounding::with_digits(half, 3));
-    let middle = spot::rounded_place(foot + up * ((1.0 - media::SUNK) * half.dot(up.abs())), found.size);
+    let middle = spot::rounded_place(foot + up * ((1.0 - media_boxes::SUNK) * half.dot(up.abs())), found.size);
     let pose = Affine3A::from_translation(middle) * Affine3A::from_scale(half);
     // The sum is short in a file, as its parts are.
     let filling = Affine3A {
         translation: rounding::sum_of_places(middle, -half).into(),
-        ..pose * media::cube_from_unit()
+        ..pose * media_upkeep::cube_from_unit()
     };
     let grid = GridFile {
         path: path.to_owned(),
@@ -70,7 +70,7 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = stem.replace(['.', '$'], "-");
     let name = if name.is_empty() { "volume" } else { &name };
-    let cube = media::bounded(edit, name, pose, medium);
+    let cube = media_boxes::bounded(edit, name, pose, medium);
     select_new(edit, vec![cube]);
     Ok(())
 }
