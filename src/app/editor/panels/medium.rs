@@ -20,7 +20,7 @@ use crate::scene::{
 /// The names of the rows that are no parameters of the format.
 const FREE_PATH: &str = "Free path";
 const PHASE: &str = "Phase";
-const GRID_NAME: &str = "Of file";
+const GRID_NAME: &str = "Name";
 
 /// Shows the rows of a medium; true if edited.
 pub(super) fn medium(ui: &mut Ui, edited: &mut Medium, shown: &InspectedMedium, textures: &PanelTextures) -> bool {
