@@ -5,7 +5,10 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sunroom::document::paths::settle;
+use sunroom::files::Access;
+use sunroom::scene::SceneDescription;
 use sunroom::scene::assets::scene_asset::load_document;
+use sunroom::scene::export::{Hidden, export, is_export};
 use sunroom::scene::mesh_check::check_meshes;
 use sunroom::scene::picture_check::check_pictures;
 use sunroom::scene::read;
@@ -19,7 +22,7 @@ use super::report;
 pub struct ConvertArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Scene file to write
+    /// Scene file to write: OUT.xml, or OUT.glb or OUT.gltf to export to glTF 2.0
     #[arg(value_name = "OUT.xml")]
     output: PathBuf,
     #[command(flatten)]
@@ -65,11 +68,33 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if same_file(&args.scene.scene, &args.output) {
         return report::error("this would replace the scene it is made from; give another name");
     }
+    if is_export(&args.output) {
+        return export_to(&scene, &document.access, &args);
+    }
     let extensions = match args.portable {
         true => Extensions::Approximate,
         false => Extensions::Keep,
     };
     match write::write_anew(&scene, &args.output, extensions) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => report::error(error),
+    }
+}
+
+/// Writes the scene as glTF. What is lost is told, and refused with `--strict`.
+fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> ExitCode {
+    let export = match export(scene, &Hidden::default(), &args.output, access) {
+        Ok(export) => export,
+        Err(error) => return report::error(error),
+    };
+    for message in &export.messages {
+        report::line(format_args!("warning: {message}"));
+    }
+    if args.strict && !export.messages.is_empty() {
+        report::refused_for_warnings(&args.output);
+        return ExitCode::FAILURE;
+    }
+    match export.write() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }

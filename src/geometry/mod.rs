@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod mesh_file;
 mod mtl;
 pub mod mtl_map;
+pub mod mtl_model;
 pub mod obj;
 mod obj_lines;
 mod obj_part;

@@ -1,7 +1,8 @@
 //! Turns materials of the file into bsdfs and area emitters of the scene format (glTF 2.0, section 3.9 and appendix B).
 //!
 //! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no use for
-//! culling. Thin transmission (without a volume) is `principledthin`; a volume that absorbs light is a medium inside.
+//! culling. Thin transmission (without a volume) is `principledthin`; a volume that absorbs light is a medium inside. What is no metal and has a
+//! specular factor of 0 is `diffuse`: glTF's model is Lambert's then, which `principled` is not.
 
 use glam::{Affine2, Mat4, Vec2, Vec3};
 
@@ -58,6 +59,19 @@ impl Material {
         (sigma_a.is_finite() && sigma_a.max_element() > 0.0).then_some(sigma_a)
     }
 
+    /// Whether it is diffuse and nothing else: it is no metal, mirrors nothing and has no further layers (KHR_materials_specular).
+    fn is_matt(&self) -> bool {
+        let extensions = &self.extensions;
+        let specular = extensions.specular.as_ref();
+        let coat = extensions.clearcoat.as_ref().map(|coat| coat.clearcoat_factor);
+        let sheen = extensions.sheen.as_ref().map(|sheen| sheen.sheen_color_factor);
+        self.pbr_metallic_roughness.metallic_factor == 0.0
+            && specular.is_some_and(|specular| specular.specular_factor == 0.0)
+            && self.transmission().is_none()
+            && coat.is_none_or(|coat| coat == 0.0)
+            && sheen.is_none_or(|sheen| sheen == [0.0; 3])
+    }
+
     fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let pbr = &self.pbr_metallic_roughness;
         let all = [
@@ -92,7 +106,7 @@ impl Builder<'_> {
         let extensions = &material.extensions;
         let transmission = material.transmission();
         let is_thin = transmission.is_some() && !material.has_volume();
-        let plugin = if extensions.unlit.is_some() {
+        let plugin = if extensions.unlit.is_some() || material.is_matt() {
             "diffuse"
         } else if is_thin {
             "principledthin"

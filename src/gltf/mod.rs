@@ -19,6 +19,7 @@ mod placed;
 pub mod scene;
 mod schema;
 mod uri;
+pub mod write;
 mod zeros;
 
 use std::borrow::Cow;

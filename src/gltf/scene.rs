@@ -230,7 +230,7 @@ impl Builder<'_> {
         if let Some(light) = &node.extensions.light {
             let lights = &gltf.root.extensions.lights.lights;
             let light = gltf.get("light", lights, light.light)?;
-            let name = node.name.as_deref().or(light.name.as_deref()).unwrap_or("unnamed");
+            let name = node.name.as_deref().or(light.name.as_deref());
             self.light(light, name, &placement);
         }
         Ok(())
@@ -350,12 +350,13 @@ impl Builder<'_> {
         id
     }
 
-    fn light(&mut self, light: &Light, name: &str, placement: &Placement) {
-        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &format!("light `{name}`"));
+    fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
+        let title = format!("light `{}`", name.unwrap_or("unnamed"));
+        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &title);
         let emitter = |plugin: &str| object(Category::Emitter, plugin);
         // Lights of the file shine along -z.
         let turn = Mat4::from_rotation_y(PI);
-        self.emitters.push(match light.kind.as_str() {
+        let mut emitter = match light.kind.as_str() {
             "directional" => {
                 let mut emitter = with_color(emitter("directional"), "irradiance", power);
                 let forward = |world: Mat4| Value::Vector(world.transform_vector3(Vec3::NEG_Z));
@@ -383,7 +384,11 @@ impl Builder<'_> {
                 let sentence = format!("lights of type `{other}` are not supported: one is left out");
                 return self.warn(sentence);
             }
-        });
+        };
+        emitter.id = name
+            .filter(|name| !name.trim().is_empty())
+            .map(|name| self.unique(name).into());
+        self.emitters.push(emitter);
     }
 
     /// The name as an id that no other has, of the characters that ids may have.

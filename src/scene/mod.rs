@@ -12,6 +12,7 @@ mod declare;
 pub mod description;
 pub mod emitter;
 pub mod encode;
+pub mod export;
 mod file_base;
 mod file_moment;
 mod file_value;

@@ -15,6 +15,10 @@ section! { "Saving a scene"
         "The disk becomes full while `sunroom convert` writes a scene.",
         "`error: …new.xml: File too large`, exit code 1.",
         "The older file of that name, no temporary file.";
+    disk_is_full_for_an_export:
+        "The disk becomes full while `sunroom convert` exports to glTF.",
+        "`error: …new.glb: File too large`, exit code 1.",
+        "The older file of that name, no temporary file.";
     script_cannot_save:
         "A script saves a scene where it cannot be written, and the program ends with it.",
         "`error: script.txt:2: …there is no folder`, `The unsaved edits are kept`, exit code 1.",
@@ -41,6 +45,19 @@ fn disk_is_full_for_a_scene(row: &Row) {
     row.holds(&shop.run(&SHORT_FILES, &["convert", "scene.xml", "new.xml"]));
     assert_eq!(std::fs::read(shop.path("new.xml")).expect("it is there"), OLD);
     assert_eq!(shop.names("."), ["new.xml", "scene.xml", "tmp"]);
+}
+
+fn disk_is_full_for_an_export(row: &Row) {
+    let shop = Workshop::new();
+    // The mesh of a sphere is larger than the limit.
+    shop.write(
+        "scene.xml",
+        SCENE.replace("</scene>", "<shape type=\"sphere\"/></scene>"),
+    );
+    shop.write("new.glb", OLD);
+    row.holds(&shop.run(&SHORT_FILES, &["convert", "scene.xml", "new.glb"]));
+    assert_eq!(std::fs::read(shop.path("new.glb")).expect("it is there"), OLD);
+    assert_eq!(shop.names("."), ["new.glb", "scene.xml", "tmp"]);
 }
 
 fn script_cannot_save(row: &Row) {

@@ -7,6 +7,7 @@ mod meaning;
 
 mod dialect;
 mod emitters;
+mod export;
 mod gltf;
 mod groups;
 mod hot_reload;

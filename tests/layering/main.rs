@@ -48,6 +48,13 @@ const RULES: &[(&str, &[&str], bool)] = &[
         ],
         true,
     ),
+    (
+        "scene/export",
+        &[
+            "math", "color", "files", "memory", "document", "geometry", "gltf", "texture", "shading",
+        ],
+        true,
+    ),
     ("engine", &["KERNEL", "document", "scene"], true),
     ("app", &["KERNEL", "files", "document", "scene", "engine"], true),
     // The program on top of the library: there everything goes.

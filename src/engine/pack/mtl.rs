@@ -21,6 +21,7 @@ use super::texture::TexturePacker;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
 use crate::geometry::mtl_map::MtlMap;
+use crate::geometry::mtl_model::MtlModel;
 use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
 use crate::scene::parameters::{INDICES, PRINCIPLED_ETA};
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
@@ -28,11 +29,6 @@ use crate::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
 };
-
-/// A colour up to this is written by exporters that avoid zero.
-const AS_GOOD_AS_BLACK: f32 = 0.02;
-
-const ROUGHNESS_FLOOR: f32 = 0.03;
 
 /// Appends what one material is to `materials` and returns the id of the one to use.
 pub(in crate::engine) fn push_mtl(
@@ -98,40 +94,36 @@ fn picture(map: &MtlMap, raw: bool) -> Texture {
 }
 
 fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {
-    let refracts = (mtl.ni - 1.0).abs() > 1e-3 && mtl.ni > 0.0;
     let metal = |color: Rgb| ConductorSpecular {
         eta: PERFECT_MIRROR.0,
         k: PERFECT_MIRROR.1,
         specular_reflectance: color,
     };
-    if matches!(mtl.illum, Some(6 | 7)) || (refracts && (matches!(mtl.illum, Some(4 | 9)) || mtl.d < 1.0)) {
-        let index = if refracts { mtl.ni } else { 1.5 };
-        return Bsdf::Dielectric(Dielectric {
+    match mtl.model() {
+        MtlModel::Glass { index } => Bsdf::Dielectric(Dielectric {
             eta: check.number("Ni", index, *INDICES.start(), *INDICES.end(), PRINCIPLED_ETA.usual),
             model,
             specular_reflectance: Rgb::ONE,
             // The filter is that of the whole object, whose surface light crosses twice.
             specular_transmittance: check.reflectance("Tf", mtl.tf).powf(0.5),
-        });
-    }
-    if mtl.pm.is_some_and(|metallic| metallic > 0.5) {
-        let roughness = check
-            .number("Pr", mtl.pr.unwrap_or(0.0), 0.0, 1.0, 0.5)
-            .max(ROUGHNESS_FLOOR);
-        return Bsdf::RoughConductor(RoughConductor {
-            specular: metal(check.reflectance("Kd", mtl.kd)),
-            distribution: Microfacet::new(MicrofacetKind::Ggx, roughness * roughness, roughness * roughness),
-            multiple_scattering: None,
-        });
-    }
-    if matches!(mtl.illum, Some(3 | 5)) && mtl.kd.max_element() <= AS_GOOD_AS_BLACK {
-        return Bsdf::Conductor(Conductor {
+        }),
+        MtlModel::Metal { roughness } => {
+            let roughness = check
+                .number("Pr", roughness, 0.0, 1.0, 0.5)
+                .max(MtlModel::LEAST_ROUGHNESS);
+            Bsdf::RoughConductor(RoughConductor {
+                specular: metal(check.reflectance("Kd", mtl.kd)),
+                distribution: Microfacet::new(MicrofacetKind::Ggx, roughness * roughness, roughness * roughness),
+                multiple_scattering: None,
+            })
+        }
+        MtlModel::Mirror => Bsdf::Conductor(Conductor {
             specular: metal(check.reflectance("Ks", mtl.ks)),
-        });
+        }),
+        MtlModel::Matt => Bsdf::Diffuse(Diffuse {
+            reflectance: check.reflectance("Kd", mtl.kd),
+        }),
     }
-    Bsdf::Diffuse(Diffuse {
-        reflectance: check.reflectance("Kd", mtl.kd),
-    })
 }
 
 #[cfg(test)]

@@ -1,0 +1,581 @@
+//! The parts of a glTF 2.0 file as they are written, under the names of the specification (section 5) and of the KHR extensions. What is not given is
+//! left out of the file.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// Whether a value is the one that is meant where the file does not say any.
+fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// The whole file.
+#[derive(Debug, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Root {
+    pub asset: Asset,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "is_usual")]
+    pub extensions: RootExtensions,
+    pub scene: usize,
+    pub scenes: Vec<Scene>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub nodes: Vec<Node>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub meshes: Vec<Mesh>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<Material>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub textures: Vec<Texture>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub samplers: Vec<Sampler>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub images: Vec<Image>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<Camera>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub animations: Vec<Animation>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub accessors: Vec<Accessor>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub buffer_views: Vec<BufferView>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub buffers: Vec<Buffer>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Asset {
+    pub version: &'static str,
+    pub generator: &'static str,
+}
+
+impl Default for Asset {
+    fn default() -> Self {
+        Self {
+            version: "2.0",
+            generator: concat!("Sunroom ", env!("CARGO_PKG_VERSION")),
+        }
+    }
+}
+
+#[derive(Debug, Default, PartialEq, Serialize)]
+pub(super) struct RootExtensions {
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "is_usual")]
+    pub lights: Lights,
+}
+
+#[derive(Debug, Default, PartialEq, Serialize)]
+pub(super) struct Lights {
+    pub lights: Vec<Light>,
+}
+
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Scene {
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub nodes: Vec<usize>,
+}
+
+/// A node: a place in the world with what stands there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Node {
+    /// The name.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Where the node stands, relative to its parent.
+    #[serde(flatten)]
+    pub pose: Pose,
+    /// The index of the mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<usize>,
+    /// The index of the camera, which looks along -z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<usize>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// The nodes that hang on it, by their indices. They are noted as they are added.
+    pub children: Vec<usize>,
+    /// The light.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub extensions: NodeExtensions,
+}
+
+/// A pose as glTF has it: a scale, then a turn, then a shift.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pose {
+    /// The shift.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub translation: [f32; 3],
+    /// The turn: a unit quaternion, x y z w.
+    #[serde(skip_serializing_if = "is_no_turn")]
+    pub rotation: [f32; 4],
+    /// The factors along the axes; a negative one mirrors.
+    #[serde(skip_serializing_if = "is_no_scale")]
+    pub scale: [f32; 3],
+}
+
+const NO_TURN: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+const NO_SCALE: [f32; 3] = [1.0; 3];
+
+fn is_no_turn(rotation: &[f32; 4]) -> bool {
+    *rotation == NO_TURN
+}
+
+fn is_no_scale(scale: &[f32; 3]) -> bool {
+    *scale == NO_SCALE
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self {
+            translation: [0.0; 3],
+            rotation: NO_TURN,
+            scale: NO_SCALE,
+        }
+    }
+}
+
+/// The extensions of a node.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct NodeExtensions {
+    /// What shines at the node.
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub light: Option<NodeLight>,
+}
+
+/// A light of a node.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodeLight {
+    /// The index of the light.
+    pub light: usize,
+}
+
+/// A light of KHR_lights_punctual, which shines along -z of its node.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Light {
+    /// The name.
+    pub name: String,
+    /// `point`, `spot` or `directional`.
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// Linear Rec. 709, at most 1.
+    pub color: [f32; 3],
+    /// In candela; in lux for a directional light.
+    pub intensity: f32,
+    /// The cone of a spot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot: Option<Spot>,
+}
+
+/// The half angles of a spot's cone in radians.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Spot {
+    /// The angle within which it has its full strength, less than the outer one.
+    pub inner_cone_angle: f32,
+    /// The angle at which it ends, at most pi / 2.
+    pub outer_cone_angle: f32,
+}
+
+/// A mesh: what stands at a node.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mesh {
+    /// The name.
+    pub name: String,
+    /// Its parts, one for each material.
+    pub primitives: Vec<Primitive>,
+}
+
+/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TEXCOORD_0`, `COLOR_0`.
+pub type Attributes = BTreeMap<String, usize>;
+
+/// Triangles of one material.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Primitive {
+    /// The values of its vertices.
+    pub attributes: Attributes,
+    /// The accessor of its triangles' corners.
+    pub indices: usize,
+    /// The index of the material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<usize>,
+}
+
+/// A material.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Material {
+    /// The name.
+    pub name: String,
+    /// The base of it.
+    pub pbr_metallic_roughness: Pbr,
+    /// Normals in tangent space, y up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_texture: Option<TextureInfo>,
+    /// The light that it sends out, at most 1.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub emissive_factor: [f32; 3],
+    /// The same, by colour over the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emissive_texture: Option<TextureInfo>,
+    /// `MASK` or `BLEND`; None is opaque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_mode: Option<&'static str>,
+    /// Whether its back is seen as well.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub double_sided: bool,
+    /// Further layers.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub extensions: MaterialExtensions,
+}
+
+/// The metallic-roughness model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Pbr {
+    /// Linear Rec. 709 with alpha.
+    pub base_color_factor: [f32; 4],
+    /// sRGB with alpha.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_color_texture: Option<TextureInfo>,
+    /// 0 to 1.
+    pub metallic_factor: f32,
+    /// 0 to 1.
+    pub roughness_factor: f32,
+    /// Roughness in green, metallic in blue.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metallic_roughness_texture: Option<TextureInfo>,
+}
+
+impl Default for Pbr {
+    fn default() -> Self {
+        Self {
+            base_color_factor: [1.0; 4],
+            base_color_texture: None,
+            metallic_factor: 0.0,
+            roughness_factor: 1.0,
+            metallic_roughness_texture: None,
+        }
+    }
+}
+
+/// The layers that are extensions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MaterialExtensions {
+    /// A factor on the light that is sent out.
+    #[serde(rename = "KHR_materials_emissive_strength", skip_serializing_if = "Option::is_none")]
+    pub emissive_strength: Option<EmissiveStrength>,
+    /// Light that goes through.
+    #[serde(rename = "KHR_materials_transmission", skip_serializing_if = "Option::is_none")]
+    pub transmission: Option<Transmission>,
+    /// What is inside of the surface.
+    #[serde(rename = "KHR_materials_volume", skip_serializing_if = "Option::is_none")]
+    pub volume: Option<Volume>,
+    /// The index of refraction.
+    #[serde(rename = "KHR_materials_ior", skip_serializing_if = "Option::is_none")]
+    pub ior: Option<IndexOfRefraction>,
+    /// A clear layer of lacquer.
+    #[serde(rename = "KHR_materials_clearcoat", skip_serializing_if = "Option::is_none")]
+    pub clearcoat: Option<Clearcoat>,
+    /// The glow of cloth.
+    #[serde(rename = "KHR_materials_sheen", skip_serializing_if = "Option::is_none")]
+    pub sheen: Option<Sheen>,
+    /// The strength of the mirror image of what is no metal.
+    #[serde(rename = "KHR_materials_specular", skip_serializing_if = "Option::is_none")]
+    pub specular: Option<Specular>,
+}
+
+/// KHR_materials_emissive_strength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct EmissiveStrength {
+    /// At least 0.
+    pub emissive_strength: f32,
+}
+
+/// KHR_materials_transmission.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Transmission {
+    /// The share of light, 0 to 1.
+    pub transmission_factor: f32,
+    /// The same in red.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmission_texture: Option<TextureInfo>,
+}
+
+/// KHR_materials_volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Volume {
+    /// How thick it is for programs that do not trace light through it; above 0.
+    pub thickness_factor: f32,
+    /// After this distance light has the attenuation colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attenuation_distance: Option<f32>,
+    /// Linear Rec. 709.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attenuation_color: Option<[f32; 3]>,
+}
+
+/// KHR_materials_ior.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IndexOfRefraction {
+    /// At least 1.
+    pub ior: f32,
+}
+
+/// KHR_materials_clearcoat.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Clearcoat {
+    /// 0 to 1.
+    pub clearcoat_factor: f32,
+    /// The same in red.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearcoat_texture: Option<TextureInfo>,
+    /// 0 to 1.
+    pub clearcoat_roughness_factor: f32,
+}
+
+/// KHR_materials_sheen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Sheen {
+    /// Linear Rec. 709.
+    pub sheen_color_factor: [f32; 3],
+    /// 0 to 1.
+    pub sheen_roughness_factor: f32,
+}
+
+/// KHR_materials_specular.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Specular {
+    /// A factor on the reflectance, 0 to 1.
+    pub specular_factor: f32,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TextureInfo {
+    /// The index of the texture.
+    pub index: usize,
+    /// The set of texture coordinates.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub tex_coord: usize,
+    /// How it lies.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub extensions: TextureExtensions,
+}
+
+/// The extensions of a texture's use.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TextureExtensions {
+    /// Applied to the coordinates before the look-up.
+    #[serde(rename = "KHR_texture_transform", skip_serializing_if = "Option::is_none")]
+    pub transform: Option<TextureTransform>,
+}
+
+/// KHR_texture_transform: a scale, then a turn, then a shift of the coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TextureTransform {
+    /// The shift.
+    pub offset: [f32; 2],
+    /// Radians, counter-clockwise in the picture.
+    pub rotation: f32,
+    /// The factors.
+    pub scale: [f32; 2],
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Texture {
+    pub source: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampler: Option<usize>,
+}
+
+/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Sampler {
+    /// 9728 (nearest) or 9729 (linear).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mag_filter: Option<u32>,
+    /// 33071 (clamp), 33648 (mirror) or 10497 (repeat).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wrap_s: Option<u32>,
+    /// As `wrap_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wrap_t: Option<u32>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uri: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mime_type: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer_view: Option<usize>,
+}
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Camera {
+    /// The name.
+    pub name: String,
+    /// How it projects.
+    #[serde(flatten)]
+    pub projection: Projection,
+}
+
+/// How a camera projects.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "camelCase")]
+pub enum Projection {
+    /// Perspective.
+    Perspective {
+        /// The numbers.
+        perspective: Perspective,
+    },
+    /// Without perspective.
+    Orthographic {
+        /// The numbers.
+        orthographic: Orthographic,
+    },
+}
+
+/// A perspective camera.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Perspective {
+    /// Width over height.
+    pub aspect_ratio: f32,
+    /// The field of view along y in radians.
+    pub yfov: f32,
+    /// The distance of the near plane.
+    pub znear: f32,
+    /// The distance of the far plane.
+    pub zfar: f32,
+}
+
+/// An orthographic camera.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Orthographic {
+    /// Half the width of the picture.
+    pub xmag: f32,
+    /// Half the height of the picture.
+    pub ymag: f32,
+    /// The distance of the near plane.
+    pub znear: f32,
+    /// The distance of the far plane.
+    pub zfar: f32,
+}
+
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Animation {
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct ChannelTarget {
+    pub node: usize,
+    pub path: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub buffer_view: usize,
+    pub component_type: u32,
+    pub count: usize,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub min: Vec<f32>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub max: Vec<f32>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BufferView {
+    pub buffer: usize,
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<u32>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub byte_length: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uri: Option<String>,
+}
+
+impl Material {
+    fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
+        let extensions = &self.extensions;
+        let of_transmission = extensions
+            .transmission
+            .as_ref()
+            .map(|layer| &layer.transmission_texture);
+        let of_coat = extensions.clearcoat.as_ref().map(|layer| &layer.clearcoat_texture);
+        let pbr = &self.pbr_metallic_roughness;
+        let own = [
+            &pbr.base_color_texture,
+            &pbr.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.emissive_texture,
+        ];
+        own.into_iter().chain(of_transmission).chain(of_coat).flatten()
+    }
+}
+
+impl Root {
+    /// The extensions that the file has something of.
+    pub fn used_extensions(&self) -> Vec<&'static str> {
+        let any = |is_used: &dyn Fn(&Material) -> bool| self.materials.iter().any(is_used);
+        let of = |is_used: &dyn Fn(&MaterialExtensions) -> bool| any(&|material| is_used(&material.extensions));
+        let is_transformed = |info: &TextureInfo| info.extensions.transform.is_some();
+        let all = [
+            ("KHR_lights_punctual", !self.extensions.lights.lights.is_empty()),
+            ("KHR_materials_clearcoat", of(&|has| has.clearcoat.is_some())),
+            (
+                "KHR_materials_emissive_strength",
+                of(&|has| has.emissive_strength.is_some()),
+            ),
+            ("KHR_materials_ior", of(&|has| has.ior.is_some())),
+            ("KHR_materials_sheen", of(&|has| has.sheen.is_some())),
+            ("KHR_materials_specular", of(&|has| has.specular.is_some())),
+            ("KHR_materials_transmission", of(&|has| has.transmission.is_some())),
+            ("KHR_materials_volume", of(&|has| has.volume.is_some())),
+            (
+                "KHR_texture_transform",
+                any(&|material| material.textures().any(is_transformed)),
+            ),
+        ];
+        let used = all.into_iter().filter(|(_, is_used)| *is_used);
+        used.map(|(name, _)| name).collect()
+    }
+}

@@ -1,0 +1,175 @@
+//! Lights and cameras as nodes.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use bevy::math::Affine3A;
+
+use super::messages::Messages;
+use super::motion::{Motion, placed};
+use super::poses::{Folders, pose_of, rigid};
+use crate::color::Rgb;
+use crate::gltf::write::GltfWriter;
+use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
+use crate::scene::description::{EmitterDescription, Identity, SensorDescription};
+use crate::scene::{EmitterKind, FovAxis, Lens};
+
+/// Parts of an export that lights and cameras need.
+pub(super) struct Stage<'s> {
+    pub writer: &'s mut GltfWriter,
+    pub folders: &'s mut Folders,
+    pub messages: &'s mut Messages,
+}
+
+impl Stage<'_> {
+    /// Adds a light.
+    pub fn light(&mut self, about: &EmitterDescription) {
+        let name = &*about.identity.name;
+        let (kind, power, spot) = match &about.emitter.kind {
+            EmitterKind::Point { intensity } => ("point", *intensity, None),
+            EmitterKind::Directional { irradiance } => ("directional", *irradiance, None),
+            EmitterKind::Spot {
+                intensity,
+                cone,
+                texture,
+            } => {
+                if texture.is_some() {
+                    self.messages.note("light", name, "the slide is left out");
+                }
+                let outer = cone.cutoff_angle.to_radians().clamp(1e-4, FRAC_PI_2);
+                // It has to be less.
+                let inner = cone.beam_width.to_radians().clamp(0.0, outer * (1.0 - 1e-4));
+                let spot = Spot {
+                    inner_cone_angle: inner,
+                    outer_cone_angle: outer,
+                };
+                ("spot", *intensity, Some(spot))
+            }
+            EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
+            EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
+            EmitterKind::SunSky(_) => return self.leave_out(name, "a sky with its sun"),
+            EmitterKind::Projector { .. } => return self.leave_out(name, "a projector"),
+        };
+        let power = power.max(Rgb::ZERO);
+        let most = power.max_element();
+        let light = Light {
+            name: String::new(),
+            kind,
+            color: if most > 0.0 {
+                (power / most).to_array()
+            } else {
+                [1.0; 3]
+            },
+            intensity: most,
+            spot,
+        };
+        // Lights of glTF shine along -z.
+        let turned = |map: &Affine3A| Some(rigid(map)? * Affine3A::from_rotation_y(PI));
+        self.stand(
+            "light",
+            &about.identity,
+            &about.to_world,
+            &turned,
+            |writer, node, leaf, parent| {
+                let name = leaf.to_owned();
+                writer.add_light(node, Light { name, ..light }, parent)
+            },
+        );
+    }
+
+    fn leave_out(&mut self, name: &str, what: &str) {
+        self.messages
+            .left_out("light", name, format!("glTF has no counterpart of {what}"));
+    }
+
+    /// Adds a camera.
+    pub fn camera(&mut self, about: &SensorDescription) {
+        let name = &*about.identity.name;
+        let sensor = &about.sensor;
+        let mut lost = |what: &str| self.messages.note("camera", name, what);
+        if let Lens::Thin { .. } = sensor.lens {
+            lost("the lens is lost, and the picture is sharp everywhere");
+        }
+        if sensor.principal_point_offset != bevy::math::Vec2::ZERO {
+            lost("the offset of the picture is left out");
+        }
+        if about.film.crop.is_some() {
+            lost("the crop of the film is left out");
+        }
+        if sensor.shutter_close > sensor.shutter_open {
+            lost("nothing that moves is blurred");
+        }
+        let aspect = about.film.width as f32 / about.film.height as f32;
+        let (near, far) = (sensor.near_clip.max(f32::MIN_POSITIVE), sensor.far_clip);
+        let projection = match sensor.lens {
+            Lens::Pinhole | Lens::Thin { .. } => {
+                let along_x = sensor.fov_axis.horizontal(sensor.fov, aspect);
+                let perspective = Perspective {
+                    aspect_ratio: aspect,
+                    yfov: FovAxis::Y.of_horizontal(along_x, aspect).to_radians(),
+                    znear: near,
+                    zfar: far.max(near * 1.001),
+                };
+                Projection::Perspective { perspective }
+            }
+            Lens::Orthographic => {
+                let half = |axis: bevy::math::Vec3A| axis.length().max(f32::MIN_POSITIVE);
+                let orthographic = Orthographic {
+                    xmag: half(about.to_world.matrix3.x_axis),
+                    ymag: half(about.to_world.matrix3.y_axis) / aspect,
+                    znear: near,
+                    zfar: far.max(near * 1.001),
+                };
+                Projection::Orthographic { orthographic }
+            }
+        };
+        // Cameras of glTF look along -z with +x to the right.
+        let turned = |map: &Affine3A| Some(rigid(map)? * Affine3A::from_rotation_y(PI));
+        self.stand(
+            "camera",
+            &about.identity,
+            &about.to_world,
+            &turned,
+            |writer, node, leaf, parent| {
+                let name = leaf.to_owned();
+                let camera = Some(writer.add_camera(Camera { name, projection }));
+                writer.add_node(Node { camera, ..node }, parent)
+            },
+        );
+    }
+
+    /// Adds the node of a thing without extent; `turned` makes a pose of glTF of that of the scene.
+    fn stand(
+        &mut self,
+        kind: &'static str,
+        identity: &Identity,
+        to_world: &Affine3A,
+        turned: &dyn Fn(&Affine3A) -> Option<Affine3A>,
+        add: impl FnOnce(&mut GltfWriter, Node, &str, Option<usize>) -> usize,
+    ) {
+        let name = &*identity.name;
+        let Some(world) = turned(to_world) else {
+            self.messages.left_out(kind, name, "the transform cannot be inverted");
+            return;
+        };
+        let mut branch = self.folders.branch(name, self.writer);
+        let mut pose = pose_of(&(branch.world_from_parent.inverse() * world));
+        if pose.is_none() {
+            // The folder's transform would shear it.
+            branch.parent = None;
+            branch.world_from_parent = Affine3A::IDENTITY;
+            pose = pose_of(&world);
+        }
+        let node = Node {
+            name: branch.leaf.clone(),
+            pose: pose.unwrap_or_default(),
+            ..Node::default()
+        };
+        let node = add(self.writer, node, &branch.leaf, branch.parent);
+        if let Some(keys) = &identity.keys {
+            let parent_from_world = branch.world_from_parent.inverse();
+            let local = |value: &crate::document::Value| Some(parent_from_world * turned(&placed(value)?)?);
+            let motion = Motion { keys, local: &local };
+            motion.write(node, kind, name, self.writer, self.messages);
+        }
+    }
+}

@@ -1,0 +1,409 @@
+//! Writes looks as materials of glTF: which numbers become factors, and which textures share a picture.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::level::{Level, Varying};
+use super::look::{Appearance, Look, Looks};
+use super::messages::Messages;
+use super::pictures::{Pictures, Planes};
+use crate::color::Rgb;
+use crate::files::Access;
+use crate::geometry::mesh::MtlMaterial;
+use crate::gltf::write::GltfWriter;
+use crate::gltf::write::model::{
+    Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, Sheen, Specular, TextureInfo,
+    Transmission, Volume,
+};
+use crate::scene::description::SceneDescription;
+use crate::scene::{AreaLight, Coefficients, ShapeKind, Texture};
+
+/// The roughness of sheen, of which the scene format has none: a glow as wide as its own.
+const SHEEN_ROUGHNESS: f32 = 0.5;
+/// The index of refraction where a material says none.
+const USUAL_INDEX: f32 = 1.5;
+
+/// What a surface is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    /// The name of the shape.
+    pub shape: &'a str,
+    /// The index of its material.
+    pub material: Option<usize>,
+    /// The material of its mesh file, with the file and the number in it.
+    pub of_file: Option<(&'a Path, usize, &'a MtlMaterial)>,
+    /// The light that it sends out.
+    pub light: Option<&'a AreaLight>,
+    /// The medium inside.
+    pub interior: Option<usize>,
+}
+
+/// What a surface becomes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Written {
+    /// Light passes it as if there was nothing.
+    Nothing,
+    Material {
+        /// The index of the material in the file.
+        index: usize,
+        /// The attribute of the mesh that has its colours, and a factor on it.
+        colors: Option<(String, f32)>,
+        /// Whether its back would be black here.
+        is_one_sided: bool,
+        /// Whether the surface is to be turned, so that the denser side is the inner one.
+        is_inside_out: bool,
+    },
+}
+
+/// The materials of an export.
+pub(super) struct Materials<'a> {
+    scene: &'a SceneDescription,
+    pub pictures: Pictures<'a>,
+    written: HashMap<String, Written>,
+    names: HashMap<String, usize>,
+}
+
+impl<'a> Materials<'a> {
+    pub fn new(scene: &'a SceneDescription, access: &'a Access) -> Self {
+        Self {
+            scene,
+            pictures: Pictures::new(access),
+            written: HashMap::new(),
+            names: HashMap::new(),
+        }
+    }
+
+    /// What a surface becomes; equal ones share a material.
+    pub fn write(&mut self, surface: &Surface, writer: &mut GltfWriter, messages: &mut Messages) -> Written {
+        let of_file = surface.of_file.map(|(path, slot, _)| (path, slot));
+        let light = surface.light.map(|light| &light.radiance);
+        let key = format!("{:?} {of_file:?} {light:?} {:?}", surface.material, surface.interior);
+        if let Some(known) = self.written.get(&key) {
+            return known.clone();
+        }
+        let written = self.write_new(surface, writer, messages);
+        self.written.insert(key, written.clone());
+        written
+    }
+
+    fn write_new(&mut self, surface: &Surface, writer: &mut GltfWriter, messages: &mut Messages) -> Written {
+        let mut looks = Looks {
+            materials: &self.scene.materials,
+            pictures: &mut self.pictures,
+            messages,
+        };
+        let in_file = surface.of_file.map(|(_, _, mtl)| mtl);
+        let appearance = match (surface.material, in_file) {
+            (Some(index), _) => looks.of(index),
+            (None, Some(mtl)) => Appearance::Surface(looks.of_mtl(mtl).into()),
+            // The format's default, and that of lamps.
+            (None, None) => {
+                Appearance::Surface(Look::matt(Level::number(if surface.light.is_some() { 0.0 } else { 0.5 })).into())
+            }
+        };
+        let emission = match (surface.light, in_file.filter(|_| surface.material.is_none())) {
+            (Some(light), _) => Some(Level::of_color(&light.radiance)),
+            (None, Some(mtl)) if mtl.ke.max_element() > 0.0 => Some(Level::Constant(mtl.ke)),
+            _ => None,
+        };
+        let look = match appearance {
+            Appearance::Surface(look) => *look,
+            Appearance::Nothing if emission.is_some() => {
+                messages.note(
+                    "shape",
+                    surface.shape,
+                    "the light is that of an invisible surface, which becomes black",
+                );
+                Look::matt(Level::number(0.0))
+            }
+            Appearance::Nothing => return Written::Nothing,
+        };
+        let base_name = match (surface.material, in_file) {
+            (Some(index), _) => self.scene.materials[index].identity.name.to_string(),
+            (None, Some(mtl)) => mtl.name.clone(),
+            (None, None) => "default".to_owned(),
+        };
+        let name = match surface.light {
+            Some(_) => format!("{base_name} ({})", surface.shape),
+            None => base_name.clone(),
+        };
+        let name = self.free_name(name);
+        let is_one_sided = !look.is_two_sided && look.transmission.is(0.0);
+        let is_inside_out = look.index < 1.0;
+        let look = Look {
+            index: look.index.max(look.index.recip()),
+            ..look
+        };
+        let mut material = MaterialWriter {
+            name: &base_name,
+            pictures: &mut self.pictures,
+            writer,
+            messages,
+        };
+        let (mut made, colors) = material.material(look);
+        if let Some(emission) = emission {
+            material.emit(emission, &mut made);
+        }
+        if let Some(interior) = surface.interior.filter(|_| !is_inside_out) {
+            self.fill(interior, &mut made, messages);
+        }
+        made.name = name;
+        Written::Material {
+            index: writer.add_material(made),
+            colors,
+            is_one_sided,
+            is_inside_out,
+        }
+    }
+
+    fn free_name(&mut self, name: String) -> String {
+        let count = self.names.entry(name.clone()).or_default();
+        *count += 1;
+        match *count {
+            1 => name,
+            count => format!("{name}-{count}"),
+        }
+    }
+
+    /// Puts the medium inside of a material's surface, if it can be said.
+    fn fill(&self, interior: usize, material: &mut Material, messages: &mut Messages) {
+        let Some(about) = self.scene.media.get(interior) else {
+            return;
+        };
+        let name = &*about.identity.name;
+        let extensions = &mut material.extensions;
+        let Some(volume) = extensions.volume.as_mut().filter(|_| extensions.transmission.is_some()) else {
+            return messages.left_out("medium", name, "only glass is filled in glTF");
+        };
+        let medium = &about.medium;
+        let (sigma_t, albedo) = medium.coefficients.sigma_t_and_albedo();
+        let (Some(sigma_t), Some(albedo)) = (sigma_t.constant(), albedo.constant()) else {
+            return messages.left_out("medium", name, "glTF has no media that vary in space");
+        };
+        if medium.emission.constant() != Some(Rgb::ZERO) {
+            messages.note("medium", name, "the light that is sent out is lost");
+        }
+        if albedo != Rgb::ZERO
+            && !matches!(&medium.coefficients, Coefficients::Separate { sigma_s, .. } if *sigma_s == Rgb::ZERO)
+        {
+            messages.note("medium", name, "light is only absorbed, and not scattered");
+        }
+        let sigma_a = (medium.scale * sigma_t * (Rgb::ONE - albedo)).max(Rgb::ZERO);
+        let most = sigma_a.max_element();
+        if most > 0.0 && most.is_finite() {
+            // After this distance the most absorbed colour is left with the share 1 / e.
+            volume.attenuation_distance = Some(most.recip());
+            volume.attenuation_color = Some((-sigma_a / most).exp().to_array());
+        }
+    }
+}
+
+/// Whether a shape of this kind lets its back be seen.
+pub(super) fn shows_its_back(kind: &ShapeKind) -> bool {
+    kind.is_flat() || matches!(kind, ShapeKind::Cylinder { .. } | ShapeKind::Mesh(_))
+}
+
+struct MaterialWriter<'m, 'a> {
+    name: &'m str,
+    pictures: &'m mut Pictures<'a>,
+    writer: &'m mut GltfWriter,
+    messages: &'m mut Messages,
+}
+
+impl MaterialWriter<'_, '_> {
+    fn lose(&mut self, what: impl Into<String>) {
+        self.messages.note("material", self.name, what);
+    }
+
+    fn texture(&mut self, planes: Planes) -> Option<(TextureInfo, f32)> {
+        self.pictures.texture(self.writer, planes, self.messages)
+    }
+
+    /// The level, in which values of the mesh (reported) have become their mean: only the base colour may have them.
+    fn without_attribute(&mut self, level: Level, what: &str) -> Level {
+        match level {
+            Level::Varying(varying) if has_attribute(&varying.texture) => {
+                self.lose(format!(
+                    "{what} is the same everywhere, because glTF has no values of meshes for that"
+                ));
+                Level::Constant(varying.factor * varying.map.apply(guess(&varying.texture)))
+            }
+            level => level,
+        }
+    }
+
+    /// The material, and the attribute that has its colours.
+    fn material(&mut self, look: Look) -> (Material, Option<(String, f32)>) {
+        let mut material = Material {
+            double_sided: look.is_two_sided,
+            ..Material::default()
+        };
+        let mut colors = None;
+        let (base, base_factor) = match look.base {
+            Level::Varying(Varying {
+                texture: Texture::MeshAttribute { name, scale },
+                factor,
+                ..
+            }) => {
+                colors = Some((name, scale));
+                (None, factor)
+            }
+            level => parts(self.without_attribute(level, "the colour")),
+        };
+        let (opacity, opacity_factor) = parts(self.without_attribute(look.opacity, "the opacity"));
+        let pbr = &mut material.pbr_metallic_roughness;
+        let base_color = base_factor.clamp(Rgb::ZERO, Rgb::ONE);
+        pbr.base_color_factor = base_color.extend(opacity_factor.x.clamp(0.0, 1.0)).to_array();
+        if opacity.is_some() || opacity_factor.x < 1.0 {
+            material.alpha_mode = Some("BLEND");
+        }
+        let planes = Planes {
+            color: base,
+            channels: [None, None, None, opacity],
+            srgb: true,
+            is_light: false,
+        };
+        let texture = self.texture(planes);
+        let pbr = &mut material.pbr_metallic_roughness;
+        pbr.base_color_texture = texture.map(|(info, _)| info);
+
+        let (roughness, roughness_factor) = parts(self.without_attribute(look.roughness, "the roughness"));
+        let (metallic, metallic_factor) = parts(self.without_attribute(look.metallic, "the metallic"));
+        pbr_numbers(&mut material, roughness_factor, metallic_factor);
+        let planes = Planes {
+            channels: [None, roughness, metallic, None],
+            ..Planes::default()
+        };
+        let texture = self.texture(planes);
+        material.pbr_metallic_roughness.metallic_roughness_texture = texture.map(|(info, _)| info);
+
+        if let Some(Level::Varying(normals)) = look.normals {
+            let planes = Planes {
+                color: Some(normals),
+                ..Planes::default()
+            };
+            material.normal_texture = self.texture(planes).map(|(info, _)| info);
+        }
+        let extensions = &mut material.extensions;
+        if look.specular < 1.0 {
+            let specular_factor = look.specular;
+            extensions.specular = Some(Specular { specular_factor });
+        }
+        if look.index != USUAL_INDEX && look.specular > 0.0 {
+            extensions.ior = Some(IndexOfRefraction { ior: look.index });
+        }
+        if look.sheen != Rgb::ZERO {
+            extensions.sheen = Some(Sheen {
+                sheen_color_factor: look.sheen.clamp(Rgb::ZERO, Rgb::ONE).to_array(),
+                sheen_roughness_factor: SHEEN_ROUGHNESS,
+            });
+        }
+        self.layers(
+            look.transmission,
+            look.is_thick,
+            look.clearcoat,
+            look.clearcoat_roughness,
+            &mut material.extensions,
+        );
+        (material, colors)
+    }
+
+    fn layers(
+        &mut self,
+        transmission: Level,
+        is_thick: bool,
+        clearcoat: Level,
+        clearcoat_roughness: f32,
+        extensions: &mut MaterialExtensions,
+    ) {
+        let red = |plane: Option<Varying>| Planes {
+            channels: [plane, None, None, None],
+            ..Planes::default()
+        };
+        if !transmission.is(0.0) {
+            let (plane, factor) = parts(self.without_attribute(transmission, "the transmission"));
+            extensions.transmission = Some(Transmission {
+                transmission_factor: factor.x.clamp(0.0, 1.0),
+                transmission_texture: self.texture(red(plane)).map(|(info, _)| info),
+            });
+            extensions.volume = is_thick.then_some(Volume {
+                thickness_factor: 1.0,
+                attenuation_distance: None,
+                attenuation_color: None,
+            });
+        }
+        if !clearcoat.is(0.0) {
+            let (plane, factor) = parts(self.without_attribute(clearcoat, "the coat"));
+            extensions.clearcoat = Some(Clearcoat {
+                clearcoat_factor: factor.x.clamp(0.0, 1.0),
+                clearcoat_texture: self.texture(red(plane)).map(|(info, _)| info),
+                clearcoat_roughness_factor: clearcoat_roughness.clamp(0.0, 1.0),
+            });
+        }
+    }
+
+    /// Lets a material shine.
+    fn emit(&mut self, emission: Level, material: &mut Material) {
+        let (plane, factor) = parts(self.without_attribute(emission, "the light"));
+        let planes = Planes {
+            color: plane,
+            srgb: true,
+            is_light: true,
+            ..Planes::default()
+        };
+        let texture = self.texture(planes);
+        let peak = texture.as_ref().map_or(1.0, |(_, peak)| *peak);
+        material.emissive_texture = texture.map(|(info, _)| info);
+        let light = (peak * factor).max(Rgb::ZERO);
+        let most = light.max_element();
+        if most > 1.0 {
+            material.emissive_factor = (light / most).to_array();
+            material.extensions.emissive_strength = Some(EmissiveStrength {
+                emissive_strength: most,
+            });
+        } else {
+            material.emissive_factor = light.to_array();
+        }
+    }
+}
+
+fn pbr_numbers(material: &mut Material, roughness: Rgb, metallic: Rgb) {
+    let pbr = &mut material.pbr_metallic_roughness;
+    pbr.roughness_factor = roughness.x.clamp(0.0, 1.0);
+    pbr.metallic_factor = metallic.x.clamp(0.0, 1.0);
+}
+
+/// The texture of a level, and the factor on it.
+fn parts(level: Level) -> (Option<Varying>, Rgb) {
+    match level {
+        Level::Constant(value) => (None, value),
+        Level::Varying(varying) => {
+            let factor = varying.factor;
+            let factor_apart = Varying {
+                factor: Rgb::ONE,
+                ..varying
+            };
+            (Some(factor_apart), factor)
+        }
+    }
+}
+
+/// Whether a texture, or one inside of it, is of the mesh's own values.
+fn has_attribute(texture: &Texture) -> bool {
+    use crate::scene::Parameter;
+    match texture {
+        Texture::MeshAttribute { .. } => true,
+        Texture::Bitmap(_) => false,
+        Texture::Checkerboard { color0, color1, .. } => [color0, color1]
+            .into_iter()
+            .any(|color| matches!(&**color, Parameter::Texture(inner) if has_attribute(inner))),
+    }
+}
+
+/// The mean of a texture with values of meshes, which differ: half of what the scale makes of 1.
+fn guess(texture: &Texture) -> Rgb {
+    match texture {
+        Texture::MeshAttribute { scale, .. } => Rgb::splat(0.5 * scale),
+        _ => Rgb::splat(0.5),
+    }
+}

@@ -1,0 +1,173 @@
+//! Exports a scene to glTF 2.0: what of the scene becomes what there, and what is said about the rest.
+//!
+//! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them. How glTF files are built is in
+//! [`crate::gltf::write`], and the table of docs/scene-format.md says what becomes what.
+
+mod error;
+mod level;
+mod lights;
+mod look;
+mod materials;
+mod messages;
+mod motion;
+mod pictures;
+mod poses;
+mod shapes;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+pub use self::error::ExportError;
+use self::lights::Stage;
+use self::messages::Messages;
+use self::poses::Folders;
+use self::shapes::Shapes;
+use super::description::SceneDescription;
+use crate::files::{Access, write_atomically};
+use crate::gltf::write::GltfWriter;
+
+/// The files of an export, which are not written yet.
+#[derive(Debug)]
+pub struct Export {
+    /// The files in the order in which they are to be written: the one that names the others comes last.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// One sentence for each thing that the files do not say as the scene does.
+    pub messages: Vec<String>,
+}
+
+/// Whether a file of this name is one that a scene is exported to.
+pub fn is_export(path: &Path) -> bool {
+    Kind::of(path).is_some()
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Binary,
+    Text,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_ascii_lowercase().to_str()? {
+            "glb" => Some(Self::Binary),
+            "gltf" => Some(Self::Text),
+            _ => None,
+        }
+    }
+}
+
+/// Makes the files of a scene that will be written to `target`, a name that ends with `.glb` or `.gltf`. `hidden`: the indices of shapes and emitters that are
+/// left out. Meshes and pictures are read as far as `access` permits.
+pub fn export(
+    scene: &SceneDescription,
+    hidden: &Hidden,
+    target: &Path,
+    access: &Access,
+) -> Result<Export, ExportError> {
+    let Some(kind) = Kind::of(target) else {
+        let path = target.to_owned();
+        return Err(ExportError::Ending { path });
+    };
+    let mut writer = GltfWriter::default();
+    let mut messages = Messages::default();
+    let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
+    let frames = frames.filter_map(|frame| {
+        let folder = frame.identity.id.as_deref()?.strip_suffix('/')?;
+        // What moves with the folder has keys of its own.
+        Some((folder.to_owned(), frame.to_world))
+    });
+    let mut folders = Folders::new(frames);
+    report_settings(scene, &mut messages);
+    let mut stage = Stage {
+        writer: &mut writer,
+        folders: &mut folders,
+        messages: &mut messages,
+    };
+    for sensor in &scene.sensors {
+        stage.camera(sensor);
+    }
+    for (index, emitter) in scene.emitters.iter().enumerate() {
+        match hidden.emitters.contains(&index) {
+            true => stage.messages.left_out("light", &emitter.identity.name, HIDDEN),
+            false => stage.light(emitter),
+        }
+    }
+    let mut shapes = Shapes::new(scene, access);
+    for (index, shape) in scene.shapes.iter().enumerate() {
+        if shape.shape.is_frame() || shape.member_of.is_some() {
+            continue;
+        }
+        match hidden.shapes.contains(&index) {
+            true => messages.left_out("shape", &shape.identity.name, HIDDEN),
+            false => shapes.write(shape, &mut writer, &mut folders, &mut messages)?,
+        }
+    }
+    let files = match kind {
+        Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
+        Kind::Text => {
+            let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+            let (text, beside) = writer.text(&stem)?;
+            let beside = beside
+                .into_iter()
+                .map(|file| (target.with_file_name(file.name), file.bytes));
+            beside.chain([(target.to_owned(), text)]).collect()
+        }
+    };
+    Ok(Export {
+        files,
+        messages: messages.sentences(),
+    })
+}
+
+const HIDDEN: &str = "hidden in the window";
+
+/// The things that are hidden in the window, by their indices in the description.
+#[derive(Clone, Debug, Default)]
+pub struct Hidden {
+    /// Indices into [`SceneDescription::shapes`].
+    pub shapes: HashSet<usize>,
+    /// Indices into [`SceneDescription::emitters`].
+    pub emitters: HashSet<usize>,
+}
+
+/// Says which settings of the picture are lost, where they change it.
+fn report_settings(scene: &SceneDescription, messages: &mut Messages) {
+    let integrator = &scene.integrator;
+    if let Some(depth) = integrator.max_depth {
+        messages.left_out(
+            "setting",
+            "max_depth",
+            format!("paths are not ended after {depth} segments"),
+        );
+    }
+    if integrator.hide_emitters {
+        messages.left_out("setting", "hide_emitters", "cameras see lamps");
+    }
+    let sensors = scene
+        .sensors
+        .iter()
+        .filter_map(|sensor| Some((sensor.medium?, "camera")));
+    let emitters = scene
+        .emitters
+        .iter()
+        .filter_map(|emitter| Some((emitter.medium?, "light")));
+    for (medium, what) in sensors.chain(emitters).filter(|_| integrator.plugin.traces_media()) {
+        if let Some(medium) = scene.media.get(medium) {
+            let why = format!("no {what} of glTF is in a medium");
+            messages.left_out("medium", &medium.identity.name, why);
+        }
+    }
+}
+
+impl Export {
+    /// Writes the files, each in one step.
+    pub fn write(&self) -> Result<(), ExportError> {
+        for (path, bytes) in &self.files {
+            write_atomically(path, bytes).map_err(|source| ExportError::File {
+                path: path.clone(),
+                source,
+            })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,374 @@
+//! The pictures of textures: files as they are where glTF means the same by them, and else pictures that are made of the textures' values.
+
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::math::{Affine2, Vec2};
+use image::{DynamicImage, ImageBuffer, ImageFormat};
+
+use super::level::{Map, Varying};
+use super::messages::Messages;
+use crate::color::{Rgb, srgb_from_linear};
+use crate::files::Access;
+use crate::gltf::write::model::{Sampler, TextureExtensions, TextureInfo, TextureTransform};
+use crate::gltf::write::{GltfWriter, PictureBytes};
+use crate::memory;
+use crate::scene::assets::texture_map::load_picture;
+use crate::scene::{Parameter, Texture, TextureFilter, TextureWrap};
+use crate::texture::{self, Bitmap, Checkerboard, Filter, Image, TextureId, TexturePoint, TextureTable, Wrap};
+
+/// Pixels along each side of a picture that is made of textures which lie differently.
+const BAKED: u32 = 1024;
+
+/// What a picture holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Planes {
+    /// Red, green and blue together.
+    pub color: Option<Varying>,
+    /// Single channels. Those that are not given are 1.
+    pub channels: [Option<Varying>; 4],
+    /// Whether colours are written as sRGB, rather than numbers as they are.
+    pub srgb: bool,
+    /// Whether values may be above 1: they are divided by the largest then.
+    pub is_light: bool,
+}
+
+/// How a texture lies over uv, and how many texels it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lie {
+    to_uv: Affine2,
+    filter: TextureFilter,
+    wrap: TextureWrap,
+    size: (u32, u32),
+}
+
+/// The pictures of an export.
+pub(super) struct Pictures<'a> {
+    access: &'a Access,
+    loaded: HashMap<PathBuf, Option<Arc<Image>>>,
+    made: Vec<(Planes, Option<(TextureInfo, f32)>)>,
+}
+
+impl<'a> Pictures<'a> {
+    pub fn new(access: &'a Access) -> Self {
+        Self {
+            access,
+            loaded: HashMap::new(),
+            made: Vec::new(),
+        }
+    }
+
+    /// The picture of a file; None (reported) if it cannot be read.
+    fn load(&mut self, path: &Path, messages: &mut Messages) -> Option<Arc<Image>> {
+        if let Some(known) = self.loaded.get(path) {
+            return known.clone();
+        }
+        let image = match load_picture(path, self.access) {
+            Ok(picture) => Some(picture.image),
+            Err(error) => {
+                let name = path.display().to_string();
+                messages.note(
+                    "picture",
+                    &name,
+                    format!("grey takes the place of what cannot be read: {error}"),
+                );
+                None
+            }
+        };
+        self.loaded.insert(path.to_owned(), image.clone());
+        image
+    }
+
+    /// The mean value of a texture.
+    pub fn mean(&mut self, varying: &Varying, messages: &mut Messages) -> Rgb {
+        let mut textures = Vec::new();
+        let id = self.pack(&varying.texture, None, &mut textures, messages);
+        let table = TextureTable::new(textures);
+        let side = 16;
+        let places =
+            (0..side * side).map(|i| Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) / side as f32);
+        let sum: Rgb = places.map(|uv| value(&table, id, varying, uv)).sum();
+        varying.factor * sum / (side * side) as f32
+    }
+
+    /// The texture of a picture with these planes, and the number by which its values are to be multiplied, besides by the factors of the planes. None if
+    /// there are no planes, or if it cannot be made, which is reported.
+    pub fn texture(
+        &mut self,
+        writer: &mut GltfWriter,
+        planes: Planes,
+        messages: &mut Messages,
+    ) -> Option<(TextureInfo, f32)> {
+        if let Some((_, known)) = self.made.iter().find(|(known, _)| *known == planes) {
+            return known.clone();
+        }
+        let made = self.make(writer, &planes, messages);
+        self.made.push((planes, made.clone()));
+        made
+    }
+
+    fn make(
+        &mut self,
+        writer: &mut GltfWriter,
+        planes: &Planes,
+        messages: &mut Messages,
+    ) -> Option<(TextureInfo, f32)> {
+        let all: Vec<&Varying> = planes.all().collect();
+        let name = name_of(&all.first()?.texture);
+        let lies: Vec<Option<Lie>> = all.iter().map(|varying| self.lie(&varying.texture, messages)).collect();
+        let common = common_lie(&lies);
+        let lie = common.unwrap_or(Lie {
+            to_uv: Affine2::IDENTITY,
+            filter: TextureFilter::Bilinear,
+            wrap: TextureWrap::Repeat,
+            size: (BAKED, BAKED),
+        });
+        if common.is_none() {
+            let what = format!("a picture of {BAKED} x {BAKED} pixels over the unit square of uv takes the place");
+            messages.note("texture", &name, what);
+        }
+        let (bytes, peak) = match self.as_it_is(planes) {
+            Some(bytes) => (bytes, 1.0),
+            None => self.baked(planes, common.is_some(), lie.size, &name, messages)?,
+        };
+        let picture = writer.add_picture(PictureBytes { name, bytes });
+        let code = match lie.wrap {
+            TextureWrap::Repeat => None,
+            TextureWrap::Mirror => Some(33648),
+            TextureWrap::Clamp => Some(33071),
+        };
+        let sampler = Sampler {
+            mag_filter: (lie.filter == TextureFilter::Nearest).then_some(9728),
+            wrap_s: code,
+            wrap_t: code,
+        };
+        let info = TextureInfo {
+            index: writer.add_texture(picture, sampler),
+            tex_coord: 0,
+            extensions: TextureExtensions {
+                transform: transform_of(&lie.to_uv).filter(|_| lie.to_uv != Affine2::IDENTITY),
+            },
+        };
+        Some((info, peak))
+    }
+
+    /// The file of a picture that means in glTF what it means here.
+    fn as_it_is(&self, planes: &Planes) -> Option<Vec<u8>> {
+        let is_alone = planes.channels.iter().all(Option::is_none);
+        let varying = planes.color.as_ref().filter(|_| is_alone && planes.srgb)?;
+        let Texture::Bitmap(bitmap) = &varying.texture else {
+            return None;
+        };
+        if bitmap.raw || varying.map != Map::Same || varying.as_number {
+            return None;
+        }
+        let bytes = memory::read_data(&bitmap.path, self.access).ok()?;
+        let format = image::guess_format(&bytes).ok()?;
+        matches!(format, ImageFormat::Png | ImageFormat::Jpeg).then_some(bytes)
+    }
+
+    /// A PNG file of the planes' values, and the number by which they were divided. `lies_alike`: whether all textures lie as the picture will.
+    fn baked(
+        &mut self,
+        planes: &Planes,
+        lies_alike: bool,
+        (width, height): (u32, u32),
+        name: &str,
+        messages: &mut Messages,
+    ) -> Option<(Vec<u8>, f32)> {
+        let mut textures = Vec::new();
+        let place = lies_alike.then_some(Affine2::IDENTITY);
+        let mut pack = |varying: &Varying| self.pack(&varying.texture, place, &mut textures, messages);
+        let color = planes.color.as_ref().map(|varying| (varying, pack(varying)));
+        let channels = planes
+            .channels
+            .each_ref()
+            .map(|plane| plane.as_ref().map(|varying| (varying, pack(varying))));
+        let has_alpha = channels[3].is_some();
+        let table = TextureTable::new(textures);
+        let mut pixels: Vec<[f32; 4]> = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
+                let color = color.map_or(Rgb::ONE, |(varying, id)| value(&table, id, varying, uv));
+                let mut pixel = [color.x, color.y, color.z, 1.0];
+                for (channel, plane) in pixel.iter_mut().zip(channels) {
+                    if let Some((varying, id)) = plane {
+                        *channel = value(&table, id, varying, uv).x;
+                    }
+                }
+                pixels.push(pixel);
+            }
+        }
+        let peak = match planes.is_light {
+            true => pixels.iter().flat_map(|pixel| &pixel[..3]).copied().fold(0.0, f32::max),
+            false => 1.0,
+        };
+        let peak = if peak > 1.0 { peak } else { 1.0 };
+        let code = |value: f32, is_color: bool| {
+            let share = (value / if is_color { peak } else { 1.0 }).clamp(0.0, 1.0);
+            let coded = if planes.srgb && is_color {
+                srgb_from_linear(share)
+            } else {
+                share
+            };
+            (65535.0 * coded).round() as u16
+        };
+        let coded = pixels.iter().map(|pixel| {
+            let mut channel = 0..4;
+            pixel.map(|value| code(value, channel.next() < Some(3)))
+        });
+        let picture = match has_alpha {
+            true => ImageBuffer::from_raw(width, height, coded.flatten().collect()).map(DynamicImage::ImageRgba16),
+            false => {
+                let rgb = coded.flat_map(|[r, g, b, _]| [r, g, b]);
+                ImageBuffer::from_raw(width, height, rgb.collect()).map(DynamicImage::ImageRgb16)
+            }
+        }?;
+        // Only light with a wide range gains from 16 bits, and other programs read 8.
+        let picture = match (peak > 1.0, has_alpha) {
+            (true, _) => picture,
+            (false, true) => picture.into_rgba8().into(),
+            (false, false) => picture.into_rgb8().into(),
+        };
+        let mut bytes = Cursor::new(Vec::new());
+        if let Err(error) = picture.write_to(&mut bytes, ImageFormat::Png) {
+            messages.note("texture", name, format!("the picture cannot be made: {error}"));
+            return None;
+        }
+        Some((bytes.into_inner(), peak))
+    }
+
+    /// How a texture lies; None if a picture of its values cannot lie so.
+    fn lie(&mut self, texture: &Texture, messages: &mut Messages) -> Option<Lie> {
+        let lie = match texture {
+            Texture::Bitmap(bitmap) => {
+                let image = self.load(&bitmap.path, messages);
+                Lie {
+                    to_uv: bitmap.to_uv,
+                    filter: bitmap.filter,
+                    wrap: bitmap.wrap,
+                    size: image.map_or((1, 1), |image| (image.width(), image.height())),
+                }
+            }
+            // Two by two squares are two by two texels.
+            Texture::Checkerboard { color0, color1, to_uv }
+                if color0.constant().is_some() && color1.constant().is_some() =>
+            {
+                Lie {
+                    to_uv: **to_uv,
+                    filter: TextureFilter::Nearest,
+                    wrap: TextureWrap::Repeat,
+                    size: (2, 2),
+                }
+            }
+            Texture::Checkerboard { .. } | Texture::MeshAttribute { .. } => return None,
+        };
+        transform_of(&lie.to_uv).map(|_| lie)
+    }
+
+    /// Adds a texture for the look-up. `place`: how it lies in place of its own way.
+    fn pack(
+        &mut self,
+        texture: &Texture,
+        place: Option<Affine2>,
+        textures: &mut Vec<texture::Texture>,
+        messages: &mut Messages,
+    ) -> TextureId {
+        let packed = match texture {
+            Texture::Bitmap(bitmap) => texture::Texture::Bitmap(Bitmap {
+                image: self
+                    .load(&bitmap.path, messages)
+                    .unwrap_or_else(|| Arc::new(Image::uniform(0.5))),
+                filter: match bitmap.filter {
+                    TextureFilter::Nearest => Filter::Nearest,
+                    TextureFilter::Bilinear => Filter::Bilinear,
+                },
+                wrap: match bitmap.wrap {
+                    TextureWrap::Repeat => Wrap::Repeat,
+                    TextureWrap::Mirror => Wrap::Mirror,
+                    TextureWrap::Clamp => Wrap::Clamp,
+                },
+                raw: bitmap.raw,
+                to_uv: place.unwrap_or(bitmap.to_uv),
+            }),
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                let colors = [color0, color1].map(|color| match &**color {
+                    Parameter::Constant(color) => texture::Parameter::Constant(*color),
+                    Parameter::Texture(inner) => {
+                        texture::Parameter::Texture(self.pack(inner, None, textures, messages))
+                    }
+                });
+                texture::Texture::Checkerboard(Checkerboard {
+                    colors,
+                    to_uv: place.unwrap_or(**to_uv),
+                })
+            }
+            Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
+                name: name.as_str().into(),
+                scale: *scale,
+            }),
+        };
+        textures.push(packed);
+        TextureId(textures.len() as u32 - 1)
+    }
+}
+
+impl Planes {
+    fn all(&self) -> impl Iterator<Item = &Varying> {
+        self.color.iter().chain(self.channels.iter().flatten())
+    }
+}
+
+/// The value at a place, without the factor.
+fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2) -> Rgb {
+    let at = TexturePoint::of_uv(uv);
+    let value = match varying.as_number {
+        true => Rgb::splat(table.float(texture::Parameter::Texture(id), &at)),
+        false => table.color(texture::Parameter::Texture(id), &at),
+    };
+    varying.map.apply(value)
+}
+
+/// How all of them lie, with the greatest size; None if they lie differently.
+fn common_lie(lies: &[Option<Lie>]) -> Option<Lie> {
+    let first = (*lies.first()?)?;
+    lies.iter().try_fold(first, |so_far, lie| {
+        let lie = (*lie)?;
+        let size = (so_far.size.0.max(lie.size.0), so_far.size.1.max(lie.size.1));
+        let is_alike = Lie { size, ..so_far } == Lie { size, ..lie };
+        is_alike.then_some(Lie { size, ..so_far })
+    })
+}
+
+/// The map as glTF has it; None if it shears.
+fn transform_of(map: &Affine2) -> Option<TextureTransform> {
+    const SHEAR: f32 = 1e-5;
+    let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+    let is_flat = x.dot(y).abs() > SHEAR * x.length() * y.length();
+    if is_flat || x.length() == 0.0 || !map.is_finite() {
+        return None;
+    }
+    let angle = x.y.atan2(x.x);
+    // v points down in the picture, so that a turn to the left there is one to the right in these coordinates.
+    Some(TextureTransform {
+        offset: map.translation.to_array(),
+        rotation: -angle,
+        scale: [x.length(), y.dot(Vec2::from_angle(angle).perp())],
+    })
+}
+
+/// The name of a texture: that of its file.
+fn name_of(texture: &Texture) -> String {
+    match texture {
+        Texture::Bitmap(bitmap) => bitmap
+            .path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        other => other.plugin().to_owned(),
+    }
+}

@@ -1,0 +1,571 @@
+//! Shapes as nodes with meshes. Shapes of one form and material share a mesh, and all of one form share its vertices.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Mat3A, Vec3};
+
+use super::error::ExportError;
+use super::materials::{Materials, Surface, Written, shows_its_back};
+use super::messages::Messages;
+use super::motion::{Motion, placed};
+use super::poses::{Folders, pose_of};
+use crate::files::Access;
+use crate::geometry::attribute::AttributeDomain;
+use crate::geometry::mesh::MeshData;
+use crate::gltf::write::model::{Attributes, Mesh, Node, Pose, Primitive};
+use crate::gltf::write::{GltfWriteError, GltfWriter};
+use crate::math::{Frame, is_invertible};
+use crate::scene::assets::shape_mesh::shape_mesh;
+use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
+use crate::scene::description::{SceneDescription, ShapeDescription};
+use crate::scene::{AreaLight, ShapeKind};
+
+/// The colours of a mesh: the name of its attribute, and a factor.
+type Colors = Option<(String, f32)>;
+
+/// The geometry of a shape before it is placed.
+#[derive(Clone)]
+struct Form {
+    /// Equal forms have equal keys.
+    key: String,
+    mesh: Arc<MeshData>,
+    /// Whether it is shaded with the triangles' own normals.
+    is_flat: bool,
+    /// The shape's own space from that of the mesh.
+    shape_from_mesh: Affine3A,
+}
+
+impl Form {
+    /// Whether a mirror turns its normals around: those of the triangles, and those that follow from them.
+    fn turns_with_mirrors(&self) -> bool {
+        self.is_flat || self.mesh.has_computed_normals || self.mesh.normals.is_empty()
+    }
+}
+
+/// Writes shapes.
+pub(super) struct Shapes<'a> {
+    pub scene: &'a SceneDescription,
+    pub access: &'a Access,
+    pub materials: Materials<'a>,
+    files: HashMap<PathBuf, Option<TriangleMesh>>,
+    forms: HashMap<String, Option<Form>>,
+    /// Vertices by what they are made from.
+    vertices: HashMap<String, Attributes>,
+    /// Triangles in the same way.
+    triangles: HashMap<String, usize>,
+    meshes: HashMap<String, usize>,
+    /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything visible.
+    groups: HashMap<(usize, bool), Option<usize>>,
+    /// The members of each group.
+    members: Vec<Vec<usize>>,
+}
+
+impl<'a> Shapes<'a> {
+    pub fn new(scene: &'a SceneDescription, access: &'a Access) -> Self {
+        let mut members = vec![Vec::new(); scene.groups.len()];
+        for (index, shape) in scene.shapes.iter().enumerate() {
+            if let Some(group) = shape.member_of {
+                members[group].push(index);
+            }
+        }
+        Self {
+            scene,
+            access,
+            materials: Materials::new(scene, access),
+            files: HashMap::new(),
+            forms: HashMap::new(),
+            vertices: HashMap::new(),
+            triangles: HashMap::new(),
+            meshes: HashMap::new(),
+            groups: HashMap::new(),
+            members,
+        }
+    }
+
+    /// Adds a shape of the world.
+    pub fn write(
+        &mut self,
+        shape: &ShapeDescription,
+        writer: &mut GltfWriter,
+        folders: &mut Folders,
+        messages: &mut Messages,
+    ) -> Result<(), ExportError> {
+        if let Some(group) = shape.instance_of {
+            return self.write_instances(shape, group, writer, folders, messages);
+        }
+        let name = &*shape.identity.name;
+        let Some(form) = self.form(shape, messages) else {
+            return Ok(());
+        };
+        let world = shape.to_world * form.shape_from_mesh;
+        if !is_invertible(&world) {
+            messages.left_out("shape", name, "the transform cannot be inverted");
+            return Ok(());
+        }
+        let branch = folders.branch(name, writer);
+        let parent_from_world = branch.world_from_parent.inverse();
+        let local = parent_from_world * world;
+        let (pose, baked) = pose_or_baked(&local);
+        let is_turned = shape.shape.flip_normals ^ (is_mirrored(&world) && form.turns_with_mirrors());
+        let primitives = self.primitives(shape, &form, baked, is_turned, true, writer, messages)?;
+        if primitives.is_empty() {
+            messages.left_out("shape", name, "light passes it as if there was nothing");
+            return Ok(());
+        }
+        let mesh = self.mesh(&form.key, baked.is_some(), primitives, &branch.leaf, writer);
+        let node = Node {
+            name: branch.leaf,
+            pose,
+            mesh: Some(mesh),
+            ..Node::default()
+        };
+        let node = writer.add_node(node, branch.parent);
+        if let Some(keys) = &shape.identity.keys {
+            if baked.is_some() {
+                messages.note("shape", name, "nothing moves, because the pose shears");
+                return Ok(());
+            }
+            let shape_from_mesh = form.shape_from_mesh;
+            let local = |value: &crate::document::Value| Some(parent_from_world * placed(value)? * shape_from_mesh);
+            let motion = Motion { keys, local: &local };
+            motion.write(node, "shape", name, writer, messages);
+        }
+        Ok(())
+    }
+
+    /// Adds the places of a group: nodes of one mesh.
+    fn write_instances(
+        &mut self,
+        shape: &ShapeDescription,
+        group: usize,
+        writer: &mut GltfWriter,
+        folders: &mut Folders,
+        messages: &mut Messages,
+    ) -> Result<(), ExportError> {
+        let name = &*shape.identity.name;
+        let branch = folders.branch(name, writer);
+        let parent_from_world = branch.world_from_parent.inverse();
+        let places: Vec<Affine3A> = match &shape.placements {
+            Some(placements) => placements.places.iter().map(|place| Affine3A::from(*place)).collect(),
+            None => vec![shape.to_world],
+        };
+        let is_crowd = shape.placements.is_some();
+        let mut parent = branch.parent;
+        if is_crowd {
+            let node = Node {
+                name: branch.leaf.clone(),
+                ..Node::default()
+            };
+            parent = Some(writer.add_node(node, parent));
+        }
+        for (number, world) in places.into_iter().enumerate() {
+            if !is_invertible(&world) {
+                messages.left_out("shape", name, "the transform cannot be inverted");
+                continue;
+            }
+            let (pose, baked) = pose_or_baked(&(parent_from_world * world));
+            let Some(mesh) = self.group_mesh(group, is_mirrored(&world), baked, writer, messages)? else {
+                messages.left_out("shape", name, "light passes it as if there was nothing");
+                return Ok(());
+            };
+            let leaf = &branch.leaf;
+            let node = Node {
+                name: if is_crowd {
+                    format!("{leaf}-{}", number + 1)
+                } else {
+                    leaf.clone()
+                },
+                pose,
+                mesh: Some(mesh),
+                ..Node::default()
+            };
+            let node = writer.add_node(node, parent);
+            match &shape.identity.keys {
+                Some(keys) if !is_crowd && baked.is_none() => {
+                    let local = |value: &crate::document::Value| Some(parent_from_world * placed(value)?);
+                    let motion = Motion { keys, local: &local };
+                    motion.write(node, "shape", name, writer, messages);
+                }
+                Some(_) => messages.note("shape", name, "nothing moves, because the pose shears"),
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh of a group; None if it has nothing visible.
+    fn group_mesh(
+        &mut self,
+        group: usize,
+        is_mirrored_place: bool,
+        baked: Option<Affine3A>,
+        writer: &mut GltfWriter,
+        messages: &mut Messages,
+    ) -> Result<Option<usize>, ExportError> {
+        let key = (group, is_mirrored_place);
+        if let Some(known) = self.groups.get(&key).filter(|_| baked.is_none()) {
+            return Ok(*known);
+        }
+        let is_shared = baked.is_none();
+        let scene = self.scene;
+        let mut primitives = Vec::new();
+        for member in self.members[group].clone() {
+            let member = &scene.shapes[member];
+            let Some(form) = self.form(member, messages) else {
+                continue;
+            };
+            let in_group = member.to_world * form.shape_from_mesh;
+            if !is_invertible(&in_group) {
+                messages.left_out("shape", &member.identity.name, "the transform cannot be inverted");
+                continue;
+            }
+            let is_mirrored = is_mirrored(&in_group) ^ is_mirrored_place;
+            let is_turned = member.shape.flip_normals ^ (is_mirrored && form.turns_with_mirrors());
+            let placed = baked.unwrap_or(Affine3A::IDENTITY) * in_group;
+            let baked = (placed != Affine3A::IDENTITY).then_some(placed);
+            primitives.extend(self.primitives(member, &form, baked, is_turned, false, writer, messages)?);
+        }
+        let name = scene.groups[group].identity.name.to_string();
+        let mesh = (!primitives.is_empty()).then(|| writer.add_mesh(Mesh { name, primitives }));
+        if is_shared {
+            self.groups.insert(key, mesh);
+        }
+        Ok(mesh)
+    }
+
+    /// A mesh of these primitives, unless there is an equal one. `is_own`: whether its vertices are its own, so that there is none.
+    fn mesh(
+        &mut self,
+        key: &str,
+        is_own: bool,
+        primitives: Vec<Primitive>,
+        name: &str,
+        writer: &mut GltfWriter,
+    ) -> usize {
+        let key = format!("{key} {primitives:?}");
+        if let Some(known) = self.meshes.get(&key).filter(|_| !is_own) {
+            return *known;
+        }
+        let name = name.to_owned();
+        let mesh = writer.add_mesh(Mesh { name, primitives });
+        self.meshes.insert(key, mesh);
+        mesh
+    }
+
+    /// The parts of a shape, one for each material that can be seen. `baked`: a map that its vertices go through.
+    fn primitives(
+        &mut self,
+        shape: &ShapeDescription,
+        form: &Form,
+        baked: Option<Affine3A>,
+        is_turned: bool,
+        may_shine: bool,
+        writer: &mut GltfWriter,
+        messages: &mut Messages,
+    ) -> Result<Vec<Primitive>, ExportError> {
+        let name = &*shape.identity.name;
+        let path = match &shape.shape.kind {
+            ShapeKind::Mesh(file) => Some(file.path.as_path()),
+            _ => None,
+        };
+        let slots = match shape.material {
+            None if !form.mesh.materials.is_empty() => form.mesh.materials.len(),
+            _ => 1,
+        };
+        let mut light: Option<&AreaLight> = shape.area_light.as_ref();
+        if !may_shine && light.take().is_some() {
+            messages.note("shape", name, "a shape of a group cannot be a light");
+        }
+        let fails = |source: GltfWriteError| ExportError::Shape {
+            name: name.to_owned(),
+            source,
+        };
+        let interior = shape.interior.filter(|_| self.scene.integrator.plugin.traces_media());
+        let exterior = shape.exterior.filter(|_| self.scene.integrator.plugin.traces_media());
+        if let Some(medium) = exterior.and_then(|medium| self.scene.media.get(medium)) {
+            messages.left_out("medium", &medium.identity.name, "glTF has no medium around shapes");
+        }
+        let mut primitives = Vec::new();
+        for slot in 0..slots {
+            let mtl = form.mesh.materials.get(slot).filter(|_| shape.material.is_none());
+            let surface = Surface {
+                shape: name,
+                material: shape.material,
+                of_file: path.zip(mtl).map(|(path, mtl)| (path, slot, mtl)),
+                light,
+                interior,
+            };
+            let (index, colors, is_turned) = match self.materials.write(&surface, writer, messages) {
+                Written::Nothing => {
+                    if let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium)) {
+                        messages.left_out("medium", &medium.identity.name, "only glass is filled in glTF");
+                    }
+                    continue;
+                }
+                Written::Material {
+                    index,
+                    colors,
+                    is_one_sided,
+                    is_inside_out,
+                } => {
+                    if is_inside_out && let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium)) {
+                        let why = "the inner side of a surface in glTF is the denser one";
+                        messages.left_out("medium", &medium.identity.name, why);
+                    }
+                    if is_one_sided && shows_its_back(&shape.shape.kind) {
+                        let what = "the back, which is black here, looks like the front when the file is imported";
+                        messages.note("shape", name, what);
+                    }
+                    (index, colors, is_turned ^ is_inside_out)
+                }
+            };
+            let is_of_slot = |triangle: &usize| {
+                slots == 1
+                    || form
+                        .mesh
+                        .material_of_triangle
+                        .get(*triangle)
+                        .copied()
+                        .map_or(0, usize::from)
+                        == slot
+            };
+            let chosen: Vec<usize> = (0..form.mesh.triangles.len()).filter(is_of_slot).collect();
+            if chosen.is_empty() {
+                continue;
+            }
+            let colors = self.known_colors(form, colors, name, messages);
+            let is_unwelded = is_of_triangles(&form.mesh, &colors);
+            let key = format!("{} {} {is_turned} {colors:?}", form.key, form.is_flat);
+            let known = self.vertices.get(&key).filter(|_| baked.is_none()).cloned();
+            let attributes = match known {
+                Some(known) => known,
+                None => {
+                    let mesh = shown(form, baked, is_turned, is_unwelded);
+                    let values = colors
+                        .as_ref()
+                        .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
+                    let attributes = writer.add_vertices(&mesh, values.as_deref()).map_err(fails)?;
+                    if baked.is_none() {
+                        self.vertices.insert(key.clone(), attributes.clone());
+                    }
+                    attributes
+                }
+            };
+            // What was mirrored by hand runs the other way.
+            let runs_backwards = is_turned ^ baked.is_some_and(|map| is_mirrored(&map));
+            let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots}", form.key);
+            let indices = match self.triangles.get(&key) {
+                Some(known) => *known,
+                None => {
+                    let mut triangles: Vec<[u32; 3]> = match is_unwelded {
+                        true => chosen
+                            .iter()
+                            .map(|&triangle| 3 * triangle as u32)
+                            .map(|at| [at, at + 1, at + 2])
+                            .collect(),
+                        false => chosen.iter().map(|&triangle| form.mesh.triangles[triangle]).collect(),
+                    };
+                    if runs_backwards {
+                        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+                    }
+                    let vertices = match is_unwelded {
+                        true => 3 * form.mesh.triangles.len(),
+                        false => form.mesh.positions.len(),
+                    };
+                    let indices = writer.add_triangles(&triangles, vertices).map_err(fails)?;
+                    self.triangles.insert(key, indices);
+                    indices
+                }
+            };
+            primitives.push(Primitive {
+                attributes,
+                indices,
+                material: Some(index),
+            });
+        }
+        Ok(primitives)
+    }
+
+    /// The colours, if the mesh has them.
+    fn known_colors(&self, form: &Form, colors: Colors, name: &str, messages: &mut Messages) -> Colors {
+        let (attribute, scale) = colors?;
+        if form.mesh.attribute(&attribute).is_none() {
+            messages.note(
+                "shape",
+                name,
+                format!("the mesh has no values `{attribute}`, which the material asks for"),
+            );
+            return None;
+        }
+        Some((attribute, scale))
+    }
+
+    /// The form of a shape; None (reported where it is not meant to have none) if it has no triangles.
+    fn form(&mut self, shape: &ShapeDescription, messages: &mut Messages) -> Option<Form> {
+        let kind = &shape.shape.kind;
+        let name = &*shape.identity.name;
+        let (plain, shape_from_mesh) = match kind {
+            ShapeKind::Sphere { center, radius } => {
+                let unit = ShapeKind::Sphere {
+                    center: Vec3::ZERO,
+                    radius: 1.0,
+                };
+                let scale = Affine3A::from_scale(Vec3::splat(*radius));
+                (unit, Affine3A::from_translation(*center) * scale)
+            }
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                let unit = ShapeKind::Cylinder {
+                    p0: Vec3::ZERO,
+                    p1: Vec3::Z,
+                    radius: 1.0,
+                };
+                let axis = *p1 - *p0;
+                let Frame { s, t, n } = Frame::from_normal(axis.try_normalize().unwrap_or(Vec3::Z));
+                let axes = [s * *radius, t * *radius, n * axis.length()].map(bevy::math::Vec3A::from);
+                let map = Affine3A {
+                    matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
+                    translation: (*p0).into(),
+                };
+                (unit, map)
+            }
+            ShapeKind::Instance | ShapeKind::Frame => return None,
+            other => (other.clone(), Affine3A::IDENTITY),
+        };
+        let key = format!("{plain:?}");
+        if let Some(known) = self.forms.get(&key) {
+            let form = known.clone()?;
+            return Some(Form {
+                shape_from_mesh,
+                ..form
+            });
+        }
+        let mesh = match &plain {
+            ShapeKind::Mesh(file) => self.mesh_of_file(file, name, messages),
+            other => shape_mesh(other).map(Arc::new),
+        };
+        let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
+        if mesh.is_none() && !matches!(plain, ShapeKind::Mesh(_)) {
+            messages.left_out("shape", name, "there is no surface");
+        }
+        let form = mesh.map(|mesh| Form {
+            key: key.clone(),
+            mesh,
+            is_flat: match &plain {
+                ShapeKind::Mesh(file) => file.face_normals,
+                ShapeKind::Triangle { .. } => true,
+                _ => false,
+            },
+            shape_from_mesh,
+        });
+        self.forms.insert(key, form.clone());
+        form
+    }
+
+    fn mesh_of_file(
+        &mut self,
+        file: &crate::scene::MeshFile,
+        name: &str,
+        messages: &mut Messages,
+    ) -> Option<Arc<MeshData>> {
+        if !self.files.contains_key(&file.path) {
+            let loaded = load_mesh(&file.path, self.access);
+            if let Err(error) = &loaded {
+                messages.left_out("shape", name, format!("{}: {error}", file.path.display()));
+            }
+            self.files.insert(file.path.clone(), loaded.ok());
+        }
+        let mesh = self.files[&file.path].as_ref()?.data(file.shape_index)?;
+        // Meshes of files are flipped already where their format's default is to flip them.
+        match file.flip_tex_coords == file.format.flips_tex_coords() {
+            true => Some(mesh.clone()),
+            false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
+        }
+    }
+}
+
+fn is_mirrored(map: &Affine3A) -> bool {
+    map.matrix3.determinant() < 0.0
+}
+
+/// The pose of a node; or, if it shears, none, and the map that its vertices have to go through instead.
+fn pose_or_baked(local: &Affine3A) -> (Pose, Option<Affine3A>) {
+    match pose_of(local) {
+        Some(pose) => (pose, None),
+        None => (Pose::default(), Some(*local)),
+    }
+}
+
+/// The vertices of a form as they are written; triangles are not turned.
+fn shown(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_unwelded: bool) -> MeshData {
+    let source = &form.mesh;
+    let all: Vec<usize> = match is_unwelded {
+        true => source
+            .triangles
+            .as_flattened()
+            .iter()
+            .map(|vertex| *vertex as usize)
+            .collect(),
+        false => (0..source.positions.len()).collect(),
+    };
+    let map = baked.unwrap_or(Affine3A::IDENTITY);
+    let for_normals = map.matrix3.inverse().transpose();
+    let side = if is_turned { -1.0 } else { 1.0 };
+    let place = |vertex: &usize| match baked {
+        Some(map) => map.transform_point3(source.positions[*vertex]),
+        None => source.positions[*vertex],
+    };
+    let normal = |vertex: &usize| match baked {
+        Some(_) => side * (for_normals * source.normals[*vertex]).normalize_or(Vec3::Z),
+        None => side * source.normals[*vertex],
+    };
+    let has_normals = !form.is_flat && !source.normals.is_empty();
+    MeshData {
+        positions: all.iter().map(place).collect(),
+        normals: if has_normals {
+            all.iter().map(normal).collect()
+        } else {
+            Vec::new()
+        },
+        uvs: match source.uvs.is_empty() {
+            true => Vec::new(),
+            false => all.iter().map(|vertex| source.uvs[*vertex]).collect(),
+        },
+        ..MeshData::default()
+    }
+}
+
+/// Whether colours are those of triangles, so that no two of these may share a vertex.
+fn is_of_triangles(mesh: &MeshData, colors: &Colors) -> bool {
+    let attribute = colors.as_ref().and_then(|(name, _)| mesh.attribute(name));
+    attribute.is_some_and(|attribute| attribute.domain == AttributeDomain::Triangle)
+}
+
+/// The colours of the vertices that [`shown`] gives.
+fn vertex_colors(mesh: &MeshData, (name, scale): &(String, f32), is_unwelded: bool) -> Vec<[f32; 3]> {
+    let Some(attribute) = mesh.attribute(name) else {
+        return Vec::new();
+    };
+    let mut colors = vec![
+        [0.0; 3];
+        if is_unwelded {
+            3 * mesh.triangles.len()
+        } else {
+            mesh.positions.len()
+        }
+    ];
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z];
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        for (corner, at) in corners.into_iter().enumerate() {
+            let value = *scale * attribute.value(&mesh.triangles, number as u32, at);
+            let place = if is_unwelded {
+                3 * number + corner
+            } else {
+                triangle[corner] as usize
+            };
+            colors[place] = value.clamp(Vec3::ZERO, Vec3::ONE).to_array();
+        }
+    }
+    colors
+}
