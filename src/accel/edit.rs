@@ -119,26 +119,18 @@ impl Tlas {
         }
         let is_touched = |member: &u32| touched.binary_search(member).is_ok();
         let mut fitted = Vec::new();
-        for (place, block) in self.blocks.clone().iter().enumerate() {
-            if touched.is_empty() || !block.members().iter().any(is_touched) {
+        for place in 0..self.blocks.len() {
+            let members = self.blocks.members()[place];
+            if touched.is_empty() || !members.indices().iter().any(is_touched) {
                 continue;
             }
-            let left: Vec<u32> = block
-                .members()
-                .iter()
-                .copied()
-                .filter(|member| !is_touched(member))
-                .collect();
-            let block = ShapeBlock::of(&old.instances, &left);
+            let left = members.indices().iter().copied().filter(|member| !is_touched(member));
+            let (block, left) = ShapeBlock::of(&old.instances, &left.collect::<Vec<_>>());
             fitted.push(((place + self.placements.len()) as u32, block.bounds));
-            self.blocks.replace(place, block);
+            self.blocks.replace(place, (block, left));
         }
         if edits.renumbers(old.instances.len()) {
-            let renumbered = self
-                .blocks
-                .iter()
-                .map(|block| block.renumbered(|old| edits.renumbered(old)));
-            self.blocks = renumbered.collect::<Vec<_>>().into();
+            self.blocks.renumber(|old| edits.renumbered(old));
         }
         fitted
     }

@@ -25,6 +25,7 @@ mod ray_lanes;
 mod ray_packet;
 mod rounding;
 mod shape_block;
+mod shape_blocks;
 mod shape_lanes;
 mod shared_list;
 mod small_scene;

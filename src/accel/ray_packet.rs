@@ -115,7 +115,7 @@ impl Tlas {
     #[inline(always)]
     fn intersect_item(&self, number: u32, rays: &RayLanes, mask: u32, mut found: impl FnMut(usize, Hit)) {
         match self.item(number) {
-            Item::Block(block) => each_hit(rays, mask, |ray| block.closest(ray), found),
+            Item::Block(block, members) => each_hit(rays, mask, |ray| block.closest(members, ray), found),
             Item::Placement(placement) => {
                 let hit =
                     |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut TraversalStats::default());
@@ -148,7 +148,7 @@ impl Tlas {
     #[inline(always)]
     fn occluded_by_item(&self, number: u32, rays: &RayLanes, mask: u32) -> u32 {
         match self.item(number) {
-            Item::Block(block) => rays.lanes_where(mask, |ray| block.any(ray)),
+            Item::Block(block, _) => rays.lanes_where(mask, |ray| block.any(ray)),
             Item::Placement(placement) => rays.lanes_where(mask, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), mask),

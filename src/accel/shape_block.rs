@@ -35,13 +35,36 @@ pub(super) struct ShapeBlock {
     spheres: u32,
     rectangles: u32,
     disks: u32,
-    /// Their indices among the instances; only the first lanes are used.
-    members: [u32; LANES],
+}
+
+/// The indices of the shapes of a block among the instances; only the first lanes are used. They are kept apart from the block, because edits of the
+/// scene give other numbers to many shapes, of which few change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Members([u32; LANES]);
+
+impl Members {
+    fn of(members: &[u32]) -> Self {
+        let mut all = [NO_PRIMITIVE; LANES];
+        all[..members.len()].copy_from_slice(members);
+        Self(all)
+    }
+
+    /// The indices, lane by lane.
+    pub fn indices(&self) -> &[u32] {
+        let used = self.0.iter().take_while(|&&member| member != NO_PRIMITIVE).count();
+        &self.0[..used]
+    }
+
+    /// Other numbers for the same shapes.
+    pub fn renumber(&mut self, new: impl Fn(u32) -> u32) {
+        let used = self.indices().len();
+        self.0[..used].iter_mut().for_each(|member| *member = new(*member));
+    }
 }
 
 impl ShapeBlock {
     /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A linear list has no blocks.
-    pub fn gather(instances: &Instances, method: SplitMethod) -> Vec<Self> {
+    pub fn gather(instances: &Instances, method: SplitMethod) -> Vec<(Self, Members)> {
         if method == SplitMethod::Linear {
             return Vec::new();
         }
@@ -85,7 +108,7 @@ impl ShapeBlock {
     }
 
     /// Makes blocks of all of these shapes, by their numbers, also of those that have no others next to them.
-    pub fn gather_all(instances: &Instances, members: &[u32]) -> Vec<Self> {
+    pub fn gather_all(instances: &Instances, members: &[u32]) -> Vec<(Self, Members)> {
         let bounds: Vec<Aabb> = members
             .iter()
             .map(|&member| instances[member as usize].world_bounds())
@@ -100,22 +123,12 @@ impl ShapeBlock {
     }
 
     /// A block of these shapes, of which there may be none.
-    pub fn of(instances: &Instances, members: &[u32]) -> Self {
+    pub fn of(instances: &Instances, members: &[u32]) -> (Self, Members) {
         let bounds = members.iter().map(|&member| instances[member as usize].world_bounds());
         Self::new(instances, members, bounds.fold(Aabb::EMPTY, Aabb::union))
     }
 
-    /// The block with other numbers for the same shapes.
-    pub fn renumbered(&self, new: impl Fn(u32) -> u32) -> Self {
-        let mut block = self.clone();
-        let used = self.members().len();
-        block.members[..used]
-            .iter_mut()
-            .for_each(|member| *member = new(*member));
-        block
-    }
-
-    fn new(instances: &Instances, members: &[u32], bounds: Aabb) -> Self {
+    fn new(instances: &Instances, members: &[u32], bounds: Aabb) -> (Self, Members) {
         let mut block = Self {
             bounds,
             rows: [Vec3Lanes::ZERO; 3],
@@ -124,7 +137,6 @@ impl ShapeBlock {
             spheres: 0,
             rectangles: 0,
             disks: 0,
-            members: [NO_PRIMITIVE; LANES],
         };
         for (lane, &member) in members.iter().enumerate() {
             let shape = &instances[member as usize];
@@ -143,15 +155,8 @@ impl ShapeBlock {
                 _ => &mut block.disks,
             };
             *kind |= 1 << lane;
-            block.members[lane] = member;
         }
-        block
-    }
-
-    /// The indices of the shapes among the instances.
-    pub fn members(&self) -> &[u32] {
-        let used = (self.spheres | self.rectangles | self.disks).count_ones();
-        &self.members[..used as usize]
+        (block, Members::of(members))
     }
 
     #[inline(always)]
@@ -191,9 +196,9 @@ impl ShapeBlock {
         BlockHits { t, u, v, met }
     }
 
-    /// The nearest hit.
+    /// The nearest hit. `members` are those of the block.
     #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+    pub fn closest(&self, members: &Members, ray: &Ray) -> Option<Hit> {
         let BlockHits { t, u, v, met } = self.test(ray);
         let t = t.as_array();
         let nearest = each_lane(met).reduce(|a, b| if t[b] < t[a] { b } else { a })?;
@@ -202,7 +207,7 @@ impl ShapeBlock {
             u: u.as_array()[nearest],
             v: v.as_array()[nearest],
         };
-        Some(Hit::of_shape(self.members[nearest], hit))
+        Some(Hit::of_shape(members.0[nearest], hit))
     }
 
     #[inline]
@@ -266,11 +271,15 @@ mod tests {
         let mut shapes = row(|_| Vec3::ONE);
         shapes.push(placed(Primitive::Cylinder, Vec3::ONE, 0.0, Vec3::ZERO));
         let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
-        let mut members: Vec<u32> = blocks.iter().flat_map(ShapeBlock::members).copied().collect();
-        for block in &blocks {
-            let around = block.members().iter().map(|&k| shapes[k as usize].world_bounds());
+        let mut members: Vec<u32> = blocks
+            .iter()
+            .flat_map(|(_, members)| members.indices())
+            .copied()
+            .collect();
+        for (block, members) in &blocks {
+            let around = members.indices().iter().map(|&k| shapes[k as usize].world_bounds());
             assert_eq!(block.bounds, around.fold(Aabb::EMPTY, Aabb::union));
-            assert!((FEWEST..=LANES).contains(&block.members().len()));
+            assert!((FEWEST..=LANES).contains(&members.indices().len()));
         }
         members.sort_unstable();
         assert!(members.is_sorted_by(|a, b| a < b) && members.iter().all(|&k| k < 40));
@@ -284,8 +293,8 @@ mod tests {
         );
         shapes.insert(0, floor);
         let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
-        assert!(blocks.iter().all(|block| !block.members().contains(&0)));
-        assert!(blocks.iter().map(|block| block.members().len()).sum::<usize>() > 30);
+        assert!(blocks.iter().all(|(_, members)| !members.indices().contains(&0)));
+        assert!(blocks.iter().map(|(_, members)| members.indices().len()).sum::<usize>() > 30);
         assert!(ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Linear).is_empty());
         assert!(ShapeBlock::gather(&shapes[..3].to_vec().into(), SplitMethod::Sah).is_empty());
     }
@@ -299,16 +308,19 @@ mod tests {
         ] {
             let scene = crate::accel::Tlas::build(shapes.clone(), SplitMethod::Sah);
             let blocks = ShapeBlock::gather(&shapes.clone().into(), SplitMethod::Sah);
-            assert_eq!(blocks[0].squared_radii.is_some(), shapes[0].world_bounds().min.y < -0.6);
+            assert_eq!(
+                blocks[0].0.squared_radii.is_some(),
+                shapes[0].world_bounds().min.y < -0.6
+            );
             let mut met = 0;
             for k in 0..2000 {
                 let part = |factor: f32| (k as f32 * factor).fract() - 0.5;
                 let dir = Vec3::new(part(0.7548), part(0.5698), part(0.3117)).normalize();
                 let target = Vec3::new(3.0 * (k % 40) as f32, 0.5, -700.0);
-                let block = blocks.iter().find(|block| block.members().contains(&(k as u32 % 40)));
-                let Some(block) = block else { continue };
+                let block = (blocks.iter()).find(|(_, members)| members.indices().contains(&(k as u32 % 40)));
+                let Some((block, members)) = block else { continue };
                 let ray = Ray::new(target - 9.0 * dir, dir);
-                let Some(hit) = block.closest(&ray) else {
+                let Some(hit) = block.closest(members, &ray) else {
                     panic!("through the middle of {k}")
                 };
                 met += 1;
@@ -316,8 +328,12 @@ mod tests {
                 let n = point.geometric_normal;
                 let leave = |dir: Vec3| Ray::new(offset_origin(point.position, point.error, n, dir), dir);
                 let outside = leave(n + 0.9 * n.any_orthonormal_vector());
-                assert!(block.closest(&outside).is_none_or(|next| next.instance != hit.instance));
-                let within = block.closest(&leave(-n)).unwrap();
+                assert!(
+                    block
+                        .closest(members, &outside)
+                        .is_none_or(|next| next.instance != hit.instance)
+                );
+                let within = block.closest(members, &leave(-n)).unwrap();
                 assert!(within.instance == hit.instance && within.t > 0.2, "{within:?}");
             }
             assert!(met > 1000);

@@ -99,8 +99,20 @@ impl<T> SharedList<T> {
         if removed.is_empty() && inserted.len() == 0 {
             return;
         }
+        /// Moving all that comes after is quicker than a new list, up to this number of entries.
+        const FEW: usize = 8;
         let first_new = self.stored() as u32;
         let edits = self.edits();
+        if removed.len() + inserted.len() <= FEW {
+            for &number in removed.iter().rev() {
+                edits.places.remove(number as usize);
+            }
+            for (place, (number, value)) in (first_new..).zip(inserted) {
+                edits.places.insert(number as usize, place);
+                edits.new.push(value);
+            }
+            return;
+        }
         let mut removed = removed.iter().peekable();
         let is_left = |(number, _): &(u32, &u32)| removed.next_if(|&&gone| gone == *number).is_none();
         let left: Vec<u32> = ((0..).zip(&edits.places).filter(is_left))
@@ -196,6 +208,22 @@ mod tests {
         assert_eq!(shared.stored(), 7);
         let anew = shared.made_anew();
         assert_eq!((anew.made(), anew.stored()), (&['x', 'b', 'd'][..], 3));
+    }
+
+    #[test]
+    fn many_entries_are_put_in_as_few_are() {
+        let mut shared = SharedList::from((0..100).collect::<Vec<u32>>());
+        let mut plain: Vec<u32> = (0..100).collect();
+        let removed: Vec<u32> = (0..100).step_by(9).collect();
+        for number in removed.iter().rev() {
+            plain.remove(*number as usize);
+        }
+        let inserted: Vec<(u32, u32)> = (0..30).map(|number| (3 * number, 1000 + number)).collect();
+        inserted
+            .iter()
+            .for_each(|(number, value)| plain.insert(*number as usize, *value));
+        shared.splice(&removed, inserted.into_iter());
+        assert!(shared.iter().eq(&plain));
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::blas::Blas;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
-use super::shape_block::ShapeBlock;
+use super::shape_block::{Members, ShapeBlock};
 use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
 use super::tiny_mesh::TinyMesh;
 use super::traverse::TraversalStats;
@@ -29,7 +29,7 @@ const MOST_BLOCKS: usize = 64;
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
     pub instances: &'a [Instance],
-    pub blocks: &'a [ShapeBlock],
+    pub blocks: (&'a [ShapeBlock], &'a [Members]),
 }
 
 /// The shapes of a scene that has few, the cheap ones first.
@@ -84,12 +84,12 @@ impl SmallScene {
         let mut alone = vec![true; instances.len()];
         let mut shapes = Vec::new();
         if instances.len() > MOST_SHAPES {
-            for &member in blocks.iter().flat_map(ShapeBlock::members) {
+            for &member in blocks.1.iter().flat_map(Members::indices) {
                 alone[member as usize] = false;
             }
             shapes.push(SceneShape::BLOCKS);
         }
-        if blocks.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
+        if blocks.0.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
             return None;
         }
         let alone = (0..).zip(instances.iter()).filter(|&(index, _)| alone[index as usize]);
@@ -225,7 +225,7 @@ impl SmallScene {
                             None => 0,
                         }
                     }
-                    Kind::Blocks => any_of_blocks(left, scene.blocks, rays),
+                    Kind::Blocks => any_of_blocks(left, scene.blocks.0, rays),
                     Kind::Other => rays.lanes_where(left, |ray| shape.instance(scene).occluded(ray)),
                 };
         }
@@ -323,12 +323,18 @@ impl Nearest {
 
     /// Tests the rays of the lanes `mask` against the blocks whose boxes they meet.
     #[inline(never)]
-    fn test_blocks(&mut self, mask: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
+    fn test_blocks(
+        &mut self,
+        mask: u32,
+        number: Lanes,
+        (blocks, members): (&[ShapeBlock], &[Members]),
+        rays: &RayLanes,
+    ) {
         let slabs = SlabLanes::new(rays);
-        for block in blocks {
+        for (block, members) in blocks.iter().zip(members) {
             let met = slabs.meets(&block.bounds, self.t).to_bitmask() & mask;
             for lane in each_lane(met) {
-                if let Some(hit) = block.closest(&self.shortened(lane, rays)) {
+                if let Some(hit) = block.closest(members, &self.shortened(lane, rays)) {
                     self.set(lane, number, hit);
                 }
             }

@@ -13,8 +13,8 @@ use super::loose::Loose;
 use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
-use super::shape_block::ShapeBlock;
-use super::shared_list::SharedList;
+use super::shape_block::{Members, ShapeBlock};
+use super::shape_blocks::ShapeBlocks;
 use super::small_scene::{Shapes, SmallScene};
 use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
@@ -30,7 +30,7 @@ pub struct Tlas {
     /// The number of shapes before the first member of each group.
     pub(super) first_shape: Vec<usize>,
     pub(super) placements: Vec<Placement>,
-    pub(super) blocks: SharedList<ShapeBlock>,
+    pub(super) blocks: ShapeBlocks,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
     /// The instances without a hierarchy, if there are only a few shapes.
@@ -47,7 +47,7 @@ pub struct Tlas {
 pub(super) enum Item<'a> {
     Shape(&'a Instance),
     Placement(&'a Placement),
-    Block(&'a ShapeBlock),
+    Block(&'a ShapeBlock, &'a Members),
 }
 
 impl Tlas {
@@ -78,7 +78,7 @@ impl Tlas {
                 first
             })
             .collect();
-        let blocks: SharedList<ShapeBlock> = ShapeBlock::gather(&instances, method).into();
+        let blocks: ShapeBlocks = ShapeBlock::gather(&instances, method).into();
         let small_scene = placements
             .is_empty()
             .then(|| {
@@ -193,7 +193,7 @@ impl Tlas {
     /// Whether each instance is in a block.
     fn in_block(&self) -> Vec<bool> {
         let mut in_block = vec![false; self.instances.len()];
-        for &member in self.blocks.iter().flat_map(ShapeBlock::members) {
+        for &member in self.blocks.members().iter().flat_map(Members::indices) {
             in_block[member as usize] = true;
         }
         in_block
@@ -209,7 +209,7 @@ impl Tlas {
             Item::Shape(_) if in_block => Aabb::EMPTY,
             Item::Shape(shape) => shape.world_bounds(),
             Item::Placement(placement) => self.placed_bounds(placement),
-            Item::Block(block) => block.bounds,
+            Item::Block(block, _) => block.bounds,
         }
     }
 
@@ -222,7 +222,10 @@ impl Tlas {
         let beyond = number - self.instances.len();
         match self.placements.get(beyond) {
             Some(placement) => Item::Placement(placement),
-            None => Item::Block(&self.blocks[beyond - self.placements.len()]),
+            None => {
+                let (block, members) = self.blocks.get(beyond - self.placements.len());
+                Item::Block(block, members)
+            }
         }
     }
 
@@ -269,16 +272,14 @@ impl Tlas {
                 _ => None,
             })
             .collect();
-        let own = self.bvh.bytes()
-            + self.instances.len() * size_of::<Instance>()
-            + self.blocks.len() * size_of::<ShapeBlock>();
+        let own = self.bvh.bytes() + self.instances.len() * size_of::<Instance>() + self.blocks.bytes();
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
     /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.len() * size_of::<ShapeBlock>();
+        stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.bytes();
         stats
     }
 
@@ -301,7 +302,7 @@ impl Tlas {
         self.bvh.expected_work(|number| match self.item(number) {
             Item::Shape(_) => of_shape[number as usize],
             Item::Placement(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
-            Item::Block(block) => block.members().len() as f64,
+            Item::Block(_, members) => members.indices().len() as f64,
         })
     }
 
@@ -333,11 +334,11 @@ impl Tlas {
                 let found = match self.item(number) {
                     Item::Shape(shape) => shape.closest::<COUNT>(number, &ray, &mut inner),
                     Item::Placement(placement) => self.closest_placed::<COUNT>(number, placement, &ray, &mut inner),
-                    Item::Block(block) => {
+                    Item::Block(block, members) => {
                         if COUNT {
-                            inner.primitives += block.members().len() as u32 - 1;
+                            inner.primitives += members.indices().len() as u32 - 1;
                         }
-                        block.closest(&ray)
+                        block.closest(members, &ray)
                     }
                 };
                 if let Some(hit) = found {
@@ -405,7 +406,7 @@ impl Tlas {
             self.bvh.order()[range].iter().any(|&number| match self.item(number) {
                 Item::Shape(shape) => shape.occluded(ray),
                 Item::Placement(placement) => self.occluded_placed(placement, ray),
-                Item::Block(block) => block.any(ray),
+                Item::Block(block, _) => block.any(ray),
             })
         })
     }

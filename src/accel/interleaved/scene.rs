@@ -7,7 +7,7 @@ use crate::accel::bvh::Bvh;
 use crate::accel::hit::Hit;
 use crate::accel::instance::Primitive;
 use crate::accel::node::{Child, RaySlabs};
-use crate::accel::shape_block::ShapeBlock;
+use crate::accel::shape_block::{Members, ShapeBlock};
 use crate::accel::tlas::{Item, Tlas};
 use crate::accel::triangle_block::TriangleBlock;
 use crate::geometry::triangle::TriangleRay;
@@ -160,7 +160,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
                 });
                 return;
             }
-            Item::Block(block) => return self.visit_block(block, &ray),
+            Item::Block(block, members) => return self.visit_block(block, members, &ray),
         };
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
@@ -183,8 +183,8 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
 
     /// Out of line once more: its vectors take room that other shapes do without.
     #[inline(never)]
-    fn visit_block(&mut self, block: &ShapeBlock, ray: &Ray) {
-        if let Some(hit) = block.closest(ray) {
+    fn visit_block(&mut self, block: &ShapeBlock, members: &Members, ray: &Ray) {
+        if let Some(hit) = block.closest(members, ray) {
             self.take(hit);
         }
     }
