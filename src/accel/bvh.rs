@@ -174,6 +174,26 @@ impl Bvh {
         }
     }
 
+    /// Whether `is_sought` says so of any primitive in boxes that `touches` says so of.
+    pub(super) fn any_item(&self, touches: impl Fn(&Aabb) -> bool, mut is_sought: impl FnMut(u32) -> bool) -> bool {
+        let mut pending = vec![0usize];
+        while let Some(index) = pending.pop() {
+            let node = &self.nodes[index];
+            for slot in (0..node.slots_used()).filter(|&slot| touches(&node.bounds(slot))) {
+                let child = node.children[slot];
+                if !child.is_leaf() {
+                    pending.push(child.index());
+                    continue;
+                }
+                let held = self.order[self.leaf_range(child)].iter();
+                if held.filter(|&&held| held != NO_PRIMITIVE).any(|&held| is_sought(held)) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())
     }

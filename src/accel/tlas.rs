@@ -315,6 +315,19 @@ impl Tlas {
         self.bvh.validate(&bounds)
     }
 
+    /// Whether `is_sought` says so of any instance or placement whose world bounds touch a box. It gets its number, as [`Hit::instance`] counts them, and
+    /// its bounds.
+    pub fn any_touching(&self, sought: &Aabb, mut is_sought: impl FnMut(u32, &Aabb) -> bool) -> bool {
+        let touches = |bounds: &Aabb| bounds.min.cmple(sought.max).all() && bounds.max.cmpge(sought.min).all();
+        let mut is_found = |number: u32, bounds: Aabb| touches(&bounds) && is_sought(number, &bounds);
+        self.bvh.any_item(touches, |number| match self.item(number) {
+            Item::Shape(shape) => is_found(number, shape.world_bounds()),
+            Item::Placement(placement) => is_found(number, self.placed_bounds(placement)),
+            Item::Block(_, members) => (members.indices().iter())
+                .any(|&member| is_found(member, self.instances[member as usize].world_bounds())),
+        })
+    }
+
     /// The nearest hit with t_min < t < t_max.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.closest::<false>(ray, &mut TraversalStats::default())

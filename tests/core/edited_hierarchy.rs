@@ -6,7 +6,7 @@ use crate::random::Random;
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, ShapeEdits, SplitMethod, Tlas};
 use sunroom::geometry::primitives::unit_cube;
-use sunroom::math::Ray;
+use sunroom::math::{Aabb, Ray};
 
 /// The edge of the cube that shapes are in.
 const EDGE: f32 = 40.0;
@@ -108,6 +108,19 @@ fn edited_hierarchies_are_those_of_the_edited_lists() {
         let whole = Tlas::build(shapes.clone(), SplitMethod::Sah);
         assert_eq!(tlas.bounds(), whole.bounds(), "step {step}");
         assert_eq!(tlas.triangles(), whole.triangles());
+        let sought = Aabb::EMPTY
+            .grown(0.5 * EDGE * random.in_cube())
+            .grown(0.5 * EDGE * random.in_cube());
+        let mut found = Vec::new();
+        assert!(!tlas.any_touching(&sought, |number, bounds| {
+            assert_eq!(*bounds, shapes[number as usize].world_bounds());
+            found.push(number);
+            false
+        }));
+        found.sort_unstable();
+        let touches = |bounds: Aabb| bounds.min.cmple(sought.max).all() && bounds.max.cmpge(sought.min).all();
+        let all = (0..).zip(&shapes).filter(|(_, shape)| touches(shape.world_bounds()));
+        assert!(all.map(|(number, _)| number).eq(found), "step {step}");
         for ray in rays(&mut random) {
             let (here, there) = (tlas.intersect(&ray), whole.intersect(&ray));
             assert_eq!(tlas.occluded(&ray), here.is_some());

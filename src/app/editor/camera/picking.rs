@@ -139,6 +139,8 @@ pub struct SeenSurface {
     /// The geometric one on the side that was seen, unit length.
     pub normal: Vec3,
     pub entity: Entity,
+    /// The shape or placement, as [`Hit::instance`] counts them.
+    pub item: u32,
 }
 
 impl SeenSurface {
@@ -156,8 +158,17 @@ const BEHIND: f32 = 1e-5;
 
 /// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
 pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
+    surface_of_items(packed, ray, |_, entity| is_passed(entity))
+}
+
+/// [`surface`]; `is_passed` gets the shape or placement as well, as [`Hit::instance`] counts them.
+pub fn surface_of_items(
+    packed: &PackedScene,
+    ray: &Ray,
+    is_passed: impl Fn(u32, Entity) -> bool,
+) -> Option<SeenSurface> {
     let geometry = &packed.scene.as_ref()?.geometry;
-    let (rest, hit, entity) = first_hit(packed, ray, is_passed)?;
+    let (rest, hit, entity) = first_hit_of_items(packed, ray, is_passed)?;
     let point = geometry.surface_in(&rest, &hit, Detail::Plain);
     let normal = point.geometric_normal;
     Some(SeenSurface {
@@ -165,6 +176,7 @@ pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bo
         error: point.error,
         normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
         entity,
+        item: hit.instance,
     })
 }
 
@@ -203,6 +215,14 @@ pub fn mapped_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity
 
 /// The first hit of [`surface`], with the ray that it is a hit of. Borders of media are passed.
 pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<(Ray, Hit, Entity)> {
+    first_hit_of_items(packed, ray, |_, entity| is_passed(entity))
+}
+
+fn first_hit_of_items(
+    packed: &PackedScene,
+    ray: &Ray,
+    is_passed: impl Fn(u32, Entity) -> bool,
+) -> Option<(Ray, Hit, Entity)> {
     let scene = packed.scene.as_ref()?;
     let geometry = &scene.geometry;
     let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
@@ -216,7 +236,7 @@ pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
         };
         let hit = geometry.intersect(&rest)?;
         let entity = *packed.entity_of_instance.get(hit.instance as usize)?;
-        if !is_passed(entity) && !is_border(scene, &hit) {
+        if !is_passed(hit.instance, entity) && !is_border(scene, &hit) {
             return Some((rest, hit, entity));
         }
         passed += hit.t + step + BEHIND * (passed + hit.t);
@@ -278,6 +298,20 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
     (!bounds.is_empty()).then_some(bounds)
 }
 
+/// [`bounds_of`] the entity that has this shape or placement, as [`Hit::instance`] counts them. It takes no look at all shapes, since those of an
+/// entity stand together in the tables.
+pub fn bounds_of_item(packed: &PackedScene, item: u32) -> Option<Aabb> {
+    let geometry = &packed.scene.as_ref()?.geometry;
+    let entities = &packed.entity_of_instance;
+    let entity = entities.get(item as usize)?;
+    let is_own = |item: &u32| entities.get(*item as usize) == Some(entity);
+    let before = (0..item).rev().take_while(is_own);
+    let own = before.chain((item..).take_while(is_own));
+    let bounds = own.filter_map(|item| geometry.bounds_of(item));
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    (!bounds.is_empty()).then_some(bounds)
+}
+
 /// The world bounds of each of some shapes; None for those that are not in the picture.
 pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
     let mut bounds = vec![Aabb::EMPTY; entities.len()];
@@ -295,23 +329,6 @@ pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<A
         .into_iter()
         .map(|bounds| (!bounds.is_empty()).then_some(bounds))
         .collect()
-}
-
-/// Calls `visit` with the world bounds of each shape in the picture, or of as many instances of it as stand together in the tables.
-pub fn each_bounds(packed: &PackedScene, mut visit: impl FnMut(Entity, Aabb)) {
-    let Some(scene) = &packed.scene else {
-        return;
-    };
-    let mut first = 0;
-    for instances in packed.entity_of_instance.chunk_by(|one, next| one == next) {
-        let own = (first..).take(instances.len());
-        let bounds = own.filter_map(|item| scene.geometry.bounds_of(item));
-        let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
-        if !bounds.is_empty() {
-            visit(instances[0], bounds);
-        }
-        first += instances.len() as u32;
-    }
 }
 
 /// Half the field of view in radians along the picture's narrower side.
@@ -376,6 +393,18 @@ pub(crate) mod tests {
             "{far:?}"
         );
         assert_eq!(seen(&entities), None);
+    }
+
+    #[test]
+    fn bounds_of_an_item_are_those_of_its_entity() {
+        let places: Vec<Vec3> = (0..5).map(|k| Vec3::X * (3 * k) as f32).collect();
+        let (mut packed, entities) = spheres(&places);
+        packed.entity_of_instance = [0, 1, 1, 1, 2].map(|place| entities[place]).into();
+        for item in 0..5 {
+            let entity = packed.entity_of_instance[item as usize];
+            assert_eq!(bounds_of_item(&packed, item), bounds_of(&packed, entity), "{item}");
+        }
+        assert_eq!(bounds_of_item(&packed, 5), None);
     }
 
     #[test]

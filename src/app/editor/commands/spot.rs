@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
-use super::taken::{Slab, Taken, Things};
+use super::taken::{Taken, Things};
 use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -65,7 +65,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         false => FIRST,
     };
     let size = size.unwrap_or_else(suits);
-    let bounds_of = |entity: Entity| picking::bounds_of(packed, entity);
+    let is_passed = |item: u32| picking::bounds_of_item(packed, item).is_some_and(|bounds| is_like(&bounds, size, up));
     let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let right = -Vec3::from(pose.matrix3.x_axis)
         .reject_from(up)
@@ -85,33 +85,27 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         None if has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
         None => (seen, None),
     };
-    let is_passed = |entity: Entity| bounds_of(entity).is_some_and(|bounds| is_like(&bounds, size, up));
     // Beside a thing of similar size, whichever side of it is seen.
     let start = match surface {
-        Some(surface) if is_passed(surface.entity) => (surface.position, Some(surface)),
+        Some(surface) if is_passed(surface.item) => (surface.position, Some(surface)),
         _ => stand,
     };
-    let mut taken = None;
-    let mut find_taken = || {
-        let slab = Slab {
-            through: start.0,
-            across: right.cross(up).normalize_or_zero(),
-            half_width: size,
-        };
-        Taken::find(world, &mut things, packed, is_light, &slab, |bounds| {
-            is_like(bounds, size, up)
-        })
+    let mut taken = Taken {
+        world,
+        things: &mut things,
+        packed,
+        lights: is_light,
     };
     // None: something is in the way that is no similar thing.
     let walk = |way: Vec3| -> Option<Place> {
         let mut place = start;
         for _ in 0..MOST_TRIED {
             let (foot, on) = place;
-            let beside = match on.and_then(|on| bounds_of(on.entity)) {
+            let beside = match on.and_then(|on| picking::bounds_of_item(packed, on.item)) {
                 Some(bounds) if is_like(&bounds, size, up) => {
                     bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
                 }
-                _ if taken.get_or_insert_with(&mut find_taken).is_at(foot, up * size, lift) => {
+                _ if taken.is_at(foot, up * size, lift, |bounds| is_like(bounds, size, up)) => {
                     foot + way * ((APART - 1.0) * size)
                 }
                 _ => break,
@@ -208,8 +202,9 @@ fn looked_at(pose: &Affine3A, ground: &Ground) -> Vec3 {
 }
 
 /// Whether nothing is on the way but what may be passed.
-fn is_free(packed: &PackedScene, from: Vec3, step: Vec3, is_passed: impl Fn(Entity) -> bool) -> bool {
-    step == Vec3::ZERO || picking::surface(packed, &Ray::segment(from, from + step), is_passed).is_none()
+fn is_free(packed: &PackedScene, from: Vec3, step: Vec3, is_passed: impl Fn(u32) -> bool) -> bool {
+    let way = Ray::segment(from, from + step);
+    step == Vec3::ZERO || picking::surface_of_items(packed, &way, |item, _| is_passed(item)).is_none()
 }
 
 /// The first surface below a point, or the ground.

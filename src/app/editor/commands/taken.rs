@@ -1,6 +1,5 @@
 //! The places that are taken already where room is looked for.
 
-use bevy::ecs::entity::EntityHashMap;
 use bevy::math::Vec3;
 use bevy::prelude::*;
 
@@ -8,20 +7,6 @@ use crate::app::editor::camera::picking;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
-
-/// The part of space between two parallel planes. The feet of new things are looked for on one upright plane.
-pub(super) struct Slab {
-    pub through: Vec3,
-    /// The normal of the planes.
-    pub across: Vec3,
-    pub half_width: f32,
-}
-
-impl Slab {
-    pub fn contains(&self, place: Vec3) -> bool {
-        (place - self.through).dot(self.across).abs() <= self.half_width
-    }
-}
 
 // Members of groups are where the instances of the groups are.
 pub(super) type Things = QueryState<
@@ -35,55 +20,79 @@ pub(super) type Things = QueryState<
     Without<MemberOf>,
 >;
 
-/// The middles of the lights, or of the shapes, that exist already.
-pub(super) struct Taken(Vec<Vec3>);
+/// The lights, or the shapes, that exist already.
+pub(super) struct Taken<'a> {
+    pub world: &'a World,
+    pub things: &'a mut Things,
+    pub packed: &'a PackedScene,
+    pub lights: bool,
+}
 
-impl Taken {
-    /// Finds those in a slab that are like what is new. Things in whose middle something may stand, such as a floor, are not among them.
-    pub fn find(
-        world: &World,
-        things: &mut Things,
-        packed: &PackedScene,
-        lights: bool,
-        slab: &Slab,
-        is_like: impl Fn(&Aabb) -> bool,
-    ) -> Self {
-        let is_meant = |shape: Option<&Shape>, shines: bool, emitter: Option<&Emitter>| match lights {
-            true => shines || emitter.is_some_and(Emitter::has_place),
-            false => shape.is_some() && !shines,
-        };
-        let mut outside_picture: EntityHashMap<Vec3> = things
-            .iter(world)
-            .filter(|(_, _, shape, shines, emitter)| is_meant(*shape, *shines, *emitter))
-            .map(|(entity, pose, shape, ..)| {
-                let middle = shape.map_or(Vec3::ZERO, Shape::middle);
-                (entity, pose.0.transform_point3(middle))
-            })
-            .filter(|(_, place)| slab.contains(*place))
-            .collect();
-        let mut places = Vec::new();
-        // What is in the picture has its middle there.
-        picking::each_bounds(packed, |entity, bounds| {
-            outside_picture.remove(&entity);
-            if slab.contains(bounds.center())
-                && is_like(&bounds)
-                && let Ok((_, _, shape, shines, emitter)) = things.get_manual(world, entity)
-                && is_meant(shape, shines, emitter)
-            {
-                places.push(bounds.center());
-            }
-        });
-        places.extend(outside_picture.values());
-        Self(places)
+/// The places in whose middles other things must not be: an upright cylinder.
+struct Column {
+    foot: Vec3,
+    /// As long as half the size of what is new.
+    upwards: Vec3,
+    /// The distance from the foot to the position, in half sizes.
+    lift: f32,
+}
+
+impl Column {
+    fn contains(&self, place: Vec3) -> bool {
+        let size = self.upwards.length();
+        let from = place - self.foot;
+        let height = from.dot(self.upwards) / (size * size);
+        height > -1.0 && height < self.lift + 1.0 && from.reject_from(self.upwards).length() < size
     }
 
-    /// Whether something new would be in one of them. `upwards`: as long as half its size.
-    pub fn is_at(&self, foot: Vec3, upwards: Vec3, lift: f32) -> bool {
-        let size = upwards.length();
-        self.0.iter().any(|place| {
-            let from = *place - foot;
-            let height = from.dot(upwards) / (size * size);
-            height > -1.0 && height < lift + 1.0 && from.reject_from(upwards).length() < size
+    /// Bounds of at least the column.
+    fn bounds(&self) -> Aabb {
+        let [low, high] = [-1.0, self.lift + 1.0].map(|height| self.foot + height * self.upwards);
+        let around = Vec3::splat(self.upwards.length());
+        Aabb {
+            min: low.min(high) - around,
+            max: low.max(high) + around,
+        }
+    }
+}
+
+impl Taken<'_> {
+    /// Whether something new would be in one of them. `upwards`: as long as half its size. Things in whose middle something may stand, such as a floor,
+    /// are not like what is new.
+    pub fn is_at(&mut self, foot: Vec3, upwards: Vec3, lift: f32, is_like: impl Fn(&Aabb) -> bool) -> bool {
+        let column = Column { foot, upwards, lift };
+        self.is_in_picture(&column, is_like) || self.is_outside_picture(&column)
+    }
+
+    fn is_in_picture(&self, column: &Column, is_like: impl Fn(&Aabb) -> bool) -> bool {
+        let Some(scene) = &self.packed.scene else {
+            return false;
+        };
+        scene.geometry.any_touching(&column.bounds(), |item, bounds| {
+            column.contains(bounds.center())
+                && is_like(bounds)
+                && (self.packed.entity_of_instance.get(item as usize))
+                    .and_then(|entity| self.things.get_manual(self.world, *entity).ok())
+                    .is_some_and(|(_, _, shape, shines, emitter)| is_meant(self.lights, shape, shines, emitter))
         })
+    }
+
+    /// What is not in the picture yet is where its pose says.
+    fn is_outside_picture(&mut self, column: &Column) -> bool {
+        let meant = (self.things.iter(self.world))
+            .filter(|(_, _, shape, shines, emitter)| is_meant(self.lights, *shape, *shines, *emitter))
+            .filter(|(_, pose, shape, ..)| {
+                let middle = shape.map_or(Vec3::ZERO, Shape::middle);
+                column.contains(pose.0.transform_point3(middle))
+            });
+        let meant: Vec<Entity> = meant.map(|(entity, ..)| entity).collect();
+        !meant.is_empty() && picking::bounds_of_each(self.packed, &meant).contains(&None)
+    }
+}
+
+fn is_meant(lights: bool, shape: Option<&Shape>, shines: bool, emitter: Option<&Emitter>) -> bool {
+    match lights {
+        true => shines || emitter.is_some_and(Emitter::has_place),
+        false => shape.is_some() && !shines,
     }
 }
