@@ -54,9 +54,10 @@ pub(super) fn medium_rows(
         }
     }
     if inspected.has_side(MediumSide::Interior) && inspected.media_at[MediumSide::Interior as usize].is_none() {
-        let shapes = meant(inspected, model, MediumSide::Interior);
         let button = fields::buttons(ui, |ui| {
-            ui.menu_button("Fill with", |ui| fill_menu(ui, &shapes, model, commands))
+            ui.menu_button("Fill with", |ui| {
+                fill_menu(ui, &meant(inspected, model, MediumSide::Interior), model, commands);
+            })
         });
         button
             .response
@@ -152,11 +153,10 @@ fn meant(inspected: &Inspected, model: &Model, side: MediumSide) -> Vec<Entity> 
         MediumSide::Interior | MediumSide::Exterior => &[&outline.shapes],
         MediumSide::Around => &[&outline.sensors, &outline.lights],
     };
-    let selected = model.selection.entities();
     let mut meant: Vec<Entity> = lists
         .iter()
         .flat_map(|list| list.iter())
-        .filter(|item| item.kind != "group" && item.kind != "area" && selected.contains(&item.entity))
+        .filter(|item| item.kind != "group" && item.kind != "area" && model.selection.contains(item.entity))
         .map(|item| item.entity)
         .collect();
     if !meant.contains(&inspected.entity) {
