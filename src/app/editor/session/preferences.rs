@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{IoTaskPool, Task, TaskPool, block_on};
 use bevy::window::PrimaryWindow;
 use directories::ProjectDirs;
 
@@ -28,6 +30,8 @@ pub struct PreferencesFile {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
     written: Preferences,
+    /// They are being written: other files that are written at the time may keep the disk busy.
+    writing: Option<Task<std::io::Result<()>>>,
     looked_at: Instant,
     /// A problem with the file, in words.
     pub problem: Option<String>,
@@ -53,6 +57,7 @@ impl PreferencesFile {
         let mut file = Self {
             path: folder.map(|folder| folder.join(FILE)),
             written: Preferences::default(),
+            writing: None,
             looked_at: Instant::now(),
             problem: None,
         };
@@ -101,20 +106,51 @@ impl PreferencesFile {
 
     /// Writes the preferences if they differ from those in the file.
     pub fn store(&mut self, preferences: Preferences) {
-        let Some(path) = self.path.as_ref().filter(|_| preferences != self.written) else {
+        self.finish();
+        self.begin_to_store(preferences);
+        self.finish();
+    }
+
+    /// Begins to write them on another thread. Nothing else may be written meanwhile.
+    fn begin_to_store(&mut self, preferences: Preferences) {
+        let Some(path) = self.path.clone().filter(|_| preferences != self.written) else {
             return;
         };
-        let outcome = serde_json::to_vec_pretty(&preferences)
-            .map_err(std::io::Error::from)
-            .and_then(|text| {
-                std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-                write_atomically(path, text)
-            });
-        if let Err(error) = outcome {
-            self.problem = Some(format!("{}: {error}", path.display()));
-        }
+        let text = serde_json::to_vec_pretty(&preferences);
+        let writing = async move {
+            std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+            write_atomically(&path, text?)
+        };
+        self.writing = Some(IoTaskPool::get_or_init(TaskPool::default).spawn(writing));
         // After a failure nothing is written until there is another change.
         self.written = preferences;
+    }
+
+    /// Whether nothing is being written. Notes how the last write ended.
+    fn is_idle(&mut self) -> bool {
+        match self.writing.as_mut().map(check_ready) {
+            None => true,
+            Some(None) => false,
+            Some(Some(outcome)) => {
+                self.ended(outcome);
+                true
+            }
+        }
+    }
+
+    /// Waits until nothing is being written.
+    fn finish(&mut self) {
+        if let Some(writing) = self.writing.take() {
+            let outcome = block_on(writing);
+            self.ended(outcome);
+        }
+    }
+
+    fn ended(&mut self, outcome: std::io::Result<()>) {
+        self.writing = None;
+        if let (Err(error), Some(path)) = (outcome, &self.path) {
+            self.problem = Some(format!("{}: {error}", path.display()));
+        }
     }
 }
 
@@ -146,7 +182,7 @@ pub(crate) fn remember(
     let silent = file.bypass_change_detection();
     silent.looked_at = Instant::now();
     let problem = silent.problem.clone();
-    silent.store(Preferences {
+    let now = Preferences {
         layout: layout.to_json(),
         // At the end the window may be gone already.
         window: windows
@@ -162,7 +198,12 @@ pub(crate) fn remember(
         grid: settings.grid,
         dimensions: settings.dimensions,
         ..preferences.clone()
-    });
+    };
+    if ends {
+        silent.store(now);
+    } else if silent.is_idle() {
+        silent.begin_to_store(now);
+    }
     if silent.problem != problem {
         file.set_changed();
     }
