@@ -228,6 +228,7 @@ impl Plugin for EditorPlugin {
                         .in_set(EditorSystems::Gather),
                     (
                         commands::saving::go_on.run_if(resource_exists::<commands::saving::SaveUnderWay>),
+                        commands::exporting::go_on.run_if(resource_exists::<commands::exporting::ExportUnderWay>),
                         commands::timeline::play_on,
                         commands::apply_commands,
                         commands::kept_picture::follow,
@@ -278,6 +279,8 @@ impl Plugin for EditorPlugin {
                     automation::finish::log_at_exit,
                     commands::saving::finish_at_exit
                         .run_if(resource_exists::<commands::saving::SaveUnderWay>.and_then(on_message::<AppExit>)),
+                    commands::exporting::finish_at_exit
+                        .run_if(resource_exists::<commands::exporting::ExportUnderWay>.and_then(on_message::<AppExit>)),
                     session::preferences::remember,
                     session::stored_views::note_view,
                     session::recovery::plan_autosave,

@@ -110,6 +110,7 @@ impl Command {
             | Self::Save
             | Self::SaveScene(_)
             | Self::SaveChanged(..)
+            | Self::ExportScene(_)
             | Self::SaveImage(_)
             | Self::KeptPicture(_)
             | Self::ShowDialog(_)

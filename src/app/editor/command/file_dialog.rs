@@ -11,6 +11,8 @@ pub enum FileDialogKind {
     OpenScene,
     /// The file to save the scene to.
     SaveScene,
+    /// The file to export the scene to.
+    ExportScene,
     /// The file to save the picture to.
     SaveImage,
     /// A file whose content is added to the scene.

@@ -99,6 +99,8 @@ pub enum Command {
     SaveScene(PathBuf),
     /// Saves to this file even if others changed it since it was read.
     SaveChanged(PathBuf, OnChange),
+    /// Writes the scene to this file as glTF, for other programs. The scene's own file stays what it is.
+    ExportScene(PathBuf),
     /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
     /// Keeps the picture beside the scene, to render it later, or resumes one that was kept.

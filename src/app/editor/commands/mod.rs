@@ -10,6 +10,7 @@ pub mod bare_world;
 mod blocking;
 mod copying;
 mod edits;
+pub mod exporting;
 mod file_use;
 mod files;
 mod finished;
@@ -99,9 +100,10 @@ pub(crate) fn apply_commands(world: &mut World) {
         motion.note_change();
     }
     for command in commands {
-        let result = match saving::begin(world, &command) {
-            Ok(false) => apply(world, command),
-            begun => begun.map(|_| ()),
+        let result = match (saving::begin(world, &command), command) {
+            (Ok(false), Command::ExportScene(path)) => exporting::begin(world, path),
+            (Ok(false), command) => apply(world, command),
+            (begun, _) => begun.map(|_| ()),
         };
         let Err(error) = result else { continue };
         let mut toasts = world.resource_mut::<Toasts>();
@@ -195,6 +197,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::Save => files::save(world)?,
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
+        Command::ExportScene(path) => exporting::export_now(world, &path)?,
         Command::SaveImage(path) => full_film::save_image(world, path)?,
         Command::KeptPicture(command) => kept_picture::apply(world, command)?,
         Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),

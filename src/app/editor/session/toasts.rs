@@ -41,6 +41,8 @@ pub struct Toast {
     pub excerpt: Option<String>,
     /// A command that a button does, with its label.
     pub offer: Option<(&'static str, Command)>,
+    /// Whether it stays until it is dismissed. Errors do in any case.
+    pub stays: bool,
     /// The time at which it came up.
     pub since: Instant,
 }
@@ -90,6 +92,14 @@ impl Toasts {
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
+    /// Tells at length of something that was done only in part; it is shown until it is dismissed.
+    pub fn report(&mut self, message: String) {
+        self.add(Tone::Warning, Topic::Other, message, None);
+        if let Some(toast) = self.0.last_mut() {
+            toast.stays = true;
+        }
+    }
+
     /// Tells of an error. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended. `excerpt` holds the lines of the
     /// file that the error is about.
     pub fn error(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
@@ -111,6 +121,7 @@ impl Toasts {
             text,
             excerpt,
             offer: None,
+            stays: false,
             since: Instant::now(),
         });
         if self.0.len() > MOST {
@@ -155,7 +166,7 @@ impl Toast {
     /// The time that is left; None for messages that stay.
     fn left(&self) -> Option<Duration> {
         let shown = if self.offer.is_some() { OFFERED } else { SHOWN };
-        (self.tone != Tone::Error).then(|| shown.saturating_sub(self.since.elapsed()))
+        (self.tone != Tone::Error && !self.stays).then(|| shown.saturating_sub(self.since.elapsed()))
     }
 
     /// The opacity, in [0, 1].

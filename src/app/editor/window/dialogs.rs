@@ -29,6 +29,8 @@ pub struct Dialogs {
     picture_folder: Option<PathBuf>,
     /// The folder from which something was last imported.
     import_folder: Option<PathBuf>,
+    /// The folder to which a scene was last exported.
+    export_folder: Option<PathBuf>,
     /// The folder in which a folder was last chosen.
     around_folder: Option<PathBuf>,
 }
@@ -84,6 +86,7 @@ impl Dialogs {
                     }
                     FileDialogKind::Import => self.import_folder = folder,
                     FileDialogKind::AssetFolder => self.around_folder = folder,
+                    FileDialogKind::ExportScene => self.export_folder = folder,
                     FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
                 }
                 match picked(*kind, path) {
@@ -106,6 +109,7 @@ impl Dialogs {
                 .or_else(|| beside(model.scene).filter(|folder| check_writable(&folder.join("picture.png")).is_ok()))
                 .or_else(|| own_folder(model)),
             FileDialogKind::SaveScene => own_folder(model),
+            FileDialogKind::ExportScene => self.export_folder.clone().or_else(|| own_folder(model)),
             FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
             FileDialogKind::Import => self.import_folder.clone(),
             FileDialogKind::AssetFolder => self.around_folder.clone(),
@@ -190,6 +194,7 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
         FileDialogKind::SaveScene => Command::SaveScene(path),
+        FileDialogKind::ExportScene => Command::ExportScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
         FileDialogKind::OpenEnvironment if !PICTURES.contains(&extension(&path).as_str()) => {
             let known = PICTURES.join(", ");
@@ -225,6 +230,7 @@ const IMPORTS: &[&str] = &[
     "vol",
     "vdb",
 ];
+const EXPORTS: &[(&str, &str)] = &[("glTF, one file", "glb"), ("glTF, with files beside it", "gltf")];
 const IMAGES: &[(&str, &str)] = &[
     ("PNG, as shown", "png"),
     ("JPEG, as shown", "jpg"),
@@ -248,6 +254,10 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path, ending: &str) 
         FileDialogKind::SaveScene => (
             "Save the scene".to_owned(),
             Purpose::Save(&[("Scene", "xml")], proposed("scene", "xml")),
+        ),
+        FileDialogKind::ExportScene => (
+            "Export the scene to glTF".to_owned(),
+            Purpose::Save(EXPORTS, proposed("scene", "glb")),
         ),
         FileDialogKind::SaveImage => (
             format!("Save the picture (PNG: tone map {})", model.tone_map.name()),

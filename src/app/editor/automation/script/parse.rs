@@ -130,6 +130,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("save-to", [path]) => Command::SaveScene(path.into()),
         ("save-to", [path, "merge"]) => Command::SaveChanged(path.into(), OnChange::TakeIn),
         ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
+        ("export-to", [path]) => Command::ExportScene(path.into()),
         ("save-image-to", [path]) => Command::SaveImage(path.into()),
         ("import-file", [path]) => Command::Import(path.into()),
         ("use-file", [path, at @ ..]) if at.len() < 2 => {

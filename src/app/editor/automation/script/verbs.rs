@@ -1,9 +1,10 @@
 //! The verbs of scripts, with the words that follow them.
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 75] = [
+pub const VERBS: [(&str, &str); 76] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
+    ("export-to", "FILE"),
     ("save-image-to", "FILE"),
     ("import-file", "FILE"),
     (

@@ -3,6 +3,7 @@
 mod blocking;
 #[cfg(feature = "denoise")]
 mod denoising;
+mod exporting;
 mod file_use;
 mod files;
 mod full_film;

@@ -72,6 +72,9 @@ pub const FILE: &[Action] = &[
     action(Group::File, "save-as", "Save as…", &[command_shift(Key::S)], |_| {
         Some(Command::ShowDialog(FileDialogKind::SaveScene))
     }),
+    action(Group::File, "export", "Export to glTF…", &[], |_| {
+        Some(Command::ShowDialog(FileDialogKind::ExportScene))
+    }),
     action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
         Some(Command::ShowDialog(FileDialogKind::SaveImage))
     }),

@@ -1,0 +1,124 @@
+//! Exports the scene to glTF. It is described at once, and the files are made and written on another thread while the user goes on.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
+
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::session::toasts::Toasts;
+use crate::scene::export::{ExportError, Hidden, export};
+use crate::scene::write::gather::describe_entities;
+use crate::scene::{self, SceneAccess, SceneState, SceneStatus};
+
+/// The most losses that the window names; the log has all.
+const MOST_NAMED: usize = 8;
+
+/// What was lost, or why nothing was written.
+type Exported = Result<Vec<String>, ExportError>;
+
+/// The export that is under way.
+#[derive(Resource)]
+pub(crate) struct ExportUnderWay {
+    path: PathBuf,
+    task: Task<Exported>,
+}
+
+/// Begins to export the scene as it is now.
+pub(crate) fn begin(world: &mut World, path: PathBuf) -> Result<(), CommandError> {
+    if world.contains_resource::<ExportUnderWay>() {
+        return Err("An export is still under way.".into());
+    }
+    let task = start(world, &path)?;
+    let message = format!("Exporting to {}", path.display());
+    world.resource_mut::<Toasts>().info(message);
+    world.insert_resource(ExportUnderWay { path, task });
+    Ok(())
+}
+
+fn start(world: &mut World, path: &Path) -> Result<Task<Exported>, CommandError> {
+    if world.resource::<SceneStatus>().state == SceneState::Loading {
+        return Err(CommandError::file("A scene is still being read."));
+    }
+    let (scene, entities) = describe_entities(world);
+    let hidden = |entities: &[Entity]| {
+        let numbered = entities.iter().enumerate();
+        let hidden = numbered.filter(|(_, entity)| world.get::<scene::Hidden>(**entity).is_some());
+        hidden.map(|(index, _)| index).collect()
+    };
+    let hidden = Hidden {
+        shapes: hidden(&entities.shapes),
+        emitters: hidden(&entities.emitters),
+    };
+    let access = world.get_resource::<SceneAccess>().map(SceneAccess::get);
+    let access = access.unwrap_or_default();
+    let target = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+    Ok(pool.spawn(async move {
+        let made = export(&scene, &hidden, &target, &access)?;
+        made.write()?;
+        Ok(made.messages)
+    }))
+}
+
+/// Exports the scene, and waits for the end of it.
+pub(crate) fn export_now(world: &mut World, path: &Path) -> Result<(), CommandError> {
+    finish(world)?;
+    let exported = block_on(start(world, path)?);
+    tell(world, path, exported)
+}
+
+/// Goes on with the export that is under way, in every frame.
+pub(crate) fn go_on(world: &mut World) {
+    let Some(ExportUnderWay { path, mut task }) = world.remove_resource() else {
+        return;
+    };
+    let Some(exported) = check_ready(&mut task) else {
+        world.insert_resource(ExportUnderWay { path, task });
+        return;
+    };
+    if let Err(error) = tell(world, &path, exported) {
+        use crate::app::editor::session::toasts::Topic;
+        world
+            .resource_mut::<Toasts>()
+            .error(Topic::Other, error.to_string(), None);
+    }
+}
+
+/// Waits for the end of the export that is under way.
+fn finish(world: &mut World) -> Result<(), CommandError> {
+    match world.remove_resource() {
+        Some(ExportUnderWay { path, task }) => tell(world, &path, block_on(task)),
+        None => Ok(()),
+    }
+}
+
+/// Lets an export that is under way end before the program does.
+pub(crate) fn finish_at_exit(world: &mut World) {
+    if let Err(error) = finish(world) {
+        error!("The scene could not be exported: {error}");
+    }
+}
+
+fn tell(world: &mut World, path: &Path, exported: Exported) -> Result<(), CommandError> {
+    let lost = exported.map_err(CommandError::file)?;
+    let mut toasts = world.resource_mut::<Toasts>();
+    let done = format!("Exported to {}", path.display());
+    if lost.is_empty() {
+        toasts.info(done);
+        return Ok(());
+    }
+    for message in &lost {
+        warn!("{}: {message}", path.display());
+    }
+    let mut text = format!("{done}. Not all of the scene is in the file:");
+    for message in lost.iter().take(MOST_NAMED) {
+        text += &format!("\n• {message}");
+    }
+    if let Some(others) = lost.len().checked_sub(MOST_NAMED).filter(|others| *others > 0) {
+        text += &format!("\n• {others} more, which are in the log");
+    }
+    toasts.report(text);
+    Ok(())
+}
