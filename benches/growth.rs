@@ -314,7 +314,7 @@ fn seen(max_depth: u32) -> View {
         max_depth,
         Strategy::Mis,
     );
-    let Integrator::Path(settings) = &mut view.integrator;
+    let settings = view.integrator.settings_mut();
     settings.media = true;
     view
 }

@@ -152,7 +152,7 @@ fn main() {
             );
             render(&scene, &view, 1);
             view.seed = 2;
-            let Integrator::Path(settings) = &mut view.integrator;
+            let settings = view.integrator.settings_mut();
             settings.hide_emitters = true;
             let mut seconds = f64::INFINITY;
             let mut film = None;

@@ -141,6 +141,7 @@ impl Piece {
                 .iter()
                 .map(|layer| Layer::name(layer).to_owned())
                 .collect(),
+            splats: film.layers().splats,
             about: about(world, described),
         };
         let job = job_state(world).unwrap_or_default();

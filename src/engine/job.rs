@@ -399,10 +399,11 @@ impl Job {
 
     /// Does what follows from new tiles for the picture as a whole.
     fn settle(&mut self, film: &mut RenderFilm) {
-        film.samples = self.least_samples();
-        if film.film.settle_splats(film.samples) {
+        let samples = self.least_samples();
+        if film.film.has_splats() && samples > film.samples {
             self.tiles.iter().for_each(|&tile| film.mark(tile));
         }
+        film.samples = samples;
         self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         self.judge(film);
     }

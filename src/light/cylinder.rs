@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
-use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
 
 #[derive(Clone, Debug)]
 pub(super) struct CylinderLight {
@@ -42,7 +42,7 @@ impl CylinderLight {
     }
 
     /// Density per area where the local angle has this cosine and sine.
-    fn pdf_area(&self, around: Vec2) -> f32 {
+    fn pdf_around(&self, around: Vec2) -> f32 {
         let matrix = &self.world_from_local.matrix3;
         let along = matrix.y_axis * around.x - matrix.x_axis * around.y;
         1.0 / (TAU * along.cross(matrix.z_axis).length())
@@ -54,16 +54,27 @@ impl CylinderLight {
     }
 
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+        self.sample_area(u).seen_from(reference)
+    }
+
+    /// A point that is uniform in angle and height.
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
         let around = Vec2::from_angle(TAU * u.x);
-        let position = self.world_from_local.transform_point3(around.extend(u.y));
         let normal = Vec3::from(self.local_from_world.matrix3.transpose() * Vec3A::from(around.extend(0.0)));
-        let normal = self.side * normal.normalize_or_zero();
-        SurfaceSample::from_area(position, normal, self.pdf_area(around), reference)
+        AreaSample {
+            position: self.world_from_local.transform_point3(around.extend(u.y)),
+            normal: self.side * normal.normalize_or_zero(),
+            pdf_area: self.pdf_around(around),
+        }
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        let local = self.local_from_world.transform_point3(hit.position);
-        let around = local.truncate().normalize_or_zero();
-        solid_angle_pdf(self.pdf_area(around), hit.position, hit.normal, reference)
+        solid_angle_pdf(self.pdf_area(hit.position), hit.position, hit.normal, reference)
+    }
+
+    /// Density per area of [`Self::sample_area`].
+    pub fn pdf_area(&self, position: Vec3) -> f32 {
+        let local = self.local_from_world.transform_point3(position);
+        self.pdf_around(local.truncate().normalize_or_zero())
     }
 }

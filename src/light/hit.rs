@@ -29,6 +29,23 @@ pub(super) struct SurfaceSample {
     pub pdf_solid_angle: f32,
 }
 
+/// A point chosen on an emitter without regard to who looks at it, world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct AreaSample {
+    pub position: Vec3,
+    /// Unit normal on the side that shines, or on either if both can.
+    pub normal: Vec3,
+    /// Density per area.
+    pub pdf_area: f32,
+}
+
+impl AreaSample {
+    /// The sample as seen from a place; None if the point shows its back or its edge.
+    pub fn seen_from(self, reference: Vec3) -> Option<SurfaceSample> {
+        SurfaceSample::from_area(self.position, self.normal, self.pdf_area, reference)
+    }
+}
+
 impl SurfaceSample {
     /// A sample from a density per area; None if the point shows its back or its edge.
     pub fn from_area(position: Vec3, normal: Vec3, pdf_area: f32, reference: Vec3) -> Option<Self> {

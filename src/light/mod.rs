@@ -13,6 +13,8 @@ mod choice;
 mod constant;
 mod cylinder;
 mod directional;
+pub mod emission;
+mod emission_choice;
 mod environment;
 mod finite;
 mod hit;

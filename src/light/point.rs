@@ -1,11 +1,13 @@
 //! A point that sends the same intensity in all directions.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::bounds::{LightBounds, NormalCone};
+use super::emission::Beam;
 use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
 use crate::math::Aabb;
+use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointLight {
@@ -34,5 +36,14 @@ impl PointLight {
             pdf: 1.0,
             is_delta: true,
         })
+    }
+
+    /// A direction in which it shines, uniform over all.
+    pub fn sample_beam(&self, u: Vec2) -> Beam {
+        Beam {
+            dir: warp::uniform_sphere(u),
+            intensity: self.intensity,
+            pdf_solid_angle: warp::UNIFORM_SPHERE_PDF,
+        }
     }
 }

@@ -8,10 +8,12 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
 use super::bounds::{LightBounds, NormalCone};
-use super::texture_density::mean_luminance;
+use super::emission::Beam;
+use super::texture_density::{self, mean_luminance};
 use super::{LightSample, Target};
 use crate::color::Rgb;
 use crate::math::Aabb;
+use crate::sampling::PiecewiseBilinear2d;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// A projector as a scene describes it.
@@ -35,12 +37,15 @@ pub(super) struct ProjectorLight {
     projector: Projector,
     local_from_world: Affine3A,
     mean_irradiance: f32,
+    /// The density over the picture, if it is not of one colour.
+    density: Option<Box<PiecewiseBilinear2d>>,
 }
 
 impl ProjectorLight {
     pub fn new(projector: Projector, textures: &TextureTable) -> Self {
         Self {
             mean_irradiance: mean_luminance(textures, projector.irradiance),
+            density: texture_density::density(textures, projector.irradiance).map(Box::new),
             local_from_world: projector.world_from_local.inverse(),
             projector,
         }
@@ -53,24 +58,61 @@ impl ProjectorLight {
     /// Samples the light; None outside of the picture's frustum.
     pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
         let local = self.local_from_world.transform_point3(reference);
-        if local.z <= 0.0 {
-            return None;
-        }
-        let uv = Vec2::splat(0.5) - 0.5 * local.truncate() / (local.z * self.projector.half_size);
-        if uv.min_element() < 0.0 || uv.max_element() > 1.0 {
-            return None;
-        }
+        let uv = self.uv(local)?;
         let wi = (self.position() - reference).try_normalize()?;
-        let axis = Vec3::from(self.projector.world_from_local.transform_vector3a(Vec3A::Z));
-        let cos = -axis.dot(wi);
-        let irradiance = textures.light(self.projector.irradiance, &TexturePoint::of_uv(uv));
         Some(LightSample {
             wi,
             target: Target::Point(self.position()),
-            radiance: irradiance * (PI * self.projector.scale / (local.z * local.z * cos)),
+            radiance: self.radiance(uv, local.z, -wi, textures),
             pdf: 1.0,
             is_delta: true,
         })
+    }
+
+    /// The place in the picture of a local point; None outside of the frustum.
+    fn uv(&self, local: Vec3) -> Option<Vec2> {
+        let uv = Vec2::splat(0.5) - 0.5 * local.truncate() / (local.z * self.projector.half_size);
+        (local.z > 0.0 && uv.min_element() >= 0.0 && uv.max_element() <= 1.0).then_some(uv)
+    }
+
+    /// The radiance at a local height of `z` that comes along `dir` from this place of the picture.
+    fn radiance(&self, uv: Vec2, z: f32, dir: Vec3, textures: &TextureTable) -> Rgb {
+        let axis = Vec3::from(self.projector.world_from_local.transform_vector3a(Vec3A::Z));
+        let irradiance = textures.light(self.projector.irradiance, &TexturePoint::of_uv(uv));
+        irradiance * (PI * self.projector.scale / (z * z * axis.dot(dir)))
+    }
+
+    /// A direction in which it shines, by the picture's brightness.
+    pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
+        let uv = self.density.as_ref().map_or(u, |density| density.sample(u).position);
+        let local = (self.projector.half_size * (1.0 - 2.0 * uv)).extend(1.0);
+        let dir = self
+            .projector
+            .world_from_local
+            .transform_vector3(local)
+            .try_normalize()?;
+        let pdf_solid_angle = self.beam_pdf(dir);
+        let unit = self.local_from_world.transform_vector3(dir);
+        (pdf_solid_angle > 0.0).then(|| Beam {
+            dir,
+            intensity: self.radiance(uv, unit.z, dir, textures),
+            pdf_solid_angle,
+        })
+    }
+
+    /// Density per solid angle of [`Self::sample_beam`].
+    pub fn beam_pdf(&self, dir: Vec3) -> f32 {
+        let local = self.local_from_world.transform_vector3(dir);
+        let Some(uv) = self.uv(local) else {
+            return 0.0;
+        };
+        let pdf_uv = self.density.as_ref().map_or(1.0, |density| density.pdf(uv));
+        // From the picture to the plane z = 1, and from there to directions: the plane's part of an angle grows with the distance cubed.
+        let matrix = &self.projector.world_from_local.matrix3;
+        let half = self.projector.half_size;
+        let scaled_normal = Vec3::from(matrix.x_axis.cross(matrix.y_axis));
+        let distance = 1.0 / local.z;
+        pdf_uv * distance.powi(2) / (4.0 * half.x * half.y * scaled_normal.dot(dir).abs())
     }
 
     pub fn bounds(&self) -> LightBounds {

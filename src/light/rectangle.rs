@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
 use super::lanes::SoleRectangle;
 use crate::color::Rgb;
 use crate::math::Aabb;
@@ -78,20 +78,14 @@ impl RectangleLight {
         if (reference - self.corner).dot(self.normal) <= 0.0 {
             return None;
         }
-        if let Some(density) = &self.density {
-            let sample = density.sample(u);
-            let position = self.corner + sample.position.x * self.edge_u + sample.position.y * self.edge_v;
-            return SurfaceSample::from_area(position, self.normal, self.pdf_area * sample.pdf, reference);
-        }
-        if let Some(seen) = self.seen_from(reference) {
-            return Some(SurfaceSample {
+        match self.seen_from(reference) {
+            Some(seen) if self.density.is_none() => Some(SurfaceSample {
                 position: seen.sample(u),
                 normal: self.normal,
                 pdf_solid_angle: seen.pdf_solid_angle(),
-            });
+            }),
+            _ => self.sample_area(u).seen_from(reference),
         }
-        let position = self.corner + u.x * self.edge_u + u.y * self.edge_v;
-        SurfaceSample::from_area(position, self.normal, self.pdf_area, reference)
     }
 
     /// The rectangle in a form that is sampled from many places at once; None unless it is uniform in solid angle.
@@ -108,18 +102,35 @@ impl RectangleLight {
         })
     }
 
+    /// A point by the density if there is one, and else uniform in area.
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+        let (place, pdf) = match &self.density {
+            Some(density) => {
+                let sample = density.sample(u);
+                (sample.position, sample.pdf)
+            }
+            None => (u, 1.0),
+        };
+        AreaSample {
+            position: self.at(place),
+            normal: self.normal,
+            pdf_area: self.pdf_area * pdf,
+        }
+    }
+
+    /// Density per area of [`Self::sample_area`] at these texture coordinates.
+    pub fn pdf_area(&self, uv: Vec2) -> f32 {
+        self.pdf_area * self.density.as_ref().map_or(1.0, |density| density.pdf(uv))
+    }
+
     fn seen_from(&self, reference: Vec3) -> Option<SphericalRectangle> {
         self.rectangle.as_ref()?.seen_from(reference)
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        if let Some(density) = &self.density {
-            let pdf_area = self.pdf_area * density.pdf(hit.uv);
-            return solid_angle_pdf(pdf_area, hit.position, self.normal, reference);
-        }
         match self.seen_from(reference) {
-            Some(seen) => seen.pdf_solid_angle(),
-            None => solid_angle_pdf(self.pdf_area, hit.position, self.normal, reference),
+            Some(seen) if self.density.is_none() => seen.pdf_solid_angle(),
+            _ => solid_angle_pdf(self.pdf_area(hit.uv), hit.position, self.normal, reference),
         }
     }
 }

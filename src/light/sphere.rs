@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
-use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::math::Frame;
 use crate::sampling::warp;
 
@@ -68,6 +68,16 @@ impl SphereLight {
         })
     }
 
+    /// A point that is uniform in area, with its normal and the density.
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+        let normal = warp::uniform_sphere(u);
+        AreaSample {
+            position: self.center + self.radius * normal,
+            normal: self.side * normal,
+            pdf_area: 1.0 / self.area(),
+        }
+    }
+
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
         match self.cone(reference) {
             Some(one_minus_cos) => warp::uniform_cone_pdf(one_minus_cos),
@@ -112,16 +122,27 @@ impl EllipsoidLight {
     }
 
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+        self.sample_area(u).seen_from(reference)
+    }
+
+    /// A point that is uniform on the unit sphere.
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
         let local = Vec3A::from(warp::uniform_sphere(u));
         let (normal, pdf_area) = self.normal_and_pdf_area(local);
-        let position = self.world_from_local.transform_point3a(local).into();
-        let normal = self.side * Vec3::from(normal.normalize_or_zero());
-        SurfaceSample::from_area(position, normal, pdf_area, reference)
+        AreaSample {
+            position: self.world_from_local.transform_point3a(local).into(),
+            normal: self.side * Vec3::from(normal.normalize_or_zero()),
+            pdf_area,
+        }
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        let local = self.local_from_world.transform_point3a(hit.position.into());
-        let (_, pdf_area) = self.normal_and_pdf_area(local.normalize_or_zero());
-        solid_angle_pdf(pdf_area, hit.position, hit.normal, reference)
+        solid_angle_pdf(self.pdf_area(hit.position), hit.position, hit.normal, reference)
+    }
+
+    /// Density per area of [`Self::sample_area`].
+    pub fn pdf_area(&self, position: Vec3) -> f32 {
+        let local = self.local_from_world.transform_point3a(position.into());
+        self.normal_and_pdf_area(local.normalize_or_zero()).1
     }
 }

@@ -5,10 +5,12 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
 use super::bounds::{LightBounds, NormalCone};
+use super::emission::Beam;
 use super::texture_density::mean_luminance;
 use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::math::Aabb;
+use crate::math::{Aabb, Frame};
+use crate::sampling::warp;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// A spot light as a scene describes it.
@@ -56,19 +58,58 @@ impl SpotLight {
     /// Samples the light; None outside of the cone.
     pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
         let to_light = self.position() - reference;
-        let local = self.local_from_world.transform_vector3(-to_light).try_normalize()?;
+        let intensity = self.intensity(-to_light, textures)?;
+        Some(LightSample {
+            wi: to_light.normalize(),
+            target: Target::Point(self.position()),
+            radiance: intensity / to_light.length_squared(),
+            pdf: 1.0,
+            is_delta: true,
+        })
+    }
+
+    /// The radiant intensity in a direction, which is of any length; None outside of the cone.
+    fn intensity(&self, dir: Vec3, textures: &TextureTable) -> Option<Rgb> {
+        let local = self.local_from_world.transform_vector3(dir).try_normalize()?;
         let falloff = self.falloff(local.z);
         (falloff > 0.0).then(|| {
             let uv = Vec2::splat(0.5) + 0.5 * local.truncate() / (local.z * self.spot.cutoff_angle.tan());
             let color = textures.light(self.spot.texture, &TexturePoint::of_uv(uv));
-            LightSample {
-                wi: to_light.normalize(),
-                target: Target::Point(self.position()),
-                radiance: self.spot.intensity * color * falloff / to_light.length_squared(),
-                pdf: 1.0,
-                is_delta: true,
-            }
+            self.spot.intensity * color * falloff
         })
+    }
+
+    /// A direction in which it shines, uniform over the cone; None where it is dark.
+    pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
+        let dir = match self.cone() {
+            Some((axis, one_minus_cos)) => Frame::from_normal(axis).to_world(warp::uniform_cone(u, one_minus_cos)),
+            None => warp::uniform_sphere(u),
+        };
+        Some(Beam {
+            dir,
+            intensity: self.intensity(dir, textures)?,
+            pdf_solid_angle: self.beam_pdf(),
+        })
+    }
+
+    /// Density per solid angle of [`Self::sample_beam`] in the directions in which it shines.
+    pub fn beam_pdf(&self) -> f32 {
+        self.cone().map_or(warp::UNIFORM_SPHERE_PDF, |(_, one_minus_cos)| {
+            warp::uniform_cone_pdf(one_minus_cos)
+        })
+    }
+
+    /// The axis of the cone, and 1 - cos of its half angle; None if it is not known in the world.
+    fn cone(&self) -> Option<(Vec3, f32)> {
+        let axis = self.axis().try_normalize()?;
+        keeps_angles(self.spot.world_from_local.matrix3).then(|| {
+            let half = 0.5 * (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI);
+            (axis, 2.0 * half.sin().powi(2))
+        })
+    }
+
+    fn axis(&self) -> Vec3 {
+        self.spot.world_from_local.transform_vector3a(Vec3A::Z).into()
     }
 
     /// The share of the intensity at an angle from the axis.
@@ -83,7 +124,7 @@ impl SpotLight {
     }
 
     pub fn bounds(&self) -> LightBounds {
-        let axis = Vec3::from(self.spot.world_from_local.transform_vector3a(Vec3A::Z));
+        let axis = self.axis();
         let cos_emission = (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI).cos();
         // The width of the cone is not known if the map does not keep angles.
         let is_known = cos_emission >= 0.0 && keeps_angles(self.spot.world_from_local.matrix3);

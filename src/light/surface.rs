@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
-use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
 use super::lanes::SoleRectangle;
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
@@ -54,6 +54,18 @@ struct DiskLight {
     world_from_local: Affine3A,
     normal: Vec3,
     area: f32,
+}
+
+impl DiskLight {
+    /// A point that is uniform in area.
+    fn sample_area(&self, u: Vec2) -> AreaSample {
+        let p = warp::concentric_disk(u);
+        AreaSample {
+            position: self.world_from_local.transform_point3(p.extend(0.0)),
+            normal: self.normal,
+            pdf_area: 1.0 / self.area,
+        }
+    }
 }
 
 /// Relative rounding error allowed for a point on an emitter: a few roundings of its largest coordinate.
@@ -235,24 +247,24 @@ impl SurfaceLight {
     }
 
     /// A point of the surface with the data that textures need, if there are any.
-    fn hit(&self, part: u32, point: &SurfaceSample) -> SurfaceHit {
+    fn hit(&self, part: u32, position: Vec3, normal: Vec3) -> SurfaceHit {
         let mut hit = SurfaceHit {
-            position: point.position,
-            normal: point.normal,
-            shading_normal: point.normal,
+            position,
+            normal,
+            shading_normal: normal,
             primitive: self.primitive(part),
             barycentric: Vec2::ZERO,
             uv: Vec2::ZERO,
         };
         if let Parameter::Texture(_) = self.radiance {
-            let local = self.local_from_world.transform_point3(point.position);
+            let local = self.local_from_world.transform_point3(position);
             hit.uv = match (&self.shape, &self.mesh) {
                 (EmitterShape::Rectangle(_), _) => rectangle::parametrisation(local.x, local.y).uv,
                 (EmitterShape::Disk(_), _) => disk::parametrisation(local.x, local.y).uv,
                 (EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_), _) => sphere::uv(local.normalize_or_zero()),
                 (EmitterShape::Cylinder(_), _) => cylinder::uv(local),
                 (EmitterShape::Mesh(triangles), Some(mesh)) => {
-                    hit.barycentric = triangles[part as usize].barycentric(point.position);
+                    hit.barycentric = triangles[part as usize].barycentric(position);
                     mesh_uv(mesh, hit.primitive, hit.barycentric)
                 }
                 (EmitterShape::Mesh(_), None) => Vec2::ZERO,
@@ -263,6 +275,18 @@ impl SurfaceLight {
 
     /// A direction to a part; None where no light can come from (the back, the horizon).
     pub fn sample(&self, part: u32, reference: Vec3, u: Vec2, textures: &TextureTable) -> Option<LightSample> {
+        self.sample_hit(part, reference, u, textures).map(|(sample, _)| sample)
+    }
+
+    /// [`Self::sample`] with the point that was chosen.
+    #[inline(always)]
+    pub fn sample_hit(
+        &self,
+        part: u32,
+        reference: Vec3,
+        u: Vec2,
+        textures: &TextureTable,
+    ) -> Option<(LightSample, SurfaceHit)> {
         let point = self.sample_point(part, reference, u)?;
         if let (Some(instance), EmitterShape::Mesh(triangles)) = (&self.smooth, &self.shape)
             && !triangles[part as usize].shines(instance, point.position, reference)
@@ -271,12 +295,70 @@ impl SurfaceLight {
         }
         // The shadow ray ends in front of the surface, not on it.
         let end = offset_origin(point.position, self.error, point.normal, reference - point.position);
-        Some(LightSample {
+        let hit = self.hit(part, point.position, point.normal);
+        let sample = LightSample {
             wi: (point.position - reference).try_normalize()?,
             target: Target::Point(end),
-            radiance: self.radiance(&self.hit(part, &point), textures),
+            radiance: self.radiance(&hit, textures),
             pdf: point.pdf_solid_angle,
             is_delta: false,
+        };
+        Some((sample, hit))
+    }
+
+    /// A place on a part from which light starts, and the density per area; None where the part has no area.
+    pub fn sample_start(&self, part: u32, u: Vec2) -> Option<(SurfaceHit, f32)> {
+        let AreaSample {
+            position,
+            normal,
+            pdf_area,
+        } = self.sample_area(part, u)?;
+        let mut hit = self.hit(part, position, normal);
+        if let (Some(instance), EmitterShape::Mesh(triangles)) = (&self.smooth, &self.shape)
+            && triangles[part as usize].emits_by_shading_normal()
+        {
+            hit.shading_normal = triangles[part as usize].shading_normal(instance, position);
+        }
+        (pdf_area > 0.0 && pdf_area.is_finite() && normal.is_normalized()).then_some((hit, pdf_area))
+    }
+
+    /// Density per area of [`Self::sample_start`] at a point of the part.
+    pub fn start_pdf(&self, part: u32, hit: &SurfaceHit) -> f32 {
+        match &self.shape {
+            EmitterShape::Rectangle(light) => light.pdf_area(hit.uv),
+            EmitterShape::Disk(light) => 1.0 / light.area,
+            EmitterShape::Cylinder(light) => light.pdf_area(hit.position),
+            EmitterShape::Sphere(light) => 1.0 / light.area(),
+            EmitterShape::Ellipsoid(light) => light.pdf_area(hit.position),
+            EmitterShape::Mesh(triangles) => 1.0 / triangles[part as usize].area(),
+        }
+    }
+
+    /// Whether light leaves a part on both sides, as the shading normal says.
+    pub fn is_two_sided(&self, part: u32) -> bool {
+        matches!(&self.shape, EmitterShape::Mesh(triangles) if triangles[part as usize].emits_by_shading_normal())
+    }
+
+    /// The start of a ray that leaves a point of the surface.
+    pub fn leave(&self, hit: &SurfaceHit, dir: Vec3) -> Vec3 {
+        offset_origin(hit.position, self.error, hit.normal, dir)
+    }
+
+    fn sample_area(&self, part: u32, u: Vec2) -> Option<AreaSample> {
+        Some(match &self.shape {
+            EmitterShape::Rectangle(light) => light.sample_area(u),
+            EmitterShape::Disk(light) => light.sample_area(u),
+            EmitterShape::Cylinder(light) => light.sample_area(u),
+            EmitterShape::Sphere(light) => light.sample_area(u),
+            EmitterShape::Ellipsoid(light) => light.sample_area(u),
+            EmitterShape::Mesh(triangles) => {
+                let triangle = &triangles[part as usize];
+                AreaSample {
+                    position: triangle.at(u),
+                    normal: triangle.normal()?,
+                    pdf_area: 1.0 / triangle.area(),
+                }
+            }
         })
     }
 
@@ -290,11 +372,7 @@ impl SurfaceLight {
     fn sample_point(&self, part: u32, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.sample(reference, u),
-            EmitterShape::Disk(light) => {
-                let p = warp::concentric_disk(u);
-                let position = light.world_from_local.transform_point3(p.extend(0.0));
-                SurfaceSample::from_area(position, light.normal, 1.0 / light.area, reference)
-            }
+            EmitterShape::Disk(light) => light.sample_area(u).seen_from(reference),
             EmitterShape::Cylinder(light) => light.sample(reference, u),
             EmitterShape::Sphere(light) => light.sample(reference, u),
             EmitterShape::Ellipsoid(light) => light.sample(reference, u),
@@ -306,10 +384,7 @@ impl SurfaceLight {
     pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.at(u),
-            EmitterShape::Disk(light) => {
-                let p = warp::concentric_disk(u);
-                light.world_from_local.transform_point3(p.extend(0.0))
-            }
+            EmitterShape::Disk(light) => light.sample_area(u).position,
             EmitterShape::Mesh(triangles) => triangles[part as usize].at(u),
             EmitterShape::Cylinder(light) => light.on_axis(u.y),
             EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_) => self.bounds.center(),

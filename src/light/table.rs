@@ -1,5 +1,7 @@
 //! The table of all lights of a scene.
 
+mod emitting;
+
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -7,6 +9,7 @@ use glam::{Vec2, Vec3};
 use super::choice::{Chosen, LightChoice};
 use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
+use super::emission_choice::EmissionChoice;
 use super::environment::EnvironmentLight;
 use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
@@ -52,6 +55,7 @@ pub struct LightTable {
     /// The light that each part of any finite light belongs to.
     light_of_part: Vec<u32>,
     choice: LightChoice,
+    emission: EmissionChoice,
     textures: Arc<TextureTable>,
     /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
@@ -97,6 +101,7 @@ impl LightTable {
             table.places.push(place);
         }
         table.choice = LightChoice::new(&part_bounds, &infinite_weights);
+        table.emission = EmissionChoice::new(&part_bounds, &infinite_weights);
         table
     }
 

@@ -116,6 +116,11 @@ impl TriangleLight {
         SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
     }
 
+    /// The normal on the emitting side, or on either if both can shine.
+    pub fn normal(&self) -> Option<Vec3> {
+        self.scaled_normal().try_normalize()
+    }
+
     /// A point that is uniform in area.
     pub fn at(&self, u: Vec2) -> Vec3 {
         let [p0, p1, p2] = self.corners;
@@ -128,10 +133,14 @@ impl TriangleLight {
         if self.emission != Emission::ByShadingNormal {
             return true;
         }
-        let normal = smooth
+        (reference - position).dot(self.shading_normal(smooth, position)) > 0.0
+    }
+
+    /// The shading normal at a point of the triangle, which is one of `smooth`. Not of unit length.
+    pub fn shading_normal(&self, smooth: &Instance, position: Vec3) -> Vec3 {
+        smooth
             .shading_normal(self.primitive, self.barycentric(position))
-            .unwrap_or_else(|| flip(smooth) * counter_clockwise_normal(self.corners));
-        (reference - position).dot(normal) > 0.0
+            .unwrap_or_else(|| flip(smooth) * counter_clockwise_normal(self.corners))
     }
 
     /// The weights of the corners 1 and 2 at a point of the triangle.

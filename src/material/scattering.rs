@@ -131,6 +131,30 @@ impl Part<'_> {
             ..sample
         })
     }
+
+    /// The light that goes from `wo`, in world space, to `wi`: f |cos wo| of a path that comes from `wi`, times the weight.
+    fn eval_reverse(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
+        let factor = self.factor(wo);
+        if factor == 0.0 {
+            return Rgb::ZERO;
+        }
+        let wi = self.orientation.to_local(wi);
+        self.weight * factor * self.bsdf.eval(tables, wi, self.wo, TransportMode::Radiance)
+    }
+
+    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the weight.
+    fn reverse_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
+        if self.factor(wo) == 0.0 {
+            return 0.0;
+        }
+        self.weight * self.bsdf.pdf(tables, self.orientation.to_local(wi), self.wo)
+    }
+
+    /// The factor that turns the weight of a delta lobe into that for light from a lamp, but for the cosines with the geometric normal.
+    fn delta_correction(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let cosines = (self.wo.z / self.orientation.to_local(wi).z).abs();
+        cosines * self.factor(wo) / self.factor(wi)
+    }
 }
 
 impl<'a> Scattering<'a> {
@@ -163,18 +187,25 @@ impl<'a> Scattering<'a> {
 
     /// Samples a direction for the path, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
+        self.sample_part(u_lobe, u).map(|(sample, _)| sample)
+    }
+
+    /// [`Self::sample`], with the model that was chosen if there is one.
+    #[inline(always)]
+    fn sample_part(&self, u_lobe: f32, u: Vec2) -> Option<(ScatterSample, Option<&Part<'a>>)> {
         if let ([part], 0.0) = (&self.parts[..], self.null_share) {
             let sample = part.sample(self.tables, u_lobe, u, self.mode)?;
-            return Some(only(self.wo, part, sample, 1.0));
+            return Some((only(self.wo, part, sample, 1.0), Some(part)));
         }
         if u_lobe < self.null_share {
-            return Some(ScatterSample {
+            let straight = ScatterSample {
                 wi: -self.wo,
                 weight: Rgb::ONE,
                 pdf: self.null_share,
                 lobe: Lobe::Null,
                 eta: 1.0,
-            });
+            };
+            return Some((straight, None));
         }
         // All shares add up to 1; rounding may lead beyond the last.
         let mut left = u_lobe - self.null_share;
@@ -190,7 +221,7 @@ impl<'a> Scattering<'a> {
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
         let sample = part.sample(self.tables, u_part, u, self.mode)?;
         if sample.is_delta {
-            return Some(only(self.wo, part, sample, part.weight));
+            return Some((only(self.wo, part, sample, part.weight), Some(part)));
         }
         // Other parts could have sampled the direction as well.
         let pdf = part.weight * sample.pdf;
@@ -200,13 +231,47 @@ impl<'a> Scattering<'a> {
             let (other_value, other_pdf) = other.eval_and_pdf(self.tables, sample.wi, self.mode);
             (value + other_value, pdf + other_pdf)
         });
-        Some(ScatterSample {
+        let sample = ScatterSample {
             wi: sample.wi,
             weight: value / pdf,
             pdf,
             lobe: Lobe::Smooth,
             eta: sample.eta,
-        })
+        };
+        Some((sample, Some(part)))
+    }
+
+    /// The value of [`Self::eval_and_pdf`] for light that has come from a lamp along `-wo`: f |cos wo| |wi . n| / |wo . n| with the geometric
+    /// normal n, where f is that of a path from the camera. Shading normals are taken into account (Veach 1997, section 5.3).
+    pub fn eval_adjoint(&self, wi: Vec3, normal: Vec3) -> Rgb {
+        let parts = self.parts.iter();
+        let value: Rgb = parts.map(|part| part.eval_reverse(self.tables, self.wo, wi)).sum();
+        value * self.cosine_ratio(wi, normal)
+    }
+
+    /// The density with which a path that comes from `wi` is sent on to `wo`, without delta and null lobes.
+    pub fn reverse_pdf(&self, wi: Vec3) -> f32 {
+        let parts = self.parts.iter();
+        parts.map(|part| part.reverse_pdf(self.tables, self.wo, wi)).sum()
+    }
+
+    /// Samples a direction for light that has come from a lamp along `-wo`, as [`Self::sample`] does, with the weight of [`Self::eval_adjoint`]. The
+    /// scattering has to be that of [`TransportMode::Importance`].
+    pub fn sample_adjoint(&self, u_lobe: f32, u: Vec2, normal: Vec3) -> Option<ScatterSample> {
+        debug_assert_eq!(self.mode, TransportMode::Importance);
+        let (sample, part) = self.sample_part(u_lobe, u)?;
+        let weight = match (sample.lobe, part) {
+            (Lobe::Smooth, _) => self.eval_adjoint(sample.wi, normal) / sample.pdf,
+            (Lobe::Delta, Some(part)) => {
+                sample.weight * (part.delta_correction(self.wo, sample.wi) * self.cosine_ratio(sample.wi, normal))
+            }
+            (Lobe::Delta, None) | (Lobe::Null, _) => sample.weight,
+        };
+        weight.is_finite().then_some(ScatterSample { weight, ..sample })
+    }
+
+    fn cosine_ratio(&self, wi: Vec3, normal: Vec3) -> f32 {
+        (wi.dot(normal) / self.wo.dot(normal)).abs()
     }
 
     /// Takes out the only model; None if there are several, or if light passes straight through.

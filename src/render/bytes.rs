@@ -15,6 +15,11 @@ impl Writer {
         self.0.extend_from_slice(&number.to_le_bytes());
     }
 
+    /// Writes a very long whole number.
+    pub fn i128(&mut self, number: i128) {
+        self.0.extend_from_slice(&number.to_le_bytes());
+    }
+
     /// Writes the bits of a number.
     pub fn f32(&mut self, number: f32) {
         self.u32(number.to_bits());
@@ -57,6 +62,11 @@ impl<'a> Reader<'a> {
     /// The next long whole number.
     pub fn u64(&mut self) -> Result<u64, Damaged> {
         self.array().map(u64::from_le_bytes)
+    }
+
+    /// The next very long whole number.
+    pub fn i128(&mut self) -> Result<i128, Damaged> {
+        self.array().map(i128::from_le_bytes)
     }
 
     /// The next number.

@@ -2,6 +2,8 @@
 //!
 //! Camera space looks along +z with +x to the left and +y up, as in the scene format.
 
+mod importance;
+
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, Mat3, Mat4, Vec2, Vec3};
@@ -10,6 +12,8 @@ use crate::accel::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray};
 use crate::sampling::warp;
+
+pub use importance::RayTo;
 
 /// A thin lens with a circular or polygonal aperture: things off the focus plane are blurred.
 #[derive(Clone, Copy, Debug, PartialEq)]

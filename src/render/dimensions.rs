@@ -70,6 +70,34 @@ impl MediumDraw {
     }
 }
 
+/// The draws of a path that begins at a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LightDraw {
+    /// The lobe of the surface that the path follows; at depth 0 the choice of the light.
+    Lobe,
+    /// The direction that the path takes; a pair. At depth 0 that in which the light shines.
+    Direction,
+    /// Whether Russian roulette ends the path.
+    Roulette,
+    /// The place on the light, at depth 0 alone; a pair.
+    Place,
+    /// The point of the lens to which the vertex sends its light; a pair.
+    Lens,
+    /// The pixel near that point of the film.
+    Pixel,
+}
+
+/// Above the dimensions of media.
+const LIGHT_DIMENSIONS: u32 = 1 << 21;
+
+impl LightDraw {
+    /// The dimension of the draw at the vertex number `depth` of the path, counted from 0 at the light.
+    #[inline(always)]
+    pub fn at(self, depth: u32) -> u32 {
+        LIGHT_DIMENSIONS + depth * (Self::Pixel as u32 + 1) + self as u32
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +108,7 @@ mod tests {
     fn media_have_dimensions_of_their_own() {
         assert!(BounceDraw::Roulette.at(LONGEST_PATH) < MediumDraw::Distance.at(1u32));
         assert!(MediumDraw::LampPoint.at(1u32) < MediumDraw::Distance.at(2));
+        assert!(MediumDraw::LampPoint.at(LONGEST_PATH) < LightDraw::Lobe.at(0));
     }
 
     #[test]

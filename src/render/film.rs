@@ -14,7 +14,7 @@ use super::layers::{FilmLayers, LayerSums, Matte};
 use super::mean_error::{BLOCK, BLOCKS, BlockError};
 use super::passes::chunks_in;
 use super::scene::FirstHit;
-use super::splats::{Splat, Splats};
+use super::splats::{Splat, SplatSum, Splats, TileSplats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
 use crate::color::Rgb;
 
@@ -100,6 +100,7 @@ impl Film {
             + size_of::<BlockError>() / (BLOCK * BLOCK) as usize
             + size_of::<Option<FirstHit>>()
             + kept.pixel_bytes()
+            + if kept.splats { size_of::<SplatSum>() } else { 0 }
             + size_of::<PixelSum>()
             + kept.sum_bytes()
             + COPIES * size_of::<Rgb>();
@@ -123,12 +124,12 @@ impl Film {
         self.height
     }
 
-    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Their splats
-    /// wait for [`Self::settle_splats`]. Returns the preview that they replace.
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the
+    /// preview that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let (tile, width) = (result.tile, result.tile.width as usize);
         let place = self.tile_index(tile.x, tile.y);
-        self.splats.keep(result.samples.end, place, &result.splats);
+        self.add_splats(&result.splats);
         let follows = |chunk: &TileSamples| result.blocks.is_none() && chunk.samples.end == result.samples.start;
         if let Some(chunk) = self.begun[place].take_if(|chunk| !follows(chunk)) {
             self.add_chunk(&chunk);
@@ -153,20 +154,30 @@ impl Film {
         self.previews[place].take_if(|preview| preview.tile == tile)
     }
 
-    /// Adds the splats of the samples below `samples`, which all tiles have that are rendered: in the same order in every run, however
-    /// the samples came. Returns whether there were any: they may lie in any tile.
-    pub fn settle_splats(&mut self, samples: u32) -> bool {
-        let mut settled = false;
-        while let Some(splats) = self.splats.next_below(samples) {
-            let is_inside = |splat: &&Splat| splat.pixel.x < self.width && splat.pixel.y < self.height;
-            for splat in splats.iter().filter(is_inside) {
-                let place = self.index(splat.pixel.x, splat.pixel.y);
-                self.splats.add(place, splat.radiance, self.sums.len());
-            }
-            settled = true;
+    /// Splats may lie in any tile.
+    fn add_splats(&mut self, splats: &TileSplats) {
+        let is_inside = |splat: &&Splat| splat.pixel.x < self.width && splat.pixel.y < self.height;
+        for splat in splats.list.iter().filter(is_inside) {
+            let place = self.index(splat.pixel.x, splat.pixel.y);
+            self.splats.add(place, splat.radiance, self.sums.len());
         }
-        self.splats.samples = samples.max(self.splats.samples);
-        settled
+        self.splats.paths += splats.paths;
+    }
+
+    /// Whether there is light from splats, which any new samples change in the whole picture.
+    pub fn has_splats(&self) -> bool {
+        self.splats.paths > 0
+    }
+
+    /// The light of splats at an index.
+    fn splatted(&self, index: usize) -> Rgb {
+        self.splats.mean(index, u64::from(self.width) * u64::from(self.height))
+    }
+
+    /// The estimated variance of the luminance of [`Self::splatted`].
+    fn splat_variance(&self, index: usize) -> f32 {
+        self.splats
+            .variance(index, u64::from(self.width) * u64::from(self.height))
     }
 
     /// The numbers of samples of a tile, row by row.
@@ -231,7 +242,7 @@ impl Film {
             0 => self.preview(x, y).map(|(preview, block)| preview.blocks[block]),
             count => {
                 let mut pixel = mean(&self.sum(x, y), count);
-                pixel.radiance += self.splats.mean(index);
+                pixel.radiance += self.splatted(index);
                 Some(pixel)
             }
         }
@@ -282,7 +293,7 @@ impl Film {
             }
             count => (self.sum(x, y).radiance, self.layer_values(x, y), count),
         };
-        let splats = self.splats.mean(index);
+        let splats = self.splatted(index);
         if self.kept.groups == 0 || factors.is_empty() {
             return Some(radiance * (1.0 / count as f32) + splats);
         }
@@ -369,7 +380,7 @@ mod tests {
                 0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],
                 _ => Vec::new(),
             },
-            splats: Vec::new(),
+            splats: Default::default(),
             rays: 0,
             invalid: 0,
         }

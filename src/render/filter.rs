@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{IVec2, Vec2};
 
 use crate::sampling::PiecewiseConstant1d;
 
@@ -58,6 +58,8 @@ pub struct FilterSample {
 
 /// The distance at which the Gaussian ends, in standard deviations.
 const GAUSSIAN_REACH: f32 = 4.0;
+/// The farthest place of the film, in pixels, whose light has a pixel.
+const FARTHEST: f32 = 1e6;
 /// The number of steps of a table, over the whole width of the filter.
 const STEPS: usize = 1024;
 
@@ -110,6 +112,8 @@ pub struct FilterTable {
     negative: Vec<bool>,
     /// The ratio (integral of |f|) / (integral of f).
     excess: f32,
+    /// One over the integral of f.
+    scale: f32,
 }
 
 /// The rest follows from the kernel.
@@ -127,7 +131,9 @@ impl FilterTable {
         let magnitudes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
         let sum = |values: &[f32]| values.iter().map(|&value| f64::from(value)).sum::<f64>();
         let excess = (sum(&magnitudes) / sum(&values)) as f32;
+        let width = 2.0 * kernel.radius() / STEPS as f32;
         Some(Self {
+            scale: 1.0 / (sum(&values) as f32 * width),
             kernel,
             magnitude: PiecewiseConstant1d::new(&magnitudes)?,
             negative: values.iter().map(|&value| value < 0.0).collect(),
@@ -151,6 +157,60 @@ impl PixelFilter {
     /// A box where the kernel has no positive integral.
     pub fn tabulated(kernel: FilterKernel) -> Self {
         FilterTable::new(kernel).map_or(Self::Box, |table| Self::Tabulated(Arc::new(table)))
+    }
+
+    /// Chooses a pixel to which the light at a place of the film, in pixels, belongs: all whose filter reaches there have a share of it. Returns it with
+    /// the factor of the light, over the probability of the choice by `u`; None where no filter reaches. The pixel may be outside of the film.
+    pub fn choose_pixel(&self, film: Vec2, mut u: f32) -> Option<(IVec2, f32)> {
+        let mut pixel = IVec2::ZERO;
+        let mut weight = 1.0;
+        for (axis, place) in film.to_array().into_iter().enumerate() {
+            let (chosen, factor) = self.choose_on_axis(place, &mut u)?;
+            pixel[axis] = chosen;
+            weight *= factor;
+        }
+        Some((pixel, weight))
+    }
+
+    fn choose_on_axis(&self, place: f32, u: &mut f32) -> Option<(i32, f32)> {
+        if !place.is_finite() || place.abs() > FARTHEST {
+            return None;
+        }
+        let radius = self.radius();
+        let pixels = (place - radius - 0.5).ceil() as i32..=(place + radius - 0.5).floor() as i32;
+        if *self == Self::Box {
+            return Some((place.floor() as i32, 1.0));
+        }
+        let at = |pixel: i32| self.value(place - pixel as f32 - 0.5);
+        let sum: f32 = pixels.clone().map(|pixel| at(pixel).abs()).sum();
+        let mut left = *u * sum;
+        for pixel in pixels {
+            let value = at(pixel);
+            if left < value.abs() {
+                *u = (left / value.abs()).min(1.0 - f32::EPSILON);
+                return Some((pixel, sum * value.signum()));
+            }
+            left -= value.abs();
+        }
+        None
+    }
+
+    /// Half the width along an axis, in pixels.
+    fn radius(&self) -> f32 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent { radius } => *radius,
+            Self::Tabulated(table) => table.kernel.radius(),
+        }
+    }
+
+    /// The filter along one axis, with integral 1, in a distance from the centre.
+    fn value(&self, x: f32) -> f32 {
+        match self {
+            Self::Box => 1.0,
+            Self::Tent { radius } => (1.0 - x.abs() / radius).max(0.0) / radius,
+            Self::Tabulated(table) => table.kernel.value(x) * table.scale,
+        }
     }
 
     /// Samples the filter by `u` in [0, 1)^2.

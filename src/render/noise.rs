@@ -107,7 +107,7 @@ mod tests {
             blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
-            splats: Vec::new(),
+            splats: Default::default(),
             rays: 0,
             invalid: 0,
         }
@@ -170,7 +170,7 @@ mod tests {
             blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
-            splats: Vec::new(),
+            splats: Default::default(),
             rays: 0,
             invalid: 0,
         });

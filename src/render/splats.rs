@@ -1,59 +1,108 @@
 //! Light that the samples of one tile bring to pixels of others, as paths from the lights do (PBR 4th ed., section 5.4; Veach 1997,
 //! section 10.3).
 //!
-//! Tiles are done in any order, and a sum of floating-point numbers depends on its order. So splats wait until all tiles have the samples
-//! that they come from, and are then added in the order of samples and tiles.
-
-use std::collections::BTreeMap;
+//! Tiles are done in any order, and a sum of floating-point numbers depends on its order. Sums of splats are therefore fixed-point numbers, which do
+//! not: they have the same bits for any number of threads, and for a picture that is put together from shares.
 
 use glam::UVec2;
 
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 
-/// Light for a pixel that need not be the sample's own. It counts as one of the pixel's own samples does.
+/// Light for a pixel that need not be the sample's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Beside the picture it is left out.
     pub pixel: UVec2,
-    /// Linear Rec. 709, W/(m^2 sr).
+    /// Linear Rec. 709, W/(m^2 sr). It counts as one of the pixel's own samples does.
     pub radiance: Rgb,
 }
 
-/// The splats of a film. Without any this takes no memory, and [`Film::memory_bytes`](super::film::Film::memory_bytes) does not count it.
+/// What paths from the lights have brought.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TileSplats {
+    /// The light, in the order in which it was found.
+    pub list: Vec<Splat>,
+    /// The number of paths from the lights that were traced, those without splats included; 0 if the method traces none.
+    pub paths: u64,
+}
+
+impl TileSplats {
+    /// Adds others.
+    pub fn append(&mut self, mut other: Self) {
+        self.list.append(&mut other.list);
+        self.paths += other.paths;
+    }
+}
+
+/// The splats of a film. Without any this takes no memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Splats {
-    /// The splats that are not yet added, by the end of the range of samples and the tile that they come from.
-    waiting: BTreeMap<(u32, usize), Vec<Splat>>,
     /// Sums by place in the film; empty until there is a splat.
-    sums: Vec<Rgb>,
-    /// Samples per pixel whose splats are in the sums.
-    pub samples: u32,
+    pub sums: Vec<SplatSum>,
+    /// The paths from the lights that the sums are over.
+    pub paths: u64,
+}
+
+/// The sum of the splats of a pixel, in units of 2^-64.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SplatSum {
+    pub radiance: [i128; 3],
+    /// The sum of squared luminances.
+    pub luminance_squared: i128,
+}
+
+/// One in the numbers of sums. They have 2^63 above it, which no sum of light reaches, and 2^-64 below.
+const ONE: f64 = (1u128 << 64) as f64;
+
+impl SplatSum {
+    fn add(&mut self, radiance: Rgb) {
+        for (sum, value) in self.radiance.iter_mut().zip(radiance.to_array()) {
+            *sum = sum.saturating_add(fixed(value));
+        }
+        let square = luminance(radiance).powi(2);
+        self.luminance_squared = self.luminance_squared.saturating_add(fixed(square));
+    }
+
+    /// Adds the sum of other splats.
+    pub fn append(&mut self, other: &Self) {
+        for (sum, value) in self.radiance.iter_mut().zip(other.radiance) {
+            *sum = sum.saturating_add(value);
+        }
+        self.luminance_squared = self.luminance_squared.saturating_add(other.luminance_squared);
+    }
+}
+
+/// Too large numbers become the largest.
+fn fixed(value: f32) -> i128 {
+    (f64::from(value) * ONE) as i128
 }
 
 impl Splats {
-    /// Keeps what a range of samples that ends before `end` has brought from the picture's tile number `tile`.
-    pub fn keep(&mut self, end: u32, tile: usize, splats: &[Splat]) {
-        if !splats.is_empty() {
-            self.waiting.insert((end, tile), splats.to_vec());
-        }
-    }
-
-    /// Takes the splats that are next in order among those whose samples are all below `samples`.
-    pub fn next_below(&mut self, samples: u32) -> Option<Vec<Splat>> {
-        let next = self.waiting.first_entry()?;
-        (next.key().0 <= samples).then(|| next.remove())
-    }
-
     /// Adds light at a place of a film that has so many `places`.
     pub fn add(&mut self, place: usize, radiance: Rgb, places: usize) {
-        self.sums.resize(places, Rgb::ZERO);
-        self.sums[place] += radiance;
+        self.sums.resize(places, SplatSum::default());
+        self.sums[place].add(radiance);
     }
 
-    /// The mean over samples at a place in the film.
-    pub fn mean(&self, place: usize) -> Rgb {
-        let sum = self.sums.get(place);
-        sum.map_or(Rgb::ZERO, |&sum| sum / self.samples as f32)
+    /// The light at a place in the film of so many `pixels`: each of them has had one path in `paths / pixels`.
+    pub fn mean(&self, place: usize, pixels: u64) -> Rgb {
+        let Some(sum) = self.sums.get(place) else {
+            return Rgb::ZERO;
+        };
+        let scale = pixels as f64 / self.paths.max(1) as f64 / ONE;
+        let [r, g, b] = sum.radiance.map(|sum| (sum as f64 * scale) as f32);
+        Rgb::new(r, g, b)
+    }
+
+    /// The estimated variance of the luminance of [`Self::mean`]: few of very many paths bring anything to a pixel, so that it is the sum of the
+    /// squares.
+    pub fn variance(&self, place: usize, pixels: u64) -> f32 {
+        let scale = pixels as f64 / self.paths.max(1) as f64;
+        let squares = self
+            .sums
+            .get(place)
+            .map_or(0.0, |sum| sum.luminance_squared as f64 / ONE);
+        (squares * scale * scale) as f32
     }
 }
 
@@ -67,19 +116,22 @@ mod tests {
 
     const SIZE: u32 = 70;
 
-    fn samples(tile: Tile, samples: Range<u32>, splats: Vec<Splat>) -> TileSamples {
+    fn samples(tile: Tile, samples: Range<u32>, list: Vec<Splat>) -> TileSamples {
         let sum = PixelSum {
             radiance: Rgb::splat(0.25 * samples.len() as f32),
             ..PixelSum::default()
         };
         TileSamples {
             tile,
-            samples,
             pixels: vec![sum; (tile.width * tile.height) as usize],
             blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
-            splats,
+            splats: TileSplats {
+                list,
+                paths: u64::from(tile.width * tile.height) * (samples.end - samples.start) as u64,
+            },
+            samples,
             rays: 0,
             invalid: 0,
         }
@@ -105,9 +157,7 @@ mod tests {
             };
             film.add(&samples(tile, 0..2, splats));
         }
-        assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::splat(0.25)));
-        assert!(!film.settle_splats(1), "some of these samples are not below 1");
-        assert!(film.settle_splats(2) && !film.settle_splats(2));
+        assert!(film.has_splats());
         for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
             let expected = match UVec2::new(x, y) {
                 pixel if pixel == inside => 2.25,
@@ -163,7 +213,6 @@ mod tests {
                 .iter()
                 .for_each(|splat| arrived[splat.pixel.x as usize / 20] += splat.radiance);
             film.add(&samples(tiles[tile], range, splats));
-            film.settle_splats(done.iter().copied().min().unwrap_or(0));
         }
         assert!(done.iter().all(|&samples| samples == 4));
         (film, arrived)

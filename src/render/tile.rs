@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{UVec2, Vec3};
 
 use super::adaptive::{PerBlock, blocks_of};
+use super::bidirectional;
 use super::headlight;
 use super::lanes::{self, Job};
 use super::layers::{LayerNotes, LayerSums, PixelLayers};
@@ -15,7 +16,7 @@ use super::observer::PathObserver;
 use super::optical_depth;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
-use super::splats::Splat;
+use super::splats::TileSplats;
 use super::view::{Integrator, PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
@@ -104,9 +105,8 @@ pub struct TileSamples {
     pub layers: LayerSums,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
-    /// Light for pixels that need not be of this tile. Paths from the camera bring none. All pixels' samples count alike in it: where blocks differ, those
-    /// of a pixel count as many times less as it has more of them than `samples` says.
-    pub splats: Vec<Splat>,
+    /// Light for pixels that need not be of this tile, from paths that begin at the lights.
+    pub splats: TileSplats,
     /// Rays traced, shadow rays included.
     pub rays: u64,
     /// The number of samples that were not finite; they count as black.
@@ -124,7 +124,7 @@ impl TileSamples {
         if self.first_hits.is_empty() {
             self.first_hits.clone_from(&next.first_hits);
         }
-        self.splats.extend_from_slice(&next.splats);
+        self.splats.append(next.splats.clone());
         self.rays += next.rays;
         self.invalid += next.invalid;
     }
@@ -199,7 +199,7 @@ pub fn render_blocks(
         pixels: Vec::with_capacity(pixels),
         layers: LayerSums::default(),
         first_hits: Vec::with_capacity(if samples.contains(&0) { pixels } else { 0 }),
-        splats: Vec::new(),
+        splats: Default::default(),
         rays: 0,
         invalid: 0,
     };
@@ -207,7 +207,7 @@ pub fn render_blocks(
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
-        Tracer::OneByOne => 1,
+        Tracer::Bidirectional(..) | Tracer::OneByOne => 1,
     };
     let bottom = tile.y + tile.height;
     for top in (tile.y..bottom).step_by(rows_at_once as usize) {
@@ -238,6 +238,7 @@ pub fn render_blocks(
             }
             result.pixels.push(sum);
         }
+        traced.take_splats(&mut result.splats);
     }
     result.layers = layers.sums;
     Some(result)
@@ -274,7 +275,7 @@ pub fn render_preview(
             index: 0,
         })
     });
-    let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
+    let mut traced = Tracer::of_preview(view).trace(scene, view, jobs.clone(), cancel)?;
     for job in jobs {
         layers.begin_pixel();
         let (sample, _) = traced.next(job);
@@ -295,15 +296,42 @@ pub fn render_preview(
 enum Tracer {
     /// Lanes side by side, if all paths have the same settings.
     Lanes(PathSettings),
+    /// One path from the camera and one from a light at a time.
+    Bidirectional(PathSettings, bidirectional::Techniques),
     /// One path at a time, where paths differ or are none.
     OneByOne,
 }
 
 impl Tracer {
     fn of(view: &View) -> Self {
-        match (view.shown, view.integrator) {
-            (Shown::Radiance, Integrator::Path(settings)) => Self::Lanes(settings),
-            _ => Self::OneByOne,
+        if view.shown != Shown::Radiance {
+            return Self::OneByOne;
+        }
+        match view.integrator {
+            Integrator::Path(settings) => Self::Lanes(settings),
+            Integrator::Bidirectional(settings) => Self::Bidirectional(
+                settings,
+                bidirectional::Techniques {
+                    // Splats are of no group and of no layer.
+                    splats: !view.film_layers().parts_light(),
+                    camera_paths: true,
+                },
+            ),
+            Integrator::LightTracing(settings) => Self::Bidirectional(
+                settings,
+                bidirectional::Techniques {
+                    splats: true,
+                    camera_paths: false,
+                },
+            ),
+        }
+    }
+
+    /// The way to trace a preview. The light that comes by splats is not there in so few samples, so that paths find it.
+    fn of_preview(view: &View) -> Self {
+        match Self::of(view) {
+            Self::Bidirectional(settings, _) => Self::Lanes(settings),
+            tracer => tracer,
         }
     }
 
@@ -321,13 +349,19 @@ impl Tracer {
                 let traced = lanes::trace(scene, view, settings, &jobs, cancel)?;
                 (Some(traced.list.into_iter()), traced.notes)
             }
-            Self::OneByOne if cancel.load(Ordering::Relaxed) => return None,
-            Self::OneByOne => (None, LayerNotes::new(view, 1)),
+            _ if cancel.load(Ordering::Relaxed) => return None,
+            _ => (None, LayerNotes::new(view, 1)),
         };
         Some(Traced {
             scene,
             view,
             from_lanes,
+            bidirectional: match *self {
+                Self::Bidirectional(settings, techniques) => {
+                    Some(bidirectional::Tracer::new(scene, view, settings, techniques))
+                }
+                _ => None,
+            },
             notes,
             given: 0,
         })
@@ -339,6 +373,7 @@ struct Traced<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     from_lanes: Option<std::vec::IntoIter<(PathSample, f32)>>,
+    bidirectional: Option<bidirectional::Tracer<'a>>,
     /// The notes for layers: of all samples from lanes, or else of the last one.
     notes: Option<LayerNotes<'a>>,
     /// The number of samples from lanes that were given.
@@ -354,7 +389,17 @@ impl Traced<'_> {
         }
         self.notes.iter_mut().for_each(LayerNotes::clear);
         let mut observer = self.notes.as_mut().map(|notes| notes.of(0));
+        if let Some(tracer) = &mut self.bidirectional {
+            return tracer.sample(job.pixel, job.index, &mut observer);
+        }
         render_sample(self.scene, self.view, job.pixel, job.index, &mut observer)
+    }
+
+    /// Moves the light for other pixels to `splats`.
+    fn take_splats(&mut self, splats: &mut TileSplats) {
+        if let Some(tracer) = &mut self.bidirectional {
+            splats.append(tracer.take_splats());
+        }
     }
 
     /// Adds what was noted of the last sample, that of `job`, to the layers of its pixel.

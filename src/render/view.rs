@@ -49,6 +49,31 @@ pub struct View {
 pub enum Integrator {
     /// Light, by path tracing.
     Path(PathSettings),
+    /// Light, by bidirectional path tracing. Media are left out.
+    Bidirectional(PathSettings),
+    /// Light, by paths from the lights alone. What mirrors and glass show is black. Media are left out.
+    LightTracing(PathSettings),
+}
+
+impl Integrator {
+    /// The settings of its paths.
+    pub fn settings(&self) -> PathSettings {
+        match *self {
+            Self::Path(settings) | Self::Bidirectional(settings) | Self::LightTracing(settings) => settings,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn settings_mut(&mut self) -> &mut PathSettings {
+        match self {
+            Self::Path(settings) | Self::Bidirectional(settings) | Self::LightTracing(settings) => settings,
+        }
+    }
+
+    /// Whether paths from the lights bring light to any pixel.
+    pub fn splats(&self) -> bool {
+        !matches!(self, Self::Path(_))
+    }
 }
 
 /// The meaning of a picture: the result of the integrator, or how the renderer works.
@@ -143,12 +168,13 @@ impl View {
         FilmLayers {
             groups: self.light_groups.count(),
             layers: self.layers,
+            splats: self.shown == Shown::Radiance && self.integrator.splats(),
         }
     }
 
     /// The settings for the paths of a pixel; None if no paths are traced.
     pub(crate) fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
-        let Integrator::Path(settings) = self.integrator;
+        let settings = self.integrator.settings();
         match self.shown {
             Shown::Radiance => Some(settings),
             Shown::StrategyThirds => Some(PathSettings {

@@ -14,11 +14,15 @@ pub enum PathPlugin {
     VolPath,
     /// `volpathmis`: the same as `volpath` here.
     VolPathMis,
+    /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
+    Bdpt,
+    /// `ptracer`: paths from the lights alone. Space is empty.
+    Ptracer,
 }
 
 impl PathPlugin {
     /// All plugins.
-    pub const ALL: [Self; 3] = [Self::Path, Self::VolPath, Self::VolPathMis];
+    pub const ALL: [Self; 5] = [Self::Path, Self::VolPath, Self::VolPathMis, Self::Bdpt, Self::Ptracer];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {
@@ -26,12 +30,14 @@ impl PathPlugin {
             Self::Path => "path",
             Self::VolPath => "volpath",
             Self::VolPathMis => "volpathmis",
+            Self::Bdpt => "bdpt",
+            Self::Ptracer => "ptracer",
         }
     }
 
     /// Whether light meets media.
     pub fn traces_media(self) -> bool {
-        self != Self::Path
+        matches!(self, Self::VolPath | Self::VolPathMis)
     }
 }
 

@@ -82,7 +82,7 @@ fn look(strategy: Strategy) -> View {
         strategy,
     );
     look.filter = PixelFilter::tabulated(FilterKernel::CATMULL_ROM);
-    let Integrator::Path(settings) = &mut look.integrator;
+    let settings = look.integrator.settings_mut();
     settings.rr_depth = 2;
     look
 }

@@ -267,7 +267,7 @@ fn look(settings: PathSettings, sequence: SequenceKind) -> View {
 const STRAYS: usize = (SIZE * SIZE) as usize / 100;
 
 fn compare(what: &str, scene: &RenderScene, view: &View) {
-    let Integrator::Path(settings) = view.integrator;
+    let settings = view.integrator.settings();
     let (mut strays, mut rays, mut expected_rays) = (0, 0, 0);
     for tile in tiles(SIZE, SIZE) {
         let found = render_tile(scene, view, tile, 0..SAMPLES, &AtomicBool::new(false)).expect("not cancelled");

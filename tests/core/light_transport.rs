@@ -17,7 +17,7 @@ use sunroom::light::LightSource;
 use sunroom::material::{Material, MaterialId};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{Tile, render_tile, tiles};
-use sunroom::render::view::{Integrator, LONGEST_PATH, Strategy, View};
+use sunroom::render::view::{LONGEST_PATH, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, Microfacet,
@@ -401,7 +401,7 @@ fn roulette_does_not_shift_the_picture() {
             12,
             Strategy::Mis,
         );
-        let Integrator::Path(settings) = &mut view.integrator;
+        let settings = view.integrator.settings_mut();
         settings.rr_depth = rr_depth;
         mean_luminance(&render(&scene, &view, 1000))
     };
@@ -497,7 +497,7 @@ fn a_path_that_nothing_ends_is_cut() {
         .flip_normals = true;
     let scene = scene.build();
     let mut view = view(camera(Vec3::ZERO, Vec3::X, 90.0), 1, UNBOUNDED, Strategy::Mis);
-    let Integrator::Path(settings) = &mut view.integrator;
+    let settings = view.integrator.settings_mut();
     settings.rr_depth = u32::MAX;
     assert_eq!(rays_of(&scene, &view, 0, 0, 0), u64::from(LONGEST_PATH));
 }
@@ -515,7 +515,7 @@ fn lamps_before_the_floor(max_depth: u32, hide_emitters: bool) -> (f32, f32, f32
         radiance: Rgb::splat(0.5),
     });
     let mut view = view(camera(Vec3::Y * 2.0, Vec3::ZERO, 0.01), 4, max_depth, Strategy::Mis);
-    let Integrator::Path(settings) = &mut view.integrator;
+    let settings = view.integrator.settings_mut();
     settings.hide_emitters = hide_emitters;
     let film = render(&scene.build(), &view, 64);
     let (mean, error) = mean_luminance(&film);
@@ -545,7 +545,7 @@ fn a_hidden_sky_is_hidden_behind_panes_too() {
         scene.add(Primitive::Rectangle, Affine3A::IDENTITY, material, None);
         scene.light(LightSource::Constant { radiance: Rgb::ONE });
         let mut view = view(camera(Vec3::Z * 2.0, Vec3::ZERO, 10.0), 4, 8, Strategy::Mis);
-        let Integrator::Path(settings) = &mut view.integrator;
+        let settings = view.integrator.settings_mut();
         settings.hide_emitters = true;
         mean_luminance(&render(&scene.build(), &view, 4)).0
     };

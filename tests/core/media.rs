@@ -14,7 +14,7 @@ use sunroom::medium::{
 };
 use sunroom::render::camera::Camera;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::view::{Integrator, Shown, Strategy, View};
+use sunroom::render::view::{Shown, Strategy, View};
 use sunroom::sampling::hash::pcg3d;
 use sunroom::sampling::{SequenceKind, unit_float};
 use sunroom::shading::{
@@ -157,7 +157,7 @@ fn look(max_depth: u32, strategy: Strategy) -> View {
 }
 
 fn with_media(mut view: View) -> View {
-    let Integrator::Path(settings) = &mut view.integrator;
+    let settings = view.integrator.settings_mut();
     settings.media = true;
     view.sequence = SequenceKind::Sobol;
     view
@@ -535,7 +535,7 @@ fn nothing_of_media_is_there_unless_asked_for() {
     let mut scene = ball(vec![medium(Rgb::splat(5.0), Rgb::ZERO, Phase::Isotropic)]);
     scene.light(sky(1.0));
     let mut view = look(4, Strategy::Mis);
-    let Integrator::Path(settings) = &mut view.integrator;
+    let settings = view.integrator.settings_mut();
     settings.media = false;
     check("empty", &scene.build(), &view, 16, 1.0);
 }

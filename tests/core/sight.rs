@@ -13,7 +13,7 @@ use sunroom::render::path::trace_path;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::sight::{CutPlane, Isolated, Sight};
 use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::view::{Strategy, View};
 use sunroom::shading::{Bsdf, Diffuse};
 
 const FLOOR: u32 = 0;
@@ -129,7 +129,7 @@ fn lanes_see_what_single_paths_see() {
     both.cut = cut(Vec3::X, 0.4).cut;
     for sight in [Sight::default(), backs(), cut(Vec3::Z, 0.5), both, alone(&scene, BALL)] {
         let look = look(sight);
-        let Integrator::Path(settings) = look.integrator;
+        let settings = look.integrator.settings();
         let (mut differ, mut total) = (0, 0);
         for tile in tiles(40, 40) {
             let found = render_tile(&scene, &look, tile, 0..1, &AtomicBool::new(false)).expect("not cancelled");

@@ -105,7 +105,7 @@ fn unchanged_lights_give_the_picture_itself() {
     // A filter whose weights differ from sample to sample.
     look.filter = PixelFilter::tabulated(FilterKernel::Gaussian { stddev: 0.5 });
     for strategy in [Strategy::Mis, Strategy::Bsdf, Strategy::Light] {
-        let sunroom::render::view::Integrator::Path(settings) = &mut look.integrator;
+        let settings = look.integrator.settings_mut();
         settings.strategy = strategy;
         let film = render(&scene, &look, 64);
         assert_same_sums(&film);

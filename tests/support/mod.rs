@@ -100,6 +100,12 @@ impl SceneBuilder {
         self.instances.last_mut().expect("just pushed")
     }
 
+    /// A material of no shape, for others to nest.
+    pub fn material(&mut self, material: impl Into<Material>) -> MaterialId {
+        self.materials.push(material.into());
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
     /// Says what is on the sides of the shape that was added last.
     pub fn between(&mut self, media: MediumInterface) -> &mut Self {
         self.slots.last_mut().expect("a shape").media = media;

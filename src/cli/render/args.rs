@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use sunroom::layer::{Layers, layer_names};
+use sunroom::scene::PathPlugin;
 
 use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
@@ -12,6 +14,15 @@ use crate::cli::picture_args::{DisplayArgs, FileArgs};
 use crate::cli::sequence::SequenceArgs;
 use crate::cli::share::{CheckpointArgs, ShareArgs};
 use crate::cli::stats::StatsFormat;
+
+/// The names of integrators as in files.
+fn integrator_names() -> impl TypedValueParser<Value = PathPlugin> {
+    let names = PathPlugin::ALL.map(PathPlugin::name);
+    PossibleValuesParser::new(names).map(|name| {
+        let plugin = PathPlugin::ALL.into_iter().find(|plugin| plugin.name() == name);
+        plugin.unwrap_or_default()
+    })
+}
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -74,6 +85,9 @@ pub struct RenderArgs {
     /// Acceleration structure
     #[arg(long, value_enum, default_value_t = Accel::Sah)]
     pub accel: Accel,
+    /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well) or ptracer (those alone)
+    #[arg(long, value_name = "NAME", value_parser = integrator_names())]
+    pub integrator: Option<PathPlugin>,
     /// How light is looked for
     #[arg(long, value_enum)]
     pub strategy: Option<StrategyName>,

@@ -15,6 +15,9 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();
     }
+    if let Some(plugin) = args.integrator {
+        integrator.plugin = plugin;
+    }
     integrator.schlick |= args.schlick;
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
     match args.strategy {

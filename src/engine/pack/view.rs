@@ -15,7 +15,8 @@ use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::parameters::FOV;
 use crate::scene::{
-    self, Film, IntegratorSettings, Lens, PixelFormat, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
+    self, Film, IntegratorSettings, Lens, PathPlugin, PixelFormat, ReconstructionFilter, SamplerSettings, Sensor,
+    Sequence,
 };
 
 /// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor looks nowhere.
@@ -95,7 +96,11 @@ pub(in crate::engine) fn pack_view(
         height: traced.y,
         medium,
         filter: pixel_filter(film.filter, check),
-        integrator: Integrator::Path(path_settings),
+        integrator: match integrator.plugin {
+            PathPlugin::Path | PathPlugin::VolPath | PathPlugin::VolPathMis => Integrator::Path(path_settings),
+            PathPlugin::Bdpt => Integrator::Bidirectional(path_settings),
+            PathPlugin::Ptracer => Integrator::LightTracing(path_settings),
+        },
         shown: match control.view_mode {
             ViewMode::BvhSteps => Shown::BvhSteps,
             ViewMode::OpticalDepth => Shown::OpticalDepth,

@@ -15,7 +15,7 @@ pub(super) fn is_whole(samples: &TileSamples) -> bool {
 /// A copy without splats, which the film keeps for itself.
 pub(super) fn without_splats(samples: &TileSamples) -> TileSamples {
     TileSamples {
-        splats: Vec::new(),
+        splats: Default::default(),
         ..samples.clone()
     }
 }

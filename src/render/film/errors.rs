@@ -77,8 +77,9 @@ impl Film {
                 let count = self.counts[place];
                 (count >= 2).then(|| {
                     let sum = self.sum(x, y);
-                    let mean = luminance(sum.radiance / count as f32);
-                    (mean, squared_deviation(&sum, count) * efficiencies[block_of(x, y)])
+                    let mean = luminance(sum.radiance / count as f32 + self.splatted(place));
+                    let own = squared_deviation(&sum, count) * efficiencies[block_of(x, y)];
+                    (mean, own + self.splat_variance(place))
                 })
             })
     }
@@ -93,7 +94,8 @@ impl Film {
         let tile = self.tile_index(x, y);
         let block = &self.errors[tile * BLOCKS + block_of(x, y)];
         let efficiency = block.efficiency(count, self.share_of_doubling(tile));
-        Some((squared_deviation(&self.sum(x, y), count) * efficiency).sqrt())
+        let own = squared_deviation(&self.sum(x, y), count) * efficiency;
+        Some((own + self.splat_variance(place)).sqrt())
     }
 }
 

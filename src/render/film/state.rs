@@ -9,10 +9,11 @@ use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::layers::{FilmLayers, LayerSums, Matte, MatteEntry};
 use crate::render::mean_error::{BLOCKS, BlockError};
 use crate::render::scene::FirstHit;
+use crate::render::splats::SplatSum;
 use crate::render::tile::{PixelSum, Tile, TileSamples};
 
 impl Film {
-    /// Writes what the film has of a tile: of a share its chunks alone. Splats are left out; no integrator makes any.
+    /// Writes what the film has of a tile: of a share its chunks alone. Splats are apart ([`Self::write_splats`]).
     pub fn write_tile(&self, tile: Tile, to: &mut Writer) {
         to.u32(u32::from(self.chunks.is_none()));
         if self.chunks.is_none() {
@@ -103,6 +104,45 @@ impl Film {
         Ok(end)
     }
 
+    /// Writes the sums of the splats of all pixels that have any.
+    pub fn write_splats(&self, to: &mut Writer) {
+        to.u64(self.splats.paths);
+        let sums = || {
+            self.splats
+                .sums
+                .iter()
+                .zip(0..)
+                .filter(|(sum, _)| **sum != SplatSum::default())
+        };
+        to.u32(sums().count() as u32);
+        for (sum, place) in sums() {
+            to.u32(place);
+            sum.radiance.into_iter().for_each(|value| to.i128(value));
+            to.i128(sum.luminance_squared);
+        }
+    }
+
+    /// Adds what [`Self::write_splats`] has written to the splats of the film.
+    pub fn read_splats(&mut self, from: &mut Reader) -> Result<(), Damaged> {
+        let paths = from.u64()?;
+        self.splats.paths = self.splats.paths.checked_add(paths).ok_or(Damaged)?;
+        let places = self.sums.len();
+        for _ in 0..from.u32()? {
+            let place = from.u32()? as usize;
+            let radiance = [from.i128()?, from.i128()?, from.i128()?];
+            let luminance_squared = from.i128()?;
+            if place >= places {
+                return Err(Damaged);
+            }
+            self.splats.sums.resize(places, SplatSum::default());
+            self.splats.sums[place].append(&SplatSum {
+                radiance,
+                luminance_squared,
+            });
+        }
+        Ok(())
+    }
+
     fn places_of(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
         let start = self.index(tile.x, tile.y);
         let step = crate::render::tile::TILE as usize;
@@ -125,7 +165,7 @@ fn read_chunk(tile: Tile, pixels: usize, kept: FilmLayers, from: &mut Reader) ->
         pixels: Vec::with_capacity(pixels),
         layers: LayerSums::with_capacity(kept, pixels),
         first_hits: Vec::new(),
-        splats: Vec::new(),
+        splats: Default::default(),
         rays: 0,
         invalid: 0,
     };

@@ -21,6 +21,8 @@ pub struct FilmLayers {
     pub groups: usize,
     /// The layers.
     pub layers: Layers,
+    /// Whether paths from the lights bring light to any pixel.
+    pub splats: bool,
 }
 
 /// A sum over the samples of a pixel.
@@ -76,6 +78,12 @@ const SUMS: [(Sum, usize, Layers); 11] = [
 const MATTES: [Layer; 2] = [Layer::CryptoObject, Layer::CryptoMaterial];
 
 impl FilmLayers {
+    /// Whether light is kept apart by where it comes from.
+    pub fn parts_light(&self) -> bool {
+        let parts = Layers::of(&[Layer::Direct, Layer::Indirect, Layer::Emitted]);
+        self.groups > 0 || self.layers.has_any_of(parts)
+    }
+
     /// The sums that are kept, with the numbers of their components.
     fn sums(self) -> impl Iterator<Item = (Sum, usize)> {
         let kept = SUMS.iter().filter(move |(.., layers)| self.layers.has_any_of(*layers));

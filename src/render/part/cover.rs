@@ -124,6 +124,7 @@ mod tests {
             samples,
             is_finished: true,
             layers: Vec::new(),
+            splats: false,
             about: About::default(),
         };
         (name.to_owned(), header)

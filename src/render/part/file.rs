@@ -14,7 +14,7 @@ use crate::render::film::Film;
 use crate::render::tile::Tile;
 
 /// The version of the format of the state.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 const MAGIC: &[u8; 8] = b"SUNROOM+";
 /// The checksum, the length of the state, and [`MAGIC`].
 const TAIL: u64 = 4 + 8 + 8;
@@ -75,6 +75,12 @@ pub fn write_part(
             state.write(&start.0)?;
             state.write(&content.0)?;
         }
+        let mut splats = Writer::default();
+        film.write_splats(&mut splats);
+        let mut length = Writer::default();
+        length.u64(splats.0.len() as u64);
+        state.write(&length.0)?;
+        state.write(&splats.0)?;
         let mut end = Writer::default();
         end.u32(job.len() as u32);
         end.0.extend_from_slice(job);
@@ -190,6 +196,10 @@ impl PartFile {
         if self.header.is_finished && !missing.is_empty() {
             return Err(Damaged.into());
         }
+        let length = u64::from(read_u32(&mut file)?) | u64::from(read_u32(&mut file)?) << 32;
+        content.clear();
+        (&mut file).take(length).read_to_end(&mut content)?;
+        film.read_splats(&mut Reader(&content))?;
         let length = read_u32(&mut file)?;
         let mut job = Vec::new();
         file.take(length.into()).read_to_end(&mut job)?;
@@ -247,6 +257,7 @@ mod tests {
             samples: [0, 1],
             is_finished: false,
             layers: Vec::new(),
+            splats: false,
             about: About::default(),
         }
     }

@@ -91,6 +91,8 @@ pub struct PartHeader {
     pub is_finished: bool,
     /// The layers that are kept, by name.
     pub layers: Vec<String>,
+    /// Whether paths from the lights bring light to any pixel.
+    pub splats: bool,
     /// What is needed to write the picture.
     pub about: About,
 }
@@ -123,6 +125,7 @@ impl PartHeader {
         FilmLayers {
             groups: self.about.light_groups.len(),
             layers: Layers::of(&known.collect::<Vec<_>>()),
+            splats: self.splats,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Integrators: `path`, `volpath`, `volpathmis`, and `aov` around them; every other one is taken for `path` or `volpath`.
+//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `ptracer`, and `aov` around them; every other one is taken for `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
@@ -61,7 +61,10 @@ impl<'a> SceneReader<'a> {
         if known.is_none() && plugin != "aov" {
             let stand_in = settings.plugin.name();
             let message = format!("integrator `{plugin}` is not supported: `{stand_in}` takes its place");
-            let help = did_you_mean(plugin, ["path", "direct", "aov", "volpath", "volpathmis"]);
+            let help = did_you_mean(
+                plugin,
+                ["path", "direct", "aov", "volpath", "volpathmis", "bdpt", "ptracer"],
+            );
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }

@@ -178,7 +178,9 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
 fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut integrator = model.integrator;
     let plugins = PathPlugin::ALL.map(|plugin| (plugin, plugin.name()));
-    let about = "With path, space is empty; with volpath and volpathmis, which are the same here, light is scattered and absorbed in media.";
+    let about = "path follows light back from the camera, through empty space. volpath and volpathmis, which are the same here, scatter and absorb it in media \
+                 as well. bdpt joins paths from the camera with paths from the lights: for caustics, and for lamps that are hard to find. ptracer has paths \
+                 from the lights alone.";
     let caption = Caption::from("Integrator").explained(about);
     let mut changed = fields::choice(ui, caption, &mut integrator.plugin, &plugins);
     let mut is_bounded = integrator.max_depth.is_some();

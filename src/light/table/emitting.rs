@@ -1,0 +1,222 @@
+//! Sampling rays of light from all lights, for paths that start there.
+//!
+//! Rays from infinity start on a disk that covers the scene.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::{Vec2, Vec3};
+
+use super::{Finite, LightTable, refined};
+use crate::light::choice::Chosen;
+use crate::light::emission::{Beam, EmissionPdf, EmittedRay, SceneSphere, Start};
+use crate::light::finite::FiniteLight;
+use crate::light::infinite::InfiniteLight;
+use crate::light::surface::SurfaceLight;
+use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
+use crate::math::Frame;
+use crate::sampling::warp;
+
+/// No surface: lights at infinity are sampled for all directions alike.
+const NOWHERE: LightReference = LightReference {
+    position: Vec3::ZERO,
+    normal: None,
+};
+
+impl LightTable {
+    /// A ray of light: chooses a light by `u_choice`, a place by `u_place` and a direction by `u_dir`. None where nothing is emitted.
+    pub fn sample_emission(
+        &self,
+        sphere: &SceneSphere,
+        u_choice: f32,
+        u_place: Vec2,
+        u_dir: Vec2,
+    ) -> Option<EmittedRay> {
+        let (chosen, pmf) = self.emission.sample(sphere, u_choice)?;
+        match chosen {
+            Chosen::Part(part) => {
+                let finite = &self.finite[self.light_of_part[part as usize] as usize];
+                self.emit_from_part(finite, part - finite.first_part, pmf, u_place, u_dir)
+            }
+            Chosen::Infinite(index) => {
+                let (id, light) = &self.infinite[index as usize];
+                let sample = light.sample(&NOWHERE, u_dir)?;
+                let pdf = EmissionPdf {
+                    start: pmf * sample.pdf,
+                    next: 1.0 / sphere.cross_section(),
+                };
+                let place = sphere.radius * warp::concentric_disk(u_place);
+                let side = Frame::from_normal(sample.wi).to_world(place.extend(0.0));
+                Some(EmittedRay {
+                    light: *id,
+                    origin: sphere.center + side + sphere.radius * sample.wi,
+                    dir: -sample.wi,
+                    power: sample.radiance / (pdf.start * pdf.next),
+                    pdf,
+                    start: Start::Infinity {
+                        is_delta: sample.is_delta,
+                    },
+                })
+            }
+        }
+    }
+
+    fn emit_from_part(&self, finite: &Finite, part: u32, pmf: f32, u_place: Vec2, u_dir: Vec2) -> Option<EmittedRay> {
+        let beam = |beam: Beam, position: Vec3| EmittedRay {
+            light: finite.id,
+            origin: position,
+            dir: beam.dir,
+            power: beam.intensity / (pmf * beam.pdf_solid_angle),
+            pdf: EmissionPdf {
+                start: pmf,
+                next: beam.pdf_solid_angle,
+            },
+            start: Start::Point(position),
+        };
+        match &finite.light {
+            FiniteLight::Point(light) => Some(beam(light.sample_beam(u_dir), light.position)),
+            FiniteLight::Spot(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
+            FiniteLight::Projector(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
+            FiniteLight::Surface(light) => {
+                let (hit, pdf_area) = light.sample_start(part, u_place)?;
+                let (dir, next) = sample_cosine(light.is_two_sided(part), hit.normal, u_dir)?;
+                let radiance = finite.light.emitted(&hit, dir, &self.textures);
+                let pdf = EmissionPdf {
+                    start: pmf * pdf_area,
+                    next,
+                };
+                Some(EmittedRay {
+                    light: finite.id,
+                    origin: light.leave(&hit, dir),
+                    dir,
+                    power: radiance * (dir.dot(hit.normal).abs() / (pdf.start * pdf.next)),
+                    pdf,
+                    start: Start::Surface(hit),
+                })
+            }
+        }
+    }
+
+    /// The densities with which [`Self::sample_emission`] gives the ray along `dir` from this point of light `id`.
+    pub fn emission_pdf_of_hit(&self, id: LightId, sphere: &SceneSphere, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
+        let none = EmissionPdf { start: 0.0, next: 0.0 };
+        let Some(finite) = self.finite(id) else {
+            return none;
+        };
+        match (&finite.light, finite.light.part_of(hit)) {
+            (FiniteLight::Surface(light), Some(part)) => {
+                let pmf = self.emission.pmf(sphere, Chosen::Part(finite.first_part + part));
+                surface_pdf(light, part, pmf, hit, dir)
+            }
+            _ => none,
+        }
+    }
+
+    /// The densities with which [`Self::sample_emission`] gives a ray from the direction `wi` of light `id`, which is at infinity.
+    pub fn emission_pdf_from(&self, id: LightId, sphere: &SceneSphere, wi: Vec3) -> EmissionPdf {
+        let start = self.at_infinity(id).map_or(0.0, |(index, light)| {
+            let pdf = match light {
+                InfiniteLight::Directional(_) => 1.0,
+                _ => light.radiance_and_pdf(&NOWHERE, wi).1,
+            };
+            self.emission.pmf(sphere, Chosen::Infinite(index)) * pdf
+        });
+        EmissionPdf {
+            start,
+            next: 1.0 / sphere.cross_section(),
+        }
+    }
+
+    /// [`Self::sample`] with the place on the light, and the densities of the ray from there to the reference by [`Self::sample_emission`].
+    pub fn sample_start(
+        &self,
+        sphere: &SceneSphere,
+        reference: &LightReference,
+        u_choice: f32,
+        u: Vec2,
+    ) -> Option<(LightId, LightSample, Start, EmissionPdf)> {
+        let (chosen, pmf) = self.choice.sample(reference, || refined(u_choice, u))?;
+        let (id, sample, start, pdf) = match chosen {
+            Chosen::Infinite(index) => {
+                let (id, light) = &self.infinite[index as usize];
+                let sample = light.sample(reference, u)?;
+                let is_delta = sample.is_delta;
+                let pdf = self.emission_pdf_from(*id, sphere, sample.wi);
+                (*id, sample, Start::Infinity { is_delta }, pdf)
+            }
+            Chosen::Part(chosen_part) => {
+                let finite = &self.finite[self.light_of_part[chosen_part as usize] as usize];
+                let part = chosen_part - finite.first_part;
+                let start = self.emission.pmf(sphere, chosen);
+                let (sample, place, pdf) = match &finite.light {
+                    FiniteLight::Surface(light) => {
+                        let (sample, hit) = light.sample_hit(part, reference.position, u, &self.textures)?;
+                        let pdf = surface_pdf(light, part, start, &hit, -sample.wi);
+                        (sample, Start::Surface(hit), pdf)
+                    }
+                    point => {
+                        let sample = point.sample(part, reference, u, &self.textures)?;
+                        let next = match point {
+                            FiniteLight::Spot(light) => light.beam_pdf(),
+                            FiniteLight::Projector(light) => light.beam_pdf(-sample.wi),
+                            FiniteLight::Point(_) | FiniteLight::Surface(_) => warp::UNIFORM_SPHERE_PDF,
+                        };
+                        let position = point.sample_place(part, u);
+                        (sample, Start::Point(position), EmissionPdf { start, next })
+                    }
+                };
+                (finite.id, sample, place, pdf)
+            }
+        };
+        let pdf_solid_angle = pmf * sample.pdf;
+        Some((
+            id,
+            LightSample {
+                pdf: pdf_solid_angle,
+                ..sample
+            },
+            start,
+            pdf,
+        ))
+    }
+
+    /// The density with which [`Self::sample`] finds the start of a ray of light `id` from the reference, in direction `wi`.
+    pub fn pdf_of_start(&self, id: LightId, reference: &LightReference, start: &Start, wi: Vec3) -> f32 {
+        match start {
+            Start::Surface(hit) => self.pdf_of_hit(id, reference, hit),
+            Start::Point(_) => self.finite(id).map_or(0.0, |finite| {
+                self.choice.pmf(reference, Chosen::Part(finite.first_part))
+            }),
+            Start::Infinity { is_delta: false } => self.radiance_and_pdf_from(id, reference, wi).1,
+            Start::Infinity { is_delta: true } => self
+                .at_infinity(id)
+                .map_or(0.0, |(index, _)| self.choice.pmf(reference, Chosen::Infinite(index))),
+        }
+    }
+}
+
+/// A direction that follows the cosine with the normal, on one side or on both, and its density. None along the surface.
+fn sample_cosine(is_two_sided: bool, normal: Vec3, mut u: Vec2) -> Option<(Vec3, f32)> {
+    let mut side = 1.0;
+    if is_two_sided {
+        side = if u.x < 0.5 { 1.0 } else { -1.0 };
+        u.x = (2.0 * u.x).fract();
+    }
+    let local = warp::cosine_hemisphere(u);
+    let dir = Frame::from_normal(side * normal).to_world(local).normalize();
+    let pdf = cosine_pdf(is_two_sided, normal, dir);
+    (pdf > 0.0).then_some((dir, pdf))
+}
+
+/// Density per solid angle of [`sample_cosine`] in directions to a side that shines.
+fn cosine_pdf(is_two_sided: bool, normal: Vec3, dir: Vec3) -> f32 {
+    let sides = if is_two_sided { 2.0 } else { 1.0 };
+    normal.dot(dir).abs() * FRAC_1_PI / sides
+}
+
+/// The densities of a ray along `dir` from a point of a part that is chosen with probability `pmf`.
+fn surface_pdf(light: &SurfaceLight, part: u32, pmf: f32, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
+    EmissionPdf {
+        start: pmf * light.start_pdf(part, hit),
+        next: cosine_pdf(light.is_two_sided(part), hit.normal, dir),
+    }
+}

@@ -1,0 +1,450 @@
+//! The ways of joining a path from the camera with one from a light.
+
+use glam::Vec3;
+
+use super::subpath::{LightPath, Measure, Vertex, Walk, reverse_pdf};
+use super::weights::{Ends, weight, with_fewer_of_camera, with_fewer_of_light};
+use super::{Sample, splat};
+use crate::accel::Hit;
+use crate::color::Rgb;
+use crate::light::emission::{EmissionPdf, Start};
+use crate::light::{LightId, LightSample, SurfaceHit, Target};
+use crate::material::Lobe;
+use crate::math::Ray;
+use crate::render::dimensions::{BounceDraw, LightDraw};
+use crate::render::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight, SurfaceVertex};
+use crate::render::path_state::PathState;
+use crate::render::roulette;
+use crate::render::splats::Splat;
+use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
+use crate::shading::TransportMode;
+
+/// An emitter that the path from the camera has come upon.
+struct Seen {
+    light: LightId,
+    radiance: Rgb,
+    /// The density of its place from the camera, in the measure of the emission's start.
+    pdf: f32,
+    /// The same of sampling the lights from the vertex before.
+    pdf_of_light: f32,
+    emission: EmissionPdf,
+    /// The density of the vertex before it for light that comes from there.
+    pdf_before: f32,
+}
+
+impl<'a> Sample<'a, '_> {
+    /// Joins the vertices of a path from a light with the lens (t = 1).
+    pub(super) fn join_lens(&mut self, path: Option<&LightPath>, vertices: &[Vertex<'a>], splats: &mut Vec<Splat>) {
+        let Some(path) = path else { return };
+        let longest = self.settings.longest_path();
+        let ends = |vertex: &&Vertex| vertex.is_smooth && vertex.segments < longest;
+        for (number, vertex) in vertices.iter().enumerate().filter(|(_, vertex)| ends(vertex)) {
+            // The camera looks through emitters that it does not see.
+            if self.settings.hide_emitters && vertex.slot.light.is_some() {
+                continue;
+            }
+            let sampler = self.light_sampler;
+            let u_lens = sampler.at_2d(LightDraw::Lens.at(vertex.segments));
+            let Some(to) = self.view.camera.ray_to(vertex.point.position, u_lens) else {
+                continue;
+            };
+            let u_pixel = sampler.at_1d(LightDraw::Pixel.at(vertex.segments));
+            let size = glam::Vec2::new(self.view.width as f32, self.view.height as f32);
+            let value = vertex
+                .scattering
+                .eval_adjoint(-to.ray.dir, vertex.point.geometric_normal);
+            let carried = path.emitted.power * vertex.throughput * value;
+            let Some(found) = splat(self.view, to.film * size, carried * to.density, u_pixel) else {
+                continue;
+            };
+            let arriving = self.seen_share(vertex, to.ray, to.distance);
+            if arriving == Rgb::ZERO {
+                continue;
+            }
+            let weight = match self.techniques.camera_paths {
+                false => 1.0,
+                true => {
+                    let ends = Ends {
+                        last: number,
+                        pdf: to.density * vertex.cosine(to.ray.dir),
+                        next: vertex.scattering.reverse_pdf(-to.ray.dir),
+                    };
+                    weight(with_fewer_of_light(path, vertices, &ends))
+                }
+            };
+            let radiance = found.radiance * arriving * weight;
+            if radiance != Rgb::ZERO {
+                splats.push(Splat { radiance, ..found });
+            }
+        }
+    }
+
+    /// The share of light from a vertex that reaches the lens along a camera ray, against which it goes.
+    fn seen_share(&mut self, vertex: &Vertex, ray: Ray, distance: f32) -> Rgb {
+        let mut ray = self.view.sight.narrow(&self.scene.geometry, ray);
+        if !(ray.t_min..=ray.t_max).contains(&distance) {
+            return Rgb::ZERO;
+        }
+        if self.settings.hide_emitters {
+            let mut path = PathState::new(ray, self.camera_sampler, None);
+            self.rays += 1;
+            let hit = self.scene.geometry.intersect(&ray);
+            path.behind_hidden_emitters(self.scene, &self.settings, hit);
+            self.rays += path.rays;
+            ray = path.ray;
+        }
+        let wi = -ray.dir;
+        let shadow = ShadowRay {
+            origin: vertex.leave(wi),
+            wi,
+            target: Target::Point(ray.at(ray.t_min)),
+            crossings: self.settings.longest_path() - vertex.segments - 1,
+        };
+        transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays)
+    }
+
+    /// Traces the path from the camera and joins each of its vertices with the light's path.
+    pub(super) fn trace_camera(
+        &mut self,
+        ray: Ray,
+        camera: &mut Vec<Vertex<'a>>,
+        path: Option<&LightPath>,
+        light: &[Vertex<'a>],
+        observer: &mut impl PathObserver,
+    ) {
+        let mut walk = Walk::from_camera(self.view.sight.narrow(&self.scene.geometry, ray));
+        loop {
+            self.rays += 1;
+            let mut hit = self.scene.geometry.intersect(&walk.ray);
+            if self.settings.hide_emitters && walk.segments == 0 {
+                hit = self.pass_hidden_emitters(&mut walk, hit);
+            }
+            let Some(hit) = hit else {
+                self.escape(&walk, camera, observer);
+                self.record.escape(self.radiance);
+                return observer.ended(PathEnd::Escaped);
+            };
+            if let Some(end) = self.extend_camera(&mut walk, &hit, camera, path, light, observer) {
+                return observer.ended(end);
+            }
+        }
+    }
+
+    fn pass_hidden_emitters(&mut self, walk: &mut Walk, hit: Option<Hit>) -> Option<Hit> {
+        let mut path = PathState::new(walk.ray, self.camera_sampler, None);
+        let hit = path.behind_hidden_emitters(self.scene, &self.settings, hit);
+        self.rays += path.rays;
+        self.record.passed = path.record.passed;
+        walk.ray = path.ray;
+        hit
+    }
+
+    /// Takes the path from the camera to its next vertex and on. Returns why it has ended, if it has.
+    fn extend_camera(
+        &mut self,
+        walk: &mut Walk,
+        hit: &Hit,
+        camera: &mut Vec<Vertex<'a>>,
+        path: Option<&LightPath>,
+        light: &[Vertex<'a>],
+        observer: &mut impl PathObserver,
+    ) -> Option<PathEnd> {
+        let vertex = self.vertex(walk, hit, TransportMode::Radiance);
+        let depth = vertex.segments;
+        if depth == 1 {
+            self.record.meet(hit);
+        }
+        observer.met(&walk.ray, hit);
+        observer.vertex(&PathVertex::Surface(SurfaceVertex {
+            position: vertex.point.position,
+            normal: vertex.point.shading_normal,
+            instance: hit.instance,
+            material: vertex.slot.material,
+        }));
+        if let Some(id) = vertex.slot.light {
+            self.meet_emitter(walk, id, &vertex, camera, observer);
+        }
+        let is_last = self.settings.is_last(depth);
+        let number = camera.len();
+        let sampler = self.camera_sampler;
+        let sample = vertex.scattering.sample(
+            sampler.at_1d(BounceDraw::Lobe.at(depth)),
+            sampler.at_2d(BounceDraw::Direction.at(depth)),
+        );
+        let passes = sample.is_some_and(|sample| sample.lobe == Lobe::Null);
+        if !passes || is_last {
+            let is_light = vertex.slot.light.is_some();
+            if self.record.wants_features(vertex.is_smooth, is_light, is_last) {
+                let (albedo, normal) = (vertex.scattering.albedo(), vertex.point.shading_normal);
+                self.record.take_features(walk.throughput, albedo, normal, is_light);
+            }
+        }
+        if is_last {
+            return Some(PathEnd::DepthLimit);
+        }
+        camera.push(vertex);
+        if camera[number].is_smooth && self.techniques.camera_paths {
+            self.sample_light(camera, number, observer);
+            if let Some(path) = path {
+                self.join_all(path, light, camera, number);
+            }
+        }
+        let Some(sample) = sample else {
+            return Some(PathEnd::Absorbed);
+        };
+        // Light tracing only follows what the camera sees directly.
+        if !self.techniques.camera_paths && sample.lobe != Lobe::Null {
+            return Some(PathEnd::DepthLimit);
+        }
+        walk.throughput *= sample.weight;
+        walk.eta_squared = roulette::eta_squared(walk.eta_squared, sample.eta);
+        if walk.throughput == Rgb::ZERO {
+            return Some(PathEnd::Absorbed);
+        }
+        if sample.lobe != Lobe::Null
+            && let Some(before) = camera[number].before
+        {
+            let reverse = reverse_pdf(camera, number, sample.wi, sample.lobe);
+            camera[before].pdf_reverse = camera[before].area_pdf(reverse, camera[number].point.position);
+        }
+        walk.go_on(camera, number, sample.wi, sample.lobe, sample.pdf);
+        let is_scattered = sample.lobe == Lobe::Smooth;
+        let mut survival = 1.0;
+        if roulette::is_played::<f32>(&self.settings, walk.segments, is_scattered) {
+            survival = roulette::survival(walk.throughput.max_element(), walk.eta_squared);
+            if sampler.at_1d(BounceDraw::Roulette.at(depth)) >= survival {
+                return Some(PathEnd::Roulette);
+            }
+            walk.throughput /= survival;
+        }
+        observer.bounced(&Bounce {
+            wi: sample.wi,
+            lobe: sample.lobe,
+            pdf: sample.pdf,
+            survival,
+            throughput: walk.throughput,
+        });
+        None
+    }
+
+    /// Adds the emission of the surface at `vertex`, to which the walk has come (s = 0).
+    fn meet_emitter(
+        &mut self,
+        walk: &Walk,
+        light: LightId,
+        vertex: &Vertex<'a>,
+        camera: &[Vertex<'a>],
+        observer: &mut impl PathObserver,
+    ) {
+        let (point, hit) = (&vertex.point, &vertex.hit);
+        let place = SurfaceHit {
+            position: point.position,
+            normal: point.geometric_normal,
+            shading_normal: point.shading_normal,
+            primitive: hit.primitive,
+            barycentric: glam::Vec2::new(hit.u, hit.v),
+            uv: point.uv,
+        };
+        let lights = &self.scene.lights;
+        let radiance = lights.emitted(light, &place, -walk.ray.dir);
+        if radiance == Rgb::ZERO {
+            return;
+        }
+        let mut seen = Seen {
+            light,
+            radiance,
+            pdf: vertex.pdf,
+            pdf_of_light: 0.0,
+            emission: lights.emission_pdf_of_hit(light, self.sphere, &place, -walk.ray.dir),
+            pdf_before: 0.0,
+        };
+        if let Some(before) = walk.before {
+            let before = &camera[before];
+            let pdf = lights.pdf_of_hit(light, &before.reference(), &place);
+            seen.pdf_of_light = Start::Surface(place).density(before.point.position, pdf);
+            seen.pdf_before = before.area_pdf(seen.emission.next, point.position);
+        }
+        self.add_seen(walk, &seen, camera, observer);
+    }
+
+    /// Adds what lights at infinity send along the walk's ray, which has left the scene (s = 0).
+    fn escape(&mut self, walk: &Walk, camera: &[Vertex<'a>], observer: &mut impl PathObserver) {
+        if self.settings.hide_emitters && walk.is_straight {
+            return;
+        }
+        let (lights, wi) = (&self.scene.lights, walk.ray.dir);
+        for &light in lights.infinite() {
+            let mut seen = Seen {
+                light,
+                radiance: lights.radiance_from(light, wi),
+                pdf: match walk.pdf {
+                    Measure::SolidAngle(pdf, _) => pdf,
+                    Measure::Perpendicular(_) | Measure::Camera(_) => 0.0,
+                },
+                pdf_of_light: 0.0,
+                emission: lights.emission_pdf_from(light, self.sphere, wi),
+                pdf_before: 0.0,
+            };
+            if let Some(before) = walk.before {
+                let before = &camera[before];
+                seen.pdf_of_light = lights.radiance_and_pdf_from(light, &before.reference(), wi).1;
+                seen.pdf_before = seen.emission.next * before.cosine(wi);
+            }
+            self.add_seen(walk, &seen, camera, observer);
+        }
+    }
+
+    fn add_seen(&mut self, walk: &Walk, seen: &Seen, camera: &[Vertex<'a>], observer: &mut impl PathObserver) {
+        let others = match walk.before {
+            // What the camera sees directly is found in no other way.
+            None => 0.0,
+            Some(_) if !self.techniques.camera_paths => f32::INFINITY,
+            Some(before) => {
+                let vertex = &camera[before];
+                let by_sampling = match vertex.is_delta {
+                    true => 0.0,
+                    false => (seen.pdf_of_light / seen.pdf).powi(2),
+                };
+                let ratio = seen.emission.start / seen.pdf * (seen.pdf_before / vertex.pdf);
+                let joined = with_fewer_of_camera(camera, before, ratio, vertex.is_delta, None, self.techniques.splats);
+                by_sampling + joined
+            }
+        };
+        let weight = weight(others);
+        let contribution = walk.throughput * seen.radiance * weight;
+        self.radiance += contribution;
+        observer.emitter_met(&MetEmitter {
+            light: seen.light,
+            radiance: seen.radiance,
+            bsdf_pdf: match walk.pdf {
+                Measure::SolidAngle(pdf, _) => Some(pdf),
+                Measure::Perpendicular(_) | Measure::Camera(_) => None,
+            },
+            light_pdf: Some(seen.pdf_of_light),
+            weight,
+            contribution,
+        });
+    }
+
+    /// Samples a light from a vertex of the camera's path (s = 1).
+    fn sample_light(&mut self, camera: &[Vertex<'a>], number: usize, observer: &mut impl PathObserver) {
+        let vertex = &camera[number];
+        let (depth, sampler) = (vertex.segments, self.camera_sampler);
+        let u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
+        let u_point = sampler.at_2d(BounceDraw::LightPoint.at(depth));
+        let found = self
+            .scene
+            .lights
+            .sample_start(self.sphere, &vertex.reference(), u_choice, u_point);
+        let Some((id, light, start, emission)) = found else {
+            return;
+        };
+        let (value, bsdf_pdf) = vertex.scattering.eval_and_pdf(light.wi);
+        let carried = vertex.throughput * value;
+        let mut arriving = None;
+        if carried * light.radiance != Rgb::ZERO {
+            let shadow = ShadowRay {
+                origin: vertex.leave(light.wi),
+                wi: light.wi,
+                target: light.target,
+                crossings: self.settings.longest_path() - depth - 1,
+            };
+            arriving = Some(transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays));
+        }
+        let weight = match arriving {
+            Some(share) if share != Rgb::ZERO => {
+                weight(self.others_than_sampling(camera, number, &light, &start, &emission, bsdf_pdf))
+            }
+            _ => 0.0,
+        };
+        let contribution = carried * light.radiance * arriving.unwrap_or(Rgb::ZERO) * (weight / light.pdf);
+        self.radiance += contribution;
+        observer.light_sampled(&SampledLight {
+            light: id,
+            sample: light,
+            bsdf_pdf,
+            weight,
+            arriving,
+            contribution,
+        });
+    }
+
+    /// The ways of finding a light that was sampled from a vertex of the camera's path, but this one.
+    fn others_than_sampling(
+        &self,
+        camera: &[Vertex<'a>],
+        number: usize,
+        light: &LightSample,
+        start: &Start,
+        emission: &EmissionPdf,
+        bsdf_pdf: f32,
+    ) -> f32 {
+        let vertex = &camera[number];
+        let by_bsdf = match start.is_delta() {
+            true => 0.0,
+            false => (bsdf_pdf / light.pdf).powi(2),
+        };
+        let pdf = match start {
+            Start::Surface(hit) => vertex.area_pdf(emission.next, hit.position),
+            Start::Point(position) => vertex.area_pdf(emission.next, *position),
+            Start::Infinity { .. } => emission.next * vertex.cosine(light.wi),
+        };
+        let of_light = start.density(vertex.point.position, light.pdf);
+        let ratio = emission.start / of_light * (pdf / vertex.pdf);
+        let next = self.next_of_camera(camera, number, light.wi);
+        by_bsdf + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats)
+    }
+
+    /// The density of the vertex before a vertex of the camera's path, for light that comes to it from `wi`.
+    fn next_of_camera(&self, camera: &[Vertex<'a>], number: usize, wi: Vec3) -> Option<f32> {
+        let vertex = &camera[number];
+        let before = &camera[vertex.before?];
+        Some(before.area_pdf(vertex.scattering.reverse_pdf(wi), vertex.point.position))
+    }
+
+    /// Joins a vertex of the camera's path with all of the light's (s > 1, t > 1).
+    fn join_all(&mut self, path: &LightPath, light: &[Vertex<'a>], camera: &[Vertex<'a>], number: usize) {
+        let longest = self.settings.longest_path();
+        let vertex = &camera[number];
+        for (last, other) in light.iter().enumerate().filter(|(_, other)| other.is_smooth) {
+            let segments = vertex.segments + other.segments + 1;
+            if segments > longest {
+                continue;
+            }
+            let way = other.point.position - vertex.point.position;
+            let squared = way.length_squared();
+            let Some(wi) = way.try_normalize() else { continue };
+            let (value, pdf) = vertex.scattering.eval_and_pdf(wi);
+            if value == Rgb::ZERO {
+                continue;
+            }
+            let other_value = other.scattering.eval_adjoint(-wi, other.point.geometric_normal);
+            // `eval_adjoint` has the cosine at the vertex of the light's path, `eval_and_pdf` that at the camera's.
+            let carried = vertex.throughput * value * path.emitted.power * other.throughput * other_value / squared;
+            if carried == Rgb::ZERO {
+                continue;
+            }
+            let shadow = ShadowRay {
+                origin: vertex.leave(wi),
+                wi,
+                target: Target::Point(other.leave(-wi)),
+                crossings: longest - segments,
+            };
+            let arriving = transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays);
+            if arriving == Rgb::ZERO {
+                continue;
+            }
+            let ends = Ends {
+                last,
+                pdf: other.area_pdf(pdf, vertex.point.position),
+                next: other.scattering.reverse_pdf(-wi),
+            };
+            let (_, other_pdf) = other.scattering.eval_and_pdf(-wi);
+            let ratio = vertex.area_pdf(other_pdf, other.point.position) / vertex.pdf;
+            let next = self.next_of_camera(camera, number, wi);
+            let others = with_fewer_of_light(path, light, &ends)
+                + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats);
+            self.radiance += carried * arriving * weight(others);
+        }
+    }
+}
