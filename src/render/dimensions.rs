@@ -85,6 +85,8 @@ pub(super) enum LightDraw {
     Lens,
     /// The pixel near that point of the film.
     Pixel,
+    /// The vertex of this path with which the vertex of that depth of the camera's path is joined.
+    Partner,
 }
 
 /// Above the dimensions of media.
@@ -94,7 +96,7 @@ impl LightDraw {
     /// The dimension of the draw at the vertex number `depth` of the path, counted from 0 at the light.
     #[inline(always)]
     pub fn at(self, depth: u32) -> u32 {
-        LIGHT_DIMENSIONS + depth * (Self::Pixel as u32 + 1) + self as u32
+        LIGHT_DIMENSIONS + depth * (Self::Partner as u32 + 1) + self as u32
     }
 }
 

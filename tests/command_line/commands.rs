@@ -157,6 +157,16 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     };
     let one = bytes("1.exr", &["-t", "1", "--seed", "5", "--spp", "20"]);
     assert!(one == bytes("2.exr", &["-t", "4", "--seed", "5", "--spp", "20"]));
+    for integrator in ["bdpt", "ptracer"] {
+        let args = |threads| ["-t", threads, "--spp", "20", "--integrator", integrator];
+        let one = bytes("1.exr", &args("1"));
+        assert!(one == bytes("2.exr", &args("4")), "{integrator}");
+        let until_noise = |threads| [&args(threads)[..], &["--noise", "0.1", "--adaptive"]].concat();
+        assert!(
+            bytes("1.exr", &until_noise("1")) == bytes("2.exr", &until_noise("3")),
+            "{integrator}"
+        );
+    }
     assert!(one != bytes("3.exr", &["-t", "1", "--seed", "6", "--spp", "20"]));
 }
 

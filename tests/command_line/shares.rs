@@ -188,6 +188,31 @@ fn parts_in_any_order_have_the_bits_of_the_whole() {
     same(&shop, "whole.exr", "merged.exr");
 }
 
+/// Paths from the lights bring light to any pixel of the picture, also to those of other shares.
+#[test]
+fn parts_with_light_for_other_parts_have_the_bits_of_the_whole() {
+    let shop = shop();
+    let how = ["--integrator", "bdpt"];
+    let whole = |name: &str, more: &[&str]| {
+        let command = ["render", "scene.xml", "-q", "-o", name, "--spp", "32"];
+        succeeds(&shop, &[&command, more].concat());
+    };
+    whole("whole.exr", &how);
+    whole("path.exr", &[]);
+    let parts = parts(&shop, &[0, 8, 16, 32], &["0,0,32,70", "32,0,48,70"], &how);
+    merge(&shop, &parts, "merged.exr", &[]);
+    same(&shop, "whole.exr", "merged.exr");
+    let bytes = |name: &str| std::fs::read(shop.path(name)).expect(name);
+    assert!(bytes("whole.exr") != bytes("path.exr"));
+    // Other ways of finding light do not make one picture.
+    let other = ["render", "scene.xml", "-q", "-o", "other.exr", "--samples", "32..64"];
+    succeeds(&shop, &other);
+    let command = ["merge", "-q", "-o", "both.exr", "other.exr"];
+    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+    let message = fails(&shop, 1, &[&command, &parts[..]].concat());
+    assert!(message.contains("integrator"), "{message}");
+}
+
 /// From 256 samples on, chunks are longer than passes.
 #[test]
 fn long_pictures_are_cut_into_shares_as_well() {

@@ -371,6 +371,14 @@ fn path_says_that_it_leaves_media_out() {
     let (settings, lines) =
         with("<integrator type='volpathmis'><boolean name='use_spectral_mis' value='false'/></integrator>");
     assert_eq!((settings.plugin, lines.len()), (PathPlugin::VolPathMis, 0));
+    for (name, plugin) in [("bdpt", PathPlugin::Bdpt), ("ptracer", PathPlugin::Ptracer)] {
+        let (settings, lines) = with(&format!("<integrator type='{name}'/>"));
+        assert_eq!(settings.plugin, plugin);
+        assert!(
+            lines[0].contains(&format!("`{name}` leaves out the media")),
+            "{lines:?}"
+        );
+    }
     let around =
         "<integrator type='aov'><string name='aovs' value='dd:depth'/><integrator type='volpath'/></integrator>";
     assert_eq!(with(around).0.plugin, PathPlugin::VolPath);

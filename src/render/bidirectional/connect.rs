@@ -186,7 +186,7 @@ impl<'a> Sample<'a, '_> {
         if camera[number].is_smooth && self.techniques.camera_paths {
             self.sample_light(camera, number, observer);
             if let Some(path) = path {
-                self.join_all(path, light, camera, number);
+                self.join_one(path, light, camera, number);
             }
         }
         let Some(sample) = sample else {
@@ -402,49 +402,52 @@ impl<'a> Sample<'a, '_> {
         Some(before.area_pdf(vertex.scattering.reverse_pdf(wi), vertex.point.position))
     }
 
-    /// Joins a vertex of the camera's path with all of the light's (s > 1, t > 1).
-    fn join_all(&mut self, path: &LightPath, light: &[Vertex<'a>], camera: &[Vertex<'a>], number: usize) {
+    /// Joins a vertex of the camera's path with one of the light's (s > 1, t > 1). It is chosen at random: all of them would cost as many times more as
+    /// there are, and be less noisy by less than that.
+    fn join_one(&mut self, path: &LightPath, light: &[Vertex<'a>], camera: &[Vertex<'a>], number: usize) {
         let longest = self.settings.longest_path();
         let vertex = &camera[number];
-        for (last, other) in light.iter().enumerate().filter(|(_, other)| other.is_smooth) {
-            let segments = vertex.segments + other.segments + 1;
-            if segments > longest {
-                continue;
-            }
-            let way = other.point.position - vertex.point.position;
-            let squared = way.length_squared();
-            let Some(wi) = way.try_normalize() else { continue };
-            let (value, pdf) = vertex.scattering.eval_and_pdf(wi);
-            if value == Rgb::ZERO {
-                continue;
-            }
-            let other_value = other.scattering.eval_adjoint(-wi, other.point.geometric_normal);
-            // `eval_adjoint` has the cosine at the vertex of the light's path, `eval_and_pdf` that at the camera's.
-            let carried = vertex.throughput * value * path.emitted.power * other.throughput * other_value / squared;
-            if carried == Rgb::ZERO {
-                continue;
-            }
-            let shadow = ShadowRay {
-                origin: vertex.leave(wi),
-                wi,
-                target: Target::Point(other.leave(-wi)),
-                crossings: longest - segments,
-            };
-            let arriving = transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays);
-            if arriving == Rgb::ZERO {
-                continue;
-            }
-            let ends = Ends {
-                last,
-                pdf: other.area_pdf(pdf, vertex.point.position),
-                next: other.scattering.reverse_pdf(-wi),
-            };
-            let (_, other_pdf) = other.scattering.eval_and_pdf(-wi);
-            let ratio = vertex.area_pdf(other_pdf, other.point.position) / vertex.pdf;
-            let next = self.next_of_camera(camera, number, wi);
-            let others = with_fewer_of_light(path, light, &ends)
-                + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats);
-            self.radiance += carried * arriving * weight(others);
+        // Later vertices of the light's path have more segments.
+        let count = light.partition_point(|other| vertex.segments + other.segments < longest);
+        let u = self.camera_sampler.at_1d(LightDraw::Partner.at(vertex.segments));
+        let last = (u * count as f32) as usize;
+        let Some(other) = light[..count].get(last).filter(|other| other.is_smooth) else {
+            return;
+        };
+        let segments = vertex.segments + other.segments + 1;
+        let way = other.point.position - vertex.point.position;
+        let squared = way.length_squared();
+        let Some(wi) = way.try_normalize() else { return };
+        let (value, pdf) = vertex.scattering.eval_and_pdf(wi);
+        if value == Rgb::ZERO {
+            return;
         }
+        let other_value = other.scattering.eval_adjoint(-wi, other.point.geometric_normal);
+        // `eval_adjoint` has the cosine at the vertex of the light's path, `eval_and_pdf` that at the camera's.
+        let carried = vertex.throughput * value * path.emitted.power * other.throughput * other_value / squared;
+        if carried == Rgb::ZERO {
+            return;
+        }
+        let shadow = ShadowRay {
+            origin: vertex.leave(wi),
+            wi,
+            target: Target::Point(other.leave(-wi)),
+            crossings: longest - segments,
+        };
+        let arriving = transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays);
+        if arriving == Rgb::ZERO {
+            return;
+        }
+        let ends = Ends {
+            last,
+            pdf: other.area_pdf(pdf, vertex.point.position),
+            next: other.scattering.reverse_pdf(-wi),
+        };
+        let (_, other_pdf) = other.scattering.eval_and_pdf(-wi);
+        let ratio = vertex.area_pdf(other_pdf, other.point.position) / vertex.pdf;
+        let next = self.next_of_camera(camera, number, wi);
+        let others = with_fewer_of_light(path, light, &ends)
+            + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats);
+        self.radiance += carried * arriving * (count as f32 * weight(others));
     }
 }
