@@ -656,6 +656,8 @@ fn what_is_lost_is_said_with_its_name() {
         <integrator type="volpath"><integer name="max_depth" value="5"/></integrator>
         <emitter type="constant" id="sky"/>
         <emitter type="sunsky" id="noon"/>
+        <emitter type="point" id="fly"><animation name="position"><point time="-1" value="0, 0, 0"/><point time="1" value="1, 0, 0"/></animation>
+          <animation name="intensity"><rgb time="0" value="1, 1, 1"/><rgb time="1" value="2, 2, 2"/></animation></emitter>
         <medium type="homogeneous" id="fog"/>
         <shape type="cube" id="box of fog"><bsdf type="null"/><ref name="interior" id="fog"/></shape>
         <shape type="sphere"><bsdf type="roughconductor" id="gold"><string name="material" value="Au"/></bsdf></shape>
@@ -672,6 +674,8 @@ fn what_is_lost_is_said_with_its_name() {
         "setting `max_depth` is left out",
         "light `sky` is left out: glTF has no counterpart of light from all directions",
         "light `noon` is left out",
+        "light `fly`: only the place moves, `intensity` does not",
+        "light `fly`: the keys before 0 s are left out",
         "medium `fog` is left out",
         "shape `box of fog` is left out",
         "material `gold`: the facets are spread by GGX",

@@ -60,6 +60,9 @@ impl Motion<'_> {
         let Some(track) = self.track() else {
             return;
         };
+        if track.span().0 < 0.0 {
+            messages.note(kind, name, "the keys before 0 s are left out, where glTF has no time");
+        }
         let Some(keys) = self.poses(track) else {
             let what = "nothing moves, because a pose at a key or between two shears or has no extent";
             messages.note(kind, name, what);

@@ -53,8 +53,8 @@ pub(super) struct Shapes<'a> {
     forms: HashMap<String, Option<Form>>,
     /// Vertices by what they are made from.
     vertices: HashMap<String, Attributes>,
-    /// Triangles in the same way.
-    triangles: HashMap<String, usize>,
+    /// Triangles in the same way; None where there are none.
+    triangles: HashMap<String, Option<usize>>,
     meshes: HashMap<String, usize>,
     /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything visible.
     groups: HashMap<(usize, bool), Option<usize>>,
@@ -321,22 +321,14 @@ impl<'a> Shapes<'a> {
                     (index, colors, is_turned ^ is_inside_out)
                 }
             };
-            let is_of_slot = |triangle: &usize| {
-                slots == 1
-                    || form
-                        .mesh
-                        .material_of_triangle
-                        .get(*triangle)
-                        .copied()
-                        .map_or(0, usize::from)
-                        == slot
-            };
-            let chosen: Vec<usize> = (0..form.mesh.triangles.len()).filter(is_of_slot).collect();
-            if chosen.is_empty() {
-                continue;
-            }
             let colors = self.known_colors(form, colors, name, messages);
             let is_unwelded = is_of_triangles(&form.mesh, &colors);
+            // What was mirrored by hand runs the other way.
+            let runs_backwards = is_turned ^ baked.is_some_and(|map| is_mirrored(&map));
+            let indices = self.indices(form, (slot, slots), is_unwelded, runs_backwards, writer);
+            let Some(indices) = indices.map_err(fails)? else {
+                continue;
+            };
             let key = format!("{} {} {is_turned} {colors:?}", form.key, form.is_flat);
             let known = self.vertices.get(&key).filter(|_| baked.is_none()).cloned();
             let attributes = match known {
@@ -353,32 +345,6 @@ impl<'a> Shapes<'a> {
                     attributes
                 }
             };
-            // What was mirrored by hand runs the other way.
-            let runs_backwards = is_turned ^ baked.is_some_and(|map| is_mirrored(&map));
-            let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots}", form.key);
-            let indices = match self.triangles.get(&key) {
-                Some(known) => *known,
-                None => {
-                    let mut triangles: Vec<[u32; 3]> = match is_unwelded {
-                        true => chosen
-                            .iter()
-                            .map(|&triangle| 3 * triangle as u32)
-                            .map(|at| [at, at + 1, at + 2])
-                            .collect(),
-                        false => chosen.iter().map(|&triangle| form.mesh.triangles[triangle]).collect(),
-                    };
-                    if runs_backwards {
-                        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-                    }
-                    let vertices = match is_unwelded {
-                        true => 3 * form.mesh.triangles.len(),
-                        false => form.mesh.positions.len(),
-                    };
-                    let indices = writer.add_triangles(&triangles, vertices).map_err(fails)?;
-                    self.triangles.insert(key, indices);
-                    indices
-                }
-            };
             primitives.push(Primitive {
                 attributes,
                 indices,
@@ -386,6 +352,42 @@ impl<'a> Shapes<'a> {
             });
         }
         Ok(primitives)
+    }
+
+    /// The triangles of a material slot, of so many; None if there are none.
+    fn indices(
+        &mut self,
+        form: &Form,
+        (slot, slots): (usize, usize),
+        is_unwelded: bool,
+        runs_backwards: bool,
+        writer: &mut GltfWriter,
+    ) -> Result<Option<usize>, GltfWriteError> {
+        let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots}", form.key);
+        if let Some(known) = self.triangles.get(&key) {
+            return Ok(*known);
+        }
+        let mesh = &form.mesh;
+        let slot_of = |triangle: usize| mesh.material_of_triangle.get(triangle).copied().map_or(0, usize::from);
+        let chosen = (0..mesh.triangles.len()).filter(|triangle| slots == 1 || slot_of(*triangle) == slot);
+        let corners = chosen.map(|triangle| match is_unwelded {
+            true => [0, 1, 2].map(|corner| 3 * triangle as u32 + corner),
+            false => mesh.triangles[triangle],
+        });
+        let triangles: Vec<[u32; 3]> = match runs_backwards {
+            true => corners.map(|[a, b, c]| [a, c, b]).collect(),
+            false => corners.collect(),
+        };
+        let vertices = match is_unwelded {
+            true => 3 * mesh.triangles.len(),
+            false => mesh.positions.len(),
+        };
+        let indices = match triangles.is_empty() {
+            true => None,
+            false => Some(writer.add_triangles(&triangles, vertices)?),
+        };
+        self.triangles.insert(key, indices);
+        Ok(indices)
     }
 
     /// The colours, if the mesh has them.
