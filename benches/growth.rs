@@ -27,7 +27,7 @@ use sunroom::medium::{
 use sunroom::render::film::Film;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::view::{Strategy, View};
 use sunroom::sampling::hash::pcg4d;
 use sunroom::sampling::{unit_float, warp};
 use sunroom::shading::{Bsdf, Diffuse};

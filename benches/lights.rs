@@ -17,7 +17,7 @@ use sunroom::color::{Rgb, luminance};
 use sunroom::light::LightSource;
 use sunroom::render::film::Film;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::view::{Integrator, Strategy};
+use sunroom::render::view::Strategy;
 use sunroom::sampling::hash::pcg4d;
 use sunroom::sampling::{unit_float, warp};
 use sunroom::shading::{Bsdf, Diffuse};

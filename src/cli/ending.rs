@@ -130,7 +130,7 @@ mod tests {
                 blocks: None,
                 layers: Default::default(),
                 first_hits: Vec::new(),
-                splats: Vec::new(),
+                splats: Default::default(),
                 rays: 0,
                 invalid: 0,
             });
