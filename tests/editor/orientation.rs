@@ -40,7 +40,7 @@ fn film(depth: f32) -> Film {
             blocks: None,
             layers: Default::default(),
             first_hits: Vec::new(),
-            splats: Vec::new(),
+            splats: Default::default(),
             rays: 0,
             invalid: 0,
         });
