@@ -11,7 +11,7 @@ use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
 use super::key_marks::key_mark;
-use super::lengths::with_units;
+use super::typed;
 use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::app::editor::words::figures::{MOST_DECIMALS, decimals, legible};
@@ -134,9 +134,10 @@ pub(crate) fn slider_with<'a>(
     style: impl FnOnce(egui::Slider<'_>) -> egui::Slider<'_>,
 ) -> bool {
     let mut copy = *value;
-    let slider = egui::Slider::new(&mut copy, range)
+    let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .max_decimals(3);
+    let slider = typed::slider(ui, slider, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(style(slider))
@@ -153,9 +154,10 @@ pub(crate) fn integer_slider<'a>(
     logarithmic: bool,
 ) -> bool {
     let mut copy = *value;
-    let slider = egui::Slider::new(&mut copy, range)
+    let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .logarithmic(logarithmic);
+    let slider = typed::slider(ui, slider, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(slider)
@@ -167,12 +169,14 @@ pub(crate) fn integer_slider<'a>(
 /// An emitted quantity's strength: a slider over many decades, its number with the unit.
 pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
     let mut copy = *value;
-    let slider = egui::Slider::new(&mut copy, 0.0..=1000.0)
+    const STRENGTHS: RangeInclusive<f32> = 0.0..=1000.0;
+    let slider = egui::Slider::new(&mut copy, STRENGTHS)
         .clamping(egui::SliderClamping::Edits)
         .max_decimals(3)
         .logarithmic(true)
         .smallest_positive(0.01)
         .suffix(unit);
+    let slider = typed::slider(ui, slider, STRENGTHS);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32);
         ui.add(slider)
@@ -217,12 +221,11 @@ pub(crate) fn quantity<'a>(
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy)
         .speed(speed)
-        .range(range)
         .clamp_existing_to_range(false)
         .max_decimals(4)
         .custom_formatter(legible)
         .suffix(unit);
-    let drag = with_units(ui, drag);
+    let drag = typed::number(ui, drag, range);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -235,9 +238,8 @@ pub fn integer<'a, N: egui::emath::Numeric>(
     range: RangeInclusive<N>,
 ) -> bool {
     let mut copy = *value;
-    let drag = egui::DragValue::new(&mut copy)
-        .range(range)
-        .clamp_existing_to_range(false);
+    let drag = egui::DragValue::new(&mut copy).clamp_existing_to_range(false);
+    let drag = typed::number(ui, drag, range);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -303,12 +305,11 @@ pub(crate) fn number_cells<const N: usize>(
         let drag = egui::DragValue::new(value)
             .speed(style.speed)
             .suffix(style.suffix)
-            .range(style.range)
             .clamp_existing_to_range(false)
             .max_decimals(MOST_DECIMALS);
         // All numbers of a row have as many decimals as the one that needs most.
         let drag = drag.custom_formatter(|number, _| legible(number, decimals..=decimals));
-        let drag = with_units(ui, drag);
+        let drag = typed::number(ui, drag, style.range);
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         tick(ui, response.rect, style.letter);
         response.widget_info(|| {

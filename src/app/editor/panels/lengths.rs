@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{DragValue, Ui, UiBuilder, UiStackInfo};
+use bevy_egui::egui::{Ui, UiBuilder, UiStackInfo};
 
 use super::caption::Caption;
 use super::fields::{self, NumberStyle};
@@ -39,14 +39,9 @@ fn lengths<R>(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> R) -> R {
     tagged(ui, LENGTHS, unit, content)
 }
 
-/// Lets other units be typed into a number that is a length. A unit has an effect once it is complete, so that `30cm` is never 30 metres.
-pub(super) fn with_units<'a>(ui: &Ui, drag: DragValue<'a>) -> DragValue<'a> {
-    match tag(ui, LENGTHS) {
-        Some(unit) => drag
-            .custom_parser(move |text| unit.parse(text))
-            .update_while_editing(false),
-        None => drag,
-    }
+/// The unit of the numbers of this part of the panel; None if they are no lengths.
+pub(super) fn length_unit(ui: &Ui) -> Option<LengthUnit> {
+    tag(ui, LENGTHS)
 }
 
 /// Shows a length with its unit; true if edited.
@@ -68,10 +63,7 @@ pub(crate) fn length_slider<'a>(
     value: &mut f32,
     range: RangeInclusive<f32>,
 ) -> bool {
-    let unit = unit(ui);
-    fields::slider_with(ui, caption, value, range, |slider| {
-        slider.logarithmic(true).custom_parser(move |text| unit.parse(text))
-    })
+    lengths(ui, |ui| fields::log_slider(ui, caption, value, range))
 }
 
 /// Shows several lengths side by side; true if edited.

@@ -44,3 +44,4 @@ pub mod texture;
 pub mod texture_slot;
 pub mod timeline;
 pub mod transform;
+mod typed;
