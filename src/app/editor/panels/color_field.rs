@@ -45,16 +45,27 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
 /// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at the right that the row of
 /// the colour leaves to a menu, and that of the strength takes.
 pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
-    let mut strength = value.max_element();
-    let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
     let caption = caption.into();
-    let recolored = color(ui, caption.part("Colour"), &mut hue);
+    colored(ui, caption, caption.part("Colour"), unit, beyond, value)
+}
+
+/// [`emission`] with another name of the row of the colour.
+pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
+    let mut strength = value.max_element();
+    // A strength of zero has no colour: it is the colour that was edited here, so that it comes back with the strength.
+    let id = ui.make_persistent_id((colour.text, "of nothing"));
+    let edited = || ui.data(|data| data.get_temp(id)).unwrap_or(Rgb::ONE);
+    let mut hue = if strength > 0.0 { *value / strength } else { edited() };
+    let recolored = color(ui, colour, &mut hue);
     // The row reaches beyond the room of this column without widening it.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (_, place) = ui.allocate_space(size);
     let place = place.with_max_x(place.right() + beyond);
     let mut row = ui.new_child(egui::UiBuilder::new().max_rect(place));
     let scaled = fields::strength(&mut row, caption, &mut strength, unit);
+    if recolored || scaled {
+        ui.data_mut(|data| data.insert_temp(id, hue));
+    }
     write_back(recolored || scaled, value, hue * strength)
 }
 

@@ -126,7 +126,10 @@ fn sections(
             let mut edited = inspected.area_light.clone();
             let is_flat = inspected.shape.as_ref().is_some_and(|shape| shape.kind.is_flat());
             let edit = moving(ui, &model.timeline, (inspected.entity, "emitter."), |ui| {
-                emission::area_light(ui, &mut edited, is_flat, &model.textures)
+                ui.push_id(inspected.entity, |ui| {
+                    emission::area_light(ui, &mut edited, is_flat, &model.textures)
+                })
+                .inner
             });
             if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
@@ -137,7 +140,11 @@ fn sections(
     if let Some(emitter) = &inspected.emitter {
         section(ui, "Light", |ui| {
             let mut edited = emitter.clone();
-            let edit = emission::emitter(ui, &mut edited, &model.textures);
+            let edit = ui
+                .push_id(inspected.entity, |ui| {
+                    emission::emitter(ui, &mut edited, &model.textures)
+                })
+                .inner;
             if edit.changed {
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }

@@ -10,6 +10,7 @@ use super::lengths;
 use super::material::Rows;
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::app::editor::model::{InspectedGrid, InspectedMedium};
+use crate::app::editor::words::figures::length;
 use crate::color::Rgb;
 use crate::scene::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 use crate::scene::{
@@ -150,6 +151,11 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
         None => "not loaded".to_owned(),
     };
     fields::note(ui, "Voxels", size);
+    if let Some(content) = content {
+        let [from, to] = corners(&(grid.to_world * content.world_from_local));
+        fields::note(ui, "From", from);
+        fields::note(ui, "To", to);
+    }
     let filters = VolumeFilter::ALL.map(|filter| (filter, filter.name()));
     let mut changed = false;
     if let VolumeFormat::Vdb { grid: name } = &mut grid.format {
@@ -165,6 +171,17 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
         }
     }
     place(ui, "Grid", &mut grid.to_world) || changed
+}
+
+/// The corners of the bounds of a grid in the world, as texts. `to_world` takes the unit cube there.
+fn corners(to_world: &Affine3A) -> [String; 2] {
+    let cube = [0, 1, 2, 3, 4, 5, 6, 7]
+        .map(|corner| Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32));
+    let placed = cube.map(|corner| to_world.transform_point3(corner));
+    let (min, max) = placed.iter().fold((placed[0], placed[0]), |(min, max), corner| {
+        (min.min(*corner), max.max(*corner))
+    });
+    [min, max].map(|corner| corner.to_array().map(length).join(", "))
 }
 
 /// The grid of a `.vdb` file that is read. A name that is being typed counts once the field is left.
@@ -219,6 +236,19 @@ fn place(ui: &mut Ui, title: &str, to_world: &mut Affine3A) -> bool {
     changed
 }
 
+/// The rows of a quantity by colour. A medium has several, whose rows of colours have names of their own.
+fn tinted(ui: &mut Ui, info: &'static ParameterInfo, unit: &str, value: &mut Rgb) -> bool {
+    let caption = Caption::from(info);
+    color_field::colored(
+        ui,
+        caption,
+        caption.part(&format!("{} tint", info.label)),
+        unit,
+        0.0,
+        value,
+    )
+}
+
 impl Rows<'_> {
     pub(super) fn coefficients(&mut self, value: &mut Coefficients) {
         match value {
@@ -237,7 +267,7 @@ impl Rows<'_> {
 
     pub(super) fn volume_emission(&mut self, info: &'static ParameterInfo, value: &mut VolumeParameter<Rgb>) {
         self.volume(info, value, |rows, info, color| {
-            rows.edit.changed |= color_field::emission(rows.ui, info, info.unit, 0.0, color);
+            rows.edit.changed |= tinted(rows.ui, info, info.unit, color);
         });
     }
 
@@ -258,7 +288,7 @@ impl Rows<'_> {
             "" => String::new(),
             name => format!(" /{name}"),
         };
-        if color_field::emission(self.ui, info, &unit, 0.0, value) {
+        if tinted(self.ui, info, &unit, value) {
             *value = value.clamp(Rgb::ZERO, Rgb::splat(*info.range.end()));
             self.edit.changed = true;
         }
