@@ -7,13 +7,14 @@ use super::media::{fog, null_material, spawn};
 use super::spot;
 use crate::app::editor::camera::{picking, pose, rounding};
 use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::toasts::Toasts;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    DocumentOrder, ExteriorMedium, InMedium, InteriorMedium, Medium, SceneId, Sensor, Shape, ShapeKind, ToWorld,
-    UsesMaterial,
+    DocumentOrder, ExteriorMedium, InMedium, InteriorMedium, LengthUnit, Medium, SceneId, Sensor, Shape, ShapeKind,
+    ToWorld, UsesMaterial,
 };
 
 /// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same plane, light would meet one or the other
@@ -64,7 +65,24 @@ pub fn bounded(edit: &mut Edit, name: &str, pose: Affine3A, medium: Medium) -> E
         edit.set(entity, ExteriorMedium(around));
     }
     enclose(edit, entity, &pose, medium);
+    tell_density(edit.world, medium);
     entity
+}
+
+/// Says how dense the fog is, because it is the program that has chosen it.
+fn tell_density(world: &mut World, medium: Entity) {
+    let path = world.get::<Medium>(medium).and_then(Medium::mean_free_path);
+    let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
+    if let (Some(path), Some(mut toasts)) = (path, world.get_resource_mut::<Toasts>()) {
+        let half = rounding::with_digits(std::f32::consts::LN_2 * path.max_element(), 2);
+        let length = match unit.sign().is_empty() {
+            true => format!("{} units", unit.number(half)),
+            false => unit.text(half),
+        };
+        toasts.info(format!(
+            "Half of the light passes {length} of the fog; the inspector has its extinction"
+        ));
+    }
 }
 
 /// Tells cameras and borders of other media that are in a cube, and in no other medium, that its medium is around them.

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::selection::Selection;
-use crate::scene::{Locked, ObjectState, ToWorld};
+use crate::scene::{Locked, Medium, ObjectState, ToWorld};
 
 /// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
 pub struct Title {
@@ -93,9 +93,27 @@ fn object(world: &World, command: &Command) -> String {
         } => world.get::<Name>(*medium).map(Name::as_str),
         Command::Fill { with, .. } => with.name(),
         Command::Rename(_, name) => Some(name.as_str()),
+        Command::SetMedium(entity, after) => world.get(*entity).and_then(|before| parameter_of_medium(before, after)),
         _ => None,
     };
     object.map_or_else(String::new, |object| format!(": {object}"))
+}
+
+/// The only parameter in which two media differ.
+fn parameter_of_medium(before: &Medium, after: &Medium) -> Option<&'static str> {
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    before.visit(&mut |info, value| ours.push((info.label, value)));
+    after.visit(&mut |_, value| theirs.push(value));
+    let values = ours.into_iter().zip(theirs);
+    let mut changed: Vec<&str> = values
+        .filter(|((_, ours), theirs)| ours != theirs)
+        .map(|((label, _), _)| label)
+        .collect();
+    changed.extend((before.phase != after.phase).then_some("Phase"));
+    match changed[..] {
+        [only] => Some(only),
+        _ => None,
+    }
 }
 
 /// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what happens to the first thing.
