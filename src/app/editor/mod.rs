@@ -111,7 +111,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(preferences_file)
             .insert_resource(trusted_folders)
             .insert_resource(trust)
-            .insert_resource(session::recovery::Recovery::new(folder.as_deref()))
+            .insert_resource(session::recovery::Recovery::new(folder.as_deref()).asking(options.is_attended()))
             .insert_resource(views_file)
             .insert_resource(session::kept_picture::KeptPictures::new(options.is_attended()))
             .insert_resource(commands::flight::Flights::new(

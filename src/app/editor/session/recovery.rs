@@ -56,6 +56,8 @@ pub struct Recovery {
     mine: Vec<Aside>,
     /// The edits that the user is asked about.
     pub offer: Option<Offer>,
+    /// There is no user: what was written aside is kept for the next start.
+    is_unattended: bool,
     /// The edits that are being opened.
     returning: Option<(Offer, Aside)>,
     /// The last load of the scene that was looked at, and the last failure.
@@ -76,6 +78,18 @@ impl Recovery {
             run: format!("{}-{:x}", std::process::id(), begun.as_nanos()),
             ..Self::default()
         }
+    }
+
+    /// Asks nobody if there is no user.
+    pub fn asking(self, is_attended: bool) -> Self {
+        Self {
+            is_unattended: !is_attended,
+            ..self
+        }
+    }
+
+    fn ask(&mut self, offer: Option<Offer>) {
+        self.offer = offer.filter(|_| !self.is_unattended);
     }
 
     /// Whether the scene that is being opened is one that was written aside.
@@ -212,7 +226,7 @@ pub fn follow_scene(
         remove_fragments(&all);
     }
     if is_first && status.subject().is_none() {
-        recovery.offer = find(&all, |_| true);
+        recovery.ask(find(&all, |_| true));
     }
     let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
     if seen.1 != status.failures {
@@ -225,7 +239,7 @@ pub fn follow_scene(
             }
             // The open scene has no remaining edits.
             None if status.asked == status.path => {}
-            None => recovery.offer = left_over(&all, status.asked.as_deref(), false),
+            None => recovery.ask(left_over(&all, status.asked.as_deref(), false)),
         }
     }
     if seen.0 == status.revision || !status.fresh_load {
@@ -244,7 +258,7 @@ pub fn follow_scene(
             recovery.mine.push(aside);
             toasts.info("Recovered; save the scene to keep it");
         }
-        None => recovery.offer = left_over(&all, status.path.as_deref(), seen.0 == 0),
+        None => recovery.ask(left_over(&all, status.path.as_deref(), seen.0 == 0)),
     }
 }
 
