@@ -287,14 +287,11 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
             rect.top()..=rect.bottom(),
             Stroke::new(1.0, color.gamma_multiply(0.3)),
         );
-        let corner = pos2(x + 3.0, rect.top() + 1.0);
-        painter.text(
-            corner,
-            egui::Align2::LEFT_TOP,
-            format!("{frame:.0}"),
-            font.clone(),
-            color,
-        );
+        let number = painter.layout_no_wrap(format!("{frame:.0}"), font.clone(), color);
+        // Where the number behind a line would be cut off, it stands before it.
+        let is_cut = x + 3.0 + number.size().x > rect.right();
+        let left = if is_cut { x - 3.0 - number.size().x } else { x + 3.0 };
+        painter.galley(pos2(left, rect.top() + 1.0), number, color);
     }
     painter.hline(
         rect.x_range(),
