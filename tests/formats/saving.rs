@@ -122,7 +122,7 @@ fn layers_are_put_around_the_integrator_and_taken_away() {
     let plain = [around[0], aovs, "    <integrator type=\"path\"/>", "  </integrator>"];
     assert_eq!((gone, come), (Vec::new(), lines(&plain)));
     // Integrators that are not known stay inside, and where they are as long as nothing is edited.
-    let unknown = "  <integrator type=\"bdpt\"/>";
+    let unknown = "  <integrator type=\"photonmapper\"/>";
     let moment = "  <integrator type=\"moment\">\n    <integrator type=\"path\"/>\n  </integrator>";
     let other_layers =
         "  <integrator type=\"aov\"><string name=\"aovs\" value=\"a:dp_du\"/><integrator type=\"path\"/></integrator>";
@@ -133,7 +133,10 @@ fn layers_are_put_around_the_integrator_and_taken_away() {
         assert!(!gone.iter().any(|line| line.contains("integrator")), "{gone:?}");
     }
     let (_, come) = changes(unknown, choose);
-    assert!(come.contains(&"    <integrator type=\"bdpt\"/>".to_owned()), "{come:?}");
+    assert!(
+        come.contains(&"    <integrator type=\"photonmapper\"/>".to_owned()),
+        "{come:?}"
+    );
     let (_, come) = changes(moment, choose);
     assert!(
         come.contains(&"    <integrator type=\"moment\">".to_owned()),

@@ -290,8 +290,8 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
             "2: warning: emitter `sky` is not supported: it is left out",
         ),
         (
-            "<integrator type='bdpt'/>",
-            "2: warning: integrator `bdpt` is not supported: `path` takes its place",
+            "<integrator type='photonmapper'/>",
+            "2: warning: integrator `photonmapper` is not supported: `path` takes its place",
         ),
         (
             "<integrator type='aov'>\n<string name='aovs' value='a:dp_du'/></integrator>",
