@@ -23,7 +23,7 @@ pub struct ConvertArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// Scene file to write: OUT.xml, or OUT.glb or OUT.gltf to export to glTF 2.0
-    #[arg(value_name = "OUT.xml")]
+    #[arg(value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
     memory: MemoryArgs,

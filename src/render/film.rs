@@ -145,7 +145,7 @@ impl Film {
         }
         match self.begun[place].take() {
             Some(mut chunk) => {
-                chunk.append(result);
+                chunk.append_own(result);
                 self.add_if_whole(place, chunk);
             }
             None if result.blocks.is_some() || is_whole(result) => self.add_chunk(result),
@@ -293,7 +293,11 @@ impl Film {
             }
             count => (self.sum(x, y).radiance, self.layer_values(x, y), count),
         };
-        let splats = self.splatted(index);
+        // Previews have all light in them.
+        let splats = match self.counts[index] {
+            0 => Rgb::ZERO,
+            _ => self.splatted(index),
+        };
         if self.kept.groups == 0 || factors.is_empty() {
             return Some(radiance * (1.0 / count as f32) + splats);
         }
@@ -434,6 +438,43 @@ mod tests {
         assert_eq!((film.pixel(0, 0), film.sample_count()), (None, 0));
         assert_eq!(film.first_hit(0, 0), None);
         assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::ZERO));
+    }
+
+    #[test]
+    fn chunks_keep_no_light_for_other_pixels() {
+        let (mut film, tile) = (Film::new(8, 8), tiles(8, 8)[0]);
+        let splats = || TileSplats {
+            list: vec![
+                super::super::splats::Splat {
+                    pixel: glam::UVec2::ONE,
+                    radiance: Rgb::ONE,
+                };
+                16
+            ],
+            paths: 16 * 64,
+        };
+        let mut begun = 0;
+        for start in (0..288).step_by(16) {
+            film.add(&TileSamples {
+                splats: splats(),
+                ..samples(tile, start..start + 16, 1.0)
+            });
+            let chunks = film.begun.iter().flatten();
+            begun += chunks.clone().count();
+            assert!(
+                chunks.into_iter().all(|chunk| chunk.splats == TileSplats::default()),
+                "{start}"
+            );
+        }
+        assert!(begun > 0, "chunks of several passes");
+        assert_eq!(film.pixel(1, 1).expect("samples").radiance, Rgb::splat(2.0));
+        // What has no samples yet has a preview with all light in it, or nothing.
+        let mut film = Film::new(40, 8);
+        film.add(&TileSamples {
+            splats: splats(),
+            ..samples(tiles(40, 8)[0], 0..16, 1.0)
+        });
+        assert_eq!(film.mixed_pixel(39, 0, &[]), None);
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub struct RecordedVertex {
     pub bounce: Option<Bounce>,
 }
 
-/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view's integrator traces none.
+/// The paths of samples `samples` of a pixel, exactly as they are in the picture by path tracing; none where the view's integrator traces none.
 pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Range<u32>) -> Vec<RecordedPath> {
     if view.path_settings(pixel).is_none() {
         return Vec::new();

@@ -23,6 +23,8 @@ pub trait PathObserver {
     fn emitter_met(&mut self, _met: &MetEmitter) {}
     /// A light was sampled from the last vertex.
     fn light_sampled(&mut self, _sampled: &SampledLight) {}
+    /// The last vertex was joined with a path from this light, which has brought this contribution.
+    fn joined(&mut self, _light: LightId, _contribution: Rgb) {}
     /// The path goes on from its last vertex.
     fn bounced(&mut self, _bounce: &Bounce) {}
     /// The path is over.
@@ -52,6 +54,11 @@ impl<O: PathObserver> PathObserver for Option<O> {
 
     fn light_sampled(&mut self, sampled: &SampledLight) {
         self.iter_mut().for_each(|observer| observer.light_sampled(sampled));
+    }
+
+    fn joined(&mut self, light: LightId, contribution: Rgb) {
+        self.iter_mut()
+            .for_each(|observer| observer.joined(light, contribution));
     }
 
     fn bounced(&mut self, bounce: &Bounce) {

@@ -116,6 +116,12 @@ pub struct TileSamples {
 impl TileSamples {
     /// Adds the samples of the same tile that follow these.
     pub fn append(&mut self, next: &Self) {
+        self.append_own(next);
+        self.splats.append(next.splats.clone());
+    }
+
+    /// [`Self::append`] without the light for other pixels.
+    pub(super) fn append_own(&mut self, next: &Self) {
         debug_assert_eq!((self.tile, self.samples.end), (next.tile, next.samples.start));
         self.samples.end = next.samples.end;
         let pixels = self.pixels.iter_mut().zip(&next.pixels);
@@ -124,7 +130,6 @@ impl TileSamples {
         if self.first_hits.is_empty() {
             self.first_hits.clone_from(&next.first_hits);
         }
-        self.splats.append(next.splats.clone());
         self.rays += next.rays;
         self.invalid += next.invalid;
     }

@@ -35,6 +35,11 @@ impl PathPlugin {
         }
     }
 
+    /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their ways.
+    pub fn has_strategy(self) -> bool {
+        matches!(self, Self::Path | Self::VolPath | Self::VolPathMis)
+    }
+
     /// Whether light meets media.
     pub fn traces_media(self) -> bool {
         matches!(self, Self::VolPath | Self::VolPathMis)

@@ -8,11 +8,13 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::color::Rgb;
 use sunroom::geometry::primitives::unit_cube;
+use sunroom::layer::{Layer, Layers};
 use sunroom::light::{LightSource, Spot};
 use sunroom::material::Material;
 use sunroom::render::camera::{Camera, ThinLens};
 use sunroom::render::film::Film;
 use sunroom::render::filter::{FilterKernel, PixelFilter};
+use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::sight::CutPlane;
 use sunroom::render::view::{Integrator, Strategy, View};
@@ -461,4 +463,80 @@ fn a_caustic_has_the_power_of_the_light_that_makes_it() {
     let most = 10.0 * solid_angle * 0.5 / PI / 144.0;
     let caustic = all.0 - direct.0;
     assert!((0.75 * most..0.96 * most).contains(&caustic), "{caustic} of {most}");
+}
+
+/// What is kept beside the picture adds up to it, joined paths included.
+#[test]
+fn layers_and_groups_have_all_light() {
+    let mut scene = SceneBuilder::default();
+    room(&mut scene);
+    lamp(&mut scene);
+    scene.light(LightSource::Point {
+        position: Vec3::new(0.2, 0.6, 0.9),
+        intensity: Rgb::splat(0.5),
+    });
+    let scene = scene.build();
+    let parted = View {
+        light_groups: LightGroups::new(&[0, 1]),
+        layers: Layers::of(&[Layer::Direct, Layer::Indirect, Layer::Emitted]),
+        ..by(Integrator::Bidirectional, &look(5))
+    };
+    let film = render(&scene, &parted, 400);
+    for (x, y) in (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y))) {
+        let radiance = film.pixel(x, y).expect("samples").radiance;
+        let mixed = film.mixed_pixel(x, y, &[Rgb::ONE, Rgb::ONE]).expect("samples");
+        assert!(
+            radiance.abs_diff_eq(mixed, 1e-4 * radiance.max_element()),
+            "{radiance} {mixed}"
+        );
+    }
+    // Without splats it is the same picture, with more noise.
+    assert_pictures("parted", &render(&scene, &by(Integrator::Path, &look(2)), 800), &{
+        let mut view = parted.clone();
+        view.integrator.settings_mut().max_depth = 2;
+        render(&scene, &view, 800)
+    });
+}
+
+/// A lamp that reflects, behind a veil, is lit by the others: the camera only looks through lamps before its first surface.
+#[test]
+fn lamps_behind_a_veil_are_not_hidden() {
+    let mut scene = SceneBuilder::default();
+    room(&mut scene);
+    lamp(&mut scene);
+    let wall = placed(Vec3::splat(0.7), Quat::IDENTITY, Vec3::new(0.0, 0.0, 0.3));
+    scene.add(Primitive::Rectangle, wall, diffuse(0.9), Some(Rgb::splat(0.05)));
+    let nested = scene.material(diffuse(0.5));
+    let veil = Material::Mask {
+        nested,
+        opacity: Parameter::Constant(0.3),
+    };
+    scene.add(
+        Primitive::Rectangle,
+        placed(Vec3::splat(0.9), Quat::IDENTITY, Vec3::new(0.0, 0.0, 0.8)),
+        veil,
+        None,
+    );
+    let scene = scene.build();
+    let mut view = look(4);
+    view.integrator.settings_mut().hide_emitters = true;
+    assert_same("veiled lamp", &scene, &view, 2000);
+}
+
+#[test]
+fn without_depth_the_picture_is_black_but_knows_its_surfaces() {
+    let scene = lit_room();
+    let films =
+        [Integrator::Path, Integrator::Bidirectional].map(|integrator| render(&scene, &by(integrator, &look(0)), 4));
+    for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
+        let [path, both] = [&films[0], &films[1]].map(|film| film.pixel(x, y).expect("samples"));
+        assert_eq!(both.radiance, Rgb::ZERO);
+        assert!((path.depth - both.depth).abs() < 1e-5 && path.normal.abs_diff_eq(both.normal, 1e-5));
+        let [path, both] = [&films[0], &films[1]].map(|film| film.first_hit(x, y).map(|hit| (hit.instance, hit.uv)));
+        assert_eq!(path.map(|hit| hit.0), both.map(|hit| hit.0));
+        assert!(
+            path.zip(both)
+                .is_none_or(|(path, both)| path.1.abs_diff_eq(both.1, 1e-5))
+        );
+    }
 }

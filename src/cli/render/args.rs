@@ -88,7 +88,7 @@ pub struct RenderArgs {
     /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well) or ptracer (those alone)
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     pub integrator: Option<PathPlugin>,
-    /// How light is looked for
+    /// How light is looked for by path, volpath and volpathmis
     #[arg(long, value_enum)]
     pub strategy: Option<StrategyName>,
     /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations

@@ -3,20 +3,28 @@
 use bevy::prelude::*;
 use sunroom::engine::RenderControl;
 use sunroom::scene::{
-    ActiveSensor, Crop, Film as SensorFilm, IntegratorSettings, SamplerSettings, Sequence, Strategy, find_camera,
+    ActiveSensor, Crop, Film as SensorFilm, IntegratorSettings, Medium, SamplerSettings, Sequence, Strategy,
+    find_camera,
 };
 
 use super::args::{RenderArgs, SamplerName, StrategyName};
-use crate::cli::report::Failure;
+use crate::cli::report::{self, Failure};
 
 /// Applies the options of the command line, which override the file.
 pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
+    let has_media = world.query::<&Medium>().iter(world).next().is_some();
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();
     }
     if let Some(plugin) = args.integrator {
         integrator.plugin = plugin;
+        if has_media && !plugin.traces_media() {
+            let name = plugin.name();
+            report::line(format_args!(
+                "warning: `{name}` leaves out the media of the scene; `volpath` traces them"
+            ));
+        }
     }
     integrator.schlick |= args.schlick;
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));

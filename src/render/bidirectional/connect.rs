@@ -19,6 +19,9 @@ use crate::render::splats::Splat;
 use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
 use crate::shading::TransportMode;
 
+/// The relative difference up to which two distances from the camera are of the same place.
+const SAME_PLACE: f32 = 1e-4;
+
 /// An emitter that the path from the camera has come upon.
 struct Seen {
     light: LightId,
@@ -39,10 +42,6 @@ impl<'a> Sample<'a, '_> {
         let longest = self.settings.longest_path();
         let ends = |vertex: &&Vertex| vertex.is_smooth && vertex.segments < longest;
         for (number, vertex) in vertices.iter().enumerate().filter(|(_, vertex)| ends(vertex)) {
-            // The camera looks through emitters that it does not see.
-            if self.settings.hide_emitters && vertex.slot.light.is_some() {
-                continue;
-            }
             let sampler = self.light_sampler;
             let u_lens = sampler.at_2d(LightDraw::Lens.at(vertex.segments));
             let Some(to) = self.view.camera.ray_to(vertex.point.position, u_lens) else {
@@ -91,6 +90,10 @@ impl<'a> Sample<'a, '_> {
             let hit = self.scene.geometry.intersect(&ray);
             path.behind_hidden_emitters(self.scene, &self.settings, hit);
             self.rays += path.rays;
+            // The vertex is on a lamp that the camera looks through.
+            if vertex.slot.light.is_some() && path.record.passed >= distance * (1.0 - SAME_PLACE) {
+                return Rgb::ZERO;
+            }
             ray = path.ray;
         }
         let wi = -ray.dir;
@@ -161,7 +164,7 @@ impl<'a> Sample<'a, '_> {
             instance: hit.instance,
             material: vertex.slot.material,
         }));
-        if let Some(id) = vertex.slot.light {
+        if let Some(id) = vertex.slot.light.filter(|_| self.settings.max_depth > 0) {
             self.meet_emitter(walk, id, &vertex, camera, observer);
         }
         let is_last = self.settings.is_last(depth);
@@ -186,7 +189,7 @@ impl<'a> Sample<'a, '_> {
         if camera[number].is_smooth && self.techniques.camera_paths {
             self.sample_light(camera, number, observer);
             if let Some(path) = path {
-                self.join_one(path, light, camera, number);
+                self.join_one(path, light, camera, number, observer);
             }
         }
         let Some(sample) = sample else {
@@ -269,7 +272,7 @@ impl<'a> Sample<'a, '_> {
 
     /// Adds what lights at infinity send along the walk's ray, which has left the scene (s = 0).
     fn escape(&mut self, walk: &Walk, camera: &[Vertex<'a>], observer: &mut impl PathObserver) {
-        if self.settings.hide_emitters && walk.is_straight {
+        if self.settings.max_depth == 0 || self.settings.hide_emitters && walk.is_straight {
             return;
         }
         let (lights, wi) = (&self.scene.lights, walk.ray.dir);
@@ -404,7 +407,14 @@ impl<'a> Sample<'a, '_> {
 
     /// Joins a vertex of the camera's path with one of the light's (s > 1, t > 1). It is chosen at random: all of them would cost as many times more as
     /// there are, and be less noisy by less than that.
-    fn join_one(&mut self, path: &LightPath, light: &[Vertex<'a>], camera: &[Vertex<'a>], number: usize) {
+    fn join_one(
+        &mut self,
+        path: &LightPath,
+        light: &[Vertex<'a>],
+        camera: &[Vertex<'a>],
+        number: usize,
+        observer: &mut impl PathObserver,
+    ) {
         let longest = self.settings.longest_path();
         let vertex = &camera[number];
         // Later vertices of the light's path have more segments.
@@ -448,6 +458,8 @@ impl<'a> Sample<'a, '_> {
         let next = self.next_of_camera(camera, number, wi);
         let others = with_fewer_of_light(path, light, &ends)
             + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats);
-        self.radiance += carried * arriving * (count as f32 * weight(others));
+        let contribution = carried * arriving * (count as f32 * weight(others));
+        self.radiance += contribution;
+        observer.joined(path.emitted.light, contribution);
     }
 }

@@ -85,14 +85,12 @@ impl<'a> Tracer<'a> {
         };
         self.light.clear();
         self.camera.clear();
-        if self.settings.max_depth > 0 {
-            let start = sample.trace_light(&mut self.light);
-            if self.techniques.splats {
-                self.splats.paths += 1;
-                sample.join_lens(start.as_ref(), &self.light, &mut self.splats.list);
-            }
-            sample.trace_camera(camera.ray, &mut self.camera, start.as_ref(), &self.light, observer);
+        let start = sample.trace_light(&mut self.light);
+        if self.techniques.splats {
+            self.splats.paths += 1;
+            sample.join_lens(start.as_ref(), &self.light, &mut self.splats.list);
         }
+        sample.trace_camera(camera.ray, &mut self.camera, start.as_ref(), &self.light, observer);
         (sample.record.sample(sample.radiance, sample.rays), camera.weight)
     }
 

@@ -115,6 +115,11 @@ impl PathObserver for NoteTaker<'_> {
         self.add_sampled(sampled.light, sampled.contribution);
     }
 
+    fn joined(&mut self, light: LightId, contribution: Rgb) {
+        // Both joined vertices scatter it.
+        self.add(light, contribution, self.sample.scatterings + 2);
+    }
+
     fn bounced(&mut self, bounce: &Bounce) {
         if bounce.lobe != Lobe::Null {
             self.add_scattering();

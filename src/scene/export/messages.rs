@@ -1,6 +1,6 @@
 //! Collects what an export says about what is lost: a sentence for each material, and one for all other things that lose the same.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The most things that a sentence names.
 const MOST_NAMES: usize = 5;
@@ -9,7 +9,15 @@ const MOST_NAMES: usize = 5;
 #[derive(Default)]
 pub(super) struct Messages {
     order: Vec<Loss>,
-    names: HashMap<Loss, Vec<String>>,
+    names: HashMap<Loss, Names>,
+}
+
+/// The names of the things that lose something.
+#[derive(Default)]
+struct Names {
+    /// In the order in which they came up, those that are told.
+    told: Vec<String>,
+    all: HashSet<String>,
 }
 
 /// What happens to things of a kind (`shape`, `light`).
@@ -39,11 +47,11 @@ impl Messages {
             what,
         };
         let names = self.names.entry(key.clone()).or_default();
-        if names.is_empty() {
+        if names.all.is_empty() {
             self.order.push(key);
         }
-        if !names.iter().any(|known| known == name) {
-            names.push(name.to_owned());
+        if names.all.insert(name.to_owned()) && names.told.len() < MOST_NAMES {
+            names.told.push(name.to_owned());
         }
     }
 
@@ -56,17 +64,18 @@ impl Messages {
                 is_left_out,
                 what,
             } = key;
-            let quoted: Vec<String> = names.iter().take(MOST_NAMES).map(|name| format!("`{name}`")).collect();
+            let quoted: Vec<String> = names.told.iter().map(|name| format!("`{name}`")).collect();
+            let count = names.all.len();
             let mut listed = quoted.join(", ");
-            if let Some(others) = names.len().checked_sub(MOST_NAMES).filter(|others| *others > 0) {
+            if let Some(others) = count.checked_sub(MOST_NAMES).filter(|others| *others > 0) {
                 listed += &format!(" and {others} more");
             }
-            let kinds = match (names.len(), kind) {
+            let kinds = match (count, kind) {
                 (1, kind) => kind.to_owned(),
                 (_, "medium") => "media".to_owned(),
                 (_, kind) => format!("{kind}s"),
             };
-            let is_left_out = match (is_left_out, names.len()) {
+            let is_left_out = match (is_left_out, count) {
                 (false, _) => "",
                 (true, 1) => " is left out",
                 (true, _) => " are left out",

@@ -197,10 +197,12 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         (Strategy::Bsdf, "bsdf only"),
         (Strategy::Light, "lights only"),
     ];
-    changed |= fields::choice(ui, "Sampling", &mut integrator.strategy, &strategies);
-    let mut split = model.strategy_split;
-    if fields::checkbox(ui, "In thirds", &mut split) {
-        commands.push(Command::SetStrategySplit(split));
+    if integrator.plugin.has_strategy() {
+        changed |= fields::choice(ui, "Sampling", &mut integrator.strategy, &strategies);
+        let mut split = model.strategy_split;
+        if fields::checkbox(ui, "In thirds", &mut split) {
+            commands.push(Command::SetStrategySplit(split));
+        }
     }
     changed |= fields::checkbox(ui, "Hide lights", &mut integrator.hide_emitters);
     changed |= fields::checkbox(ui, "Schlick", &mut integrator.schlick);

@@ -49,6 +49,9 @@ fn parser<N: Numeric>(
         };
         if number < least || number > most {
             note(&context, beyond(number, least, most));
+        } else {
+            // Some fields understand each letter as it is typed.
+            context.data_mut(|data| data.remove::<Note>(id()));
         }
         Some(number)
     }
