@@ -18,7 +18,6 @@ use super::light_layers::LightGroups;
 use super::mean_error::{BLOCK, BLOCKS};
 use super::noise::DARK;
 use super::scene::RenderScene;
-use super::splats::TileSplats;
 use super::tile::{TILE, Tile, render_tile};
 use super::view::View;
 use crate::sampling::hash::pcg3d;
@@ -111,8 +110,8 @@ pub fn render_pilot(
             let mut result = render_tile(scene, &view, block, range, cancel)?;
             pilot.rays[place] += result.rays as f32 / (block.width * block.height * samples) as f32;
             result.tile = alone;
-            // Light for other pixels says nothing of how many samples the block needs: it comes from those of all blocks.
-            result.splats = TileSplats::default();
+            // Light for other pixels comes from the samples of all blocks.
+            result.splats = Default::default();
             pilot.all_rays += result.rays;
             film.add(&result);
         }

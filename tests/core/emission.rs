@@ -4,11 +4,12 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use crate::statistics;
-use crate::support::{SceneBuilder, all_around, assert_close, square_mesh, square_of_three_triangles};
+use crate::support::{
+    SceneBuilder, all_around, assert_close, leaning_triangle, square_mesh, square_of_three_triangles,
+};
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
-use sunroom::accel::{Blas, Primitive, SplitMethod};
+use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
-use sunroom::geometry::mesh::MeshData;
 use sunroom::light::emission::{EmittedRay, SceneSphere, Start};
 use sunroom::light::{Atmosphere, EnvironmentMap, LightId, LightReference, LightSource, Projector, Spot, SurfaceHit};
 use sunroom::math::Ray;
@@ -43,23 +44,13 @@ fn alone(source: LightSource) -> RenderScene {
     scene.build()
 }
 
-/// A triangle whose vertex normals lean by some 60 degrees, each another way.
-fn leaning_triangle() -> Primitive {
-    let corners = [
+/// One that shines on both sides.
+fn leaning() -> Primitive {
+    leaning_triangle([
         Vec3::new(-1.0, 0.0, 0.0),
         Vec3::new(1.0, 0.2, 0.3),
         Vec3::new(0.1, 1.0, -0.2),
-    ];
-    let [a, b, c] = corners;
-    let up = (b - a).cross(c - a).normalize();
-    let lean = |to: Vec3| (up + 1.7 * to.normalize()).normalize();
-    let mesh = MeshData {
-        positions: corners.to_vec(),
-        normals: vec![lean(b - a), lean(c - a), lean(b - c)],
-        triangles: vec![[0, 1, 2]],
-        ..MeshData::default()
-    };
-    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
+    ])
 }
 
 fn spot(world_from_local: Affine3A) -> LightSource {
@@ -107,7 +98,7 @@ fn lights() -> Vec<(&'static str, RenderScene)> {
         ("elliptic cylinder", surface(Primitive::Cylinder, stretched, true)),
         ("square of triangles", surface(square_mesh(), stretched, false)),
         ("three triangles", surface(square_of_three_triangles(), turned, true)),
-        ("leaning triangle", surface(leaning_triangle(), stretched, false)),
+        ("leaning triangle", surface(leaning(), stretched, false)),
         (
             "point",
             alone(LightSource::Point {

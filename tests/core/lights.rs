@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::statistics;
-use crate::support::{SceneBuilder, all_around, square_mesh, square_of_three_triangles, triangle_mesh};
+use crate::support::{
+    SceneBuilder, all_around, leaning_triangle, square_mesh, square_of_three_triangles, triangle_mesh,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::color::Rgb;
-use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::{LightId, LightReference, LightSource, LightTable, SurfaceHit, Target, WeightedSource};
 use sunroom::math::Ray;
@@ -44,20 +45,6 @@ fn flock(side: u32) -> Primitive {
         let center = Vec3::new((cell % side) as f32, 0.0, (cell / side) as f32) + 0.5;
         [1, 2, 3].map(|corner| step * (center + 0.7 * jitter(cell, corner)) - Vec3::new(1.0, -1.0, 1.0))
     }))
-}
-
-/// A triangle whose vertex normals lean by some 60 degrees, each another way.
-fn leaning_triangle(corners: [Vec3; 3]) -> Primitive {
-    let [a, b, c] = corners;
-    let up = (b - a).cross(c - a).normalize();
-    let lean = |to: Vec3| (up + 1.7 * to.normalize()).normalize();
-    let mesh = MeshData {
-        positions: corners.to_vec(),
-        normals: vec![lean(b - a), lean(c - a), lean(b - c)],
-        triangles: vec![[0, 1, 2]],
-        ..MeshData::default()
-    };
-    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
 }
 
 fn cube() -> Primitive {

@@ -1,7 +1,6 @@
 //! Scenes that are exported to glTF: read again they are the same scene, and show the same picture, but for what the messages say.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use bevy::math::{Affine3A, Vec3};
 use sunroom::color::luminance;
@@ -12,36 +11,10 @@ use sunroom::scene::assets::triangle_mesh::load_mesh;
 use sunroom::scene::description::{EmitterDescription, MaterialDescription, ShapeDescription};
 use sunroom::scene::export::{Export, Hidden, export};
 use sunroom::scene::*;
-use tempfile::TempDir;
 
-struct Workshop(TempDir);
+use crate::workshop::Workshop;
 
 impl Workshop {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn put(&self, name: &str, content: impl AsRef<[u8]>) {
-        std::fs::write(self.path(name), content).expect("the folder can be written to");
-    }
-
-    fn sunroom(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
-        command.current_dir(self.0.path()).args(args);
-        command.env("XDG_CACHE_HOME", self.path("cache"));
-        command.output().expect("the program starts")
-    }
-
-    #[track_caller]
-    fn done(&self, args: &[&str]) {
-        let output = self.sunroom(args);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-
     /// What the program says when it exports a scene.
     #[track_caller]
     fn convert(&self, scene: &str, output: &str) -> Vec<String> {
@@ -227,7 +200,7 @@ fn shapes_keep_their_names_places_and_normals() {
         // Quotation marks are no characters of ids.
         shape(&after, "Wand _Süd_");
     }
-    let names: Vec<String> = std::fs::read_dir(shop.0.path())
+    let names: Vec<String> = std::fs::read_dir(shop.path(""))
         .expect("a folder")
         .map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned())
         .filter(|name| name.starts_with("level"))
@@ -689,7 +662,7 @@ fn what_is_lost_is_said_with_its_name() {
     ] {
         assert!(said.contains(expected), "{expected}:\n{said}");
     }
-    // Whoever wants nothing to be lost gets no file.
+    // With `--strict`, an export that loses something writes no file.
     std::fs::remove_file(shop.path("level.glb")).expect("it is there");
     let output = shop.sunroom(&["convert", "--strict", "scene.xml", "level.glb"]);
     assert_eq!(output.status.code(), Some(1));

@@ -1,7 +1,6 @@
 //! glTF files where scenes are expected: rendered, checked, converted, saved and read again when they change.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -10,9 +9,9 @@ use sunroom::geometry::mesh::MeshData;
 use sunroom::scene::assets::scene_asset::read_scene;
 use sunroom::scene::write::{SaveError, save_description};
 use sunroom::scene::*;
-use tempfile::TempDir;
 
 use crate::gltf_support::Parts;
+use crate::workshop::Workshop;
 
 /// Side by side a wall and a smaller one, in their materials, before a camera, in sunlight.
 const REST: &str = r#"
@@ -35,46 +34,12 @@ fn squares(size: f32) -> Parts {
     parts
 }
 
-struct Workshop(TempDir);
-
 impl Workshop {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Writes a file.
-    fn put(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
-        std::fs::write(self.path(name), bytes).expect("the folder can be written to");
-        self.path(name)
-    }
-
     /// `model.gltf`, with its buffer in `model.bin`.
     fn put_model(&self, size: f32, rest: &str) -> PathBuf {
         let parts = squares(size);
         self.put("model.bin", &parts.bytes);
         self.put("model.gltf", parts.json(r#", "uri": "model.bin""#, rest))
-    }
-
-    fn sunroom(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
-        command.current_dir(self.0.path()).args(args);
-        // Where the parts of opened files are kept.
-        command.env("XDG_CACHE_HOME", self.path("cache"));
-        command.output().expect("the program starts")
-    }
-
-    #[track_caller]
-    fn done(&self, args: &[&str]) {
-        let output = self.sunroom(args);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.path(name)).expect("the file is there")
     }
 }
 

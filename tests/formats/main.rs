@@ -17,3 +17,4 @@ mod saving;
 mod scene;
 mod sensors;
 mod solids;
+mod workshop;

@@ -173,6 +173,20 @@ pub fn triangle_mesh(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Primitiv
     Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
 }
 
+/// A triangle whose vertex normals lean by some 60 degrees, each another way.
+pub fn leaning_triangle(corners: [Vec3; 3]) -> Primitive {
+    let [a, b, c] = corners;
+    let up = (b - a).cross(c - a).normalize();
+    let lean = |to: Vec3| (up + 1.7 * to.normalize()).normalize();
+    let mesh = MeshData {
+        positions: corners.to_vec(),
+        normals: vec![lean(b - a), lean(c - a), lean(b - c)],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
+}
+
 /// A camera at `eye` looking at `target`, +y up.
 pub fn camera(eye: Vec3, target: Vec3, fov: f32) -> Camera {
     let forward = (target - eye).normalize();

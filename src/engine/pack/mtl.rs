@@ -13,18 +13,15 @@
 //!
 //! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
 
-use bevy::math::{Affine2, Vec2};
-
 use super::Checker;
 use super::bsdf::PERFECT_MIRROR;
 use super::texture::TexturePacker;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
-use crate::geometry::mtl_map::MtlMap;
 use crate::geometry::mtl_model::MtlModel;
 use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
+use crate::scene::assets::mtl_picture::mtl_picture;
 use crate::scene::parameters::{INDICES, PRINCIPLED_ETA};
-use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 use crate::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
@@ -49,7 +46,7 @@ pub(in crate::engine) fn push_mtl(
     let bsdf = one_sided(mtl, model, &mut check);
     let mut id = match (&mtl.maps.kd, bsdf) {
         (Some(map), Bsdf::Diffuse(_)) => push(Material::Textured(TexturedBsdf::Diffuse {
-            reflectance: textures.parameter(&picture(map, false)),
+            reflectance: textures.parameter(&mtl_picture(map, false)),
         })),
         _ => push(bsdf.into()),
     };
@@ -59,7 +56,7 @@ pub(in crate::engine) fn push_mtl(
     if let Some(map) = &mtl.maps.norm {
         id = push(Material::NormalMap {
             nested: id,
-            normals: textures.parameter(&picture(map, true)),
+            normals: textures.parameter(&mtl_picture(map, true)),
             options: BumpOptions {
                 flip_invalid_normals: true,
                 use_shadowing_function: true,
@@ -70,27 +67,10 @@ pub(in crate::engine) fn push_mtl(
     match &mtl.maps.d {
         Some(map) => push(Material::Mask {
             nested: id,
-            opacity: textures.parameter(&picture(map, true)),
+            opacity: textures.parameter(&mtl_picture(map, true)),
         }),
         None => id,
     }
-}
-
-/// Meshes of such files have v turned upside down already, which the numbers of the library do not know.
-fn picture(map: &MtlMap, raw: bool) -> Texture {
-    let (scale, offset) = (map.scale, map.offset);
-    let offset = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
-    Texture::Bitmap(Box::new(Bitmap {
-        path: map.file.clone(),
-        filter: TextureFilter::Bilinear,
-        wrap: if map.clamp {
-            TextureWrap::Clamp
-        } else {
-            TextureWrap::Repeat
-        },
-        raw,
-        to_uv: Affine2::from_scale_angle_translation(scale, 0.0, offset),
-    }))
 }
 
 fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {

@@ -5,8 +5,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
-use crate::texture::{self, Checkerboard, Filter, Image, TextureId, Wrap};
+use crate::scene::assets::texture_map::packed_bitmap;
+use crate::scene::{Bitmap, Parameter, Texture};
+use crate::texture::{self, Checkerboard, Image, TextureId};
 
 /// The textures met so far.
 pub(in crate::engine) struct TexturePacker<'a> {
@@ -80,20 +81,8 @@ impl<'a> TexturePacker<'a> {
     }
 
     fn bitmap(&self, bitmap: &Bitmap) -> texture::Bitmap {
-        texture::Bitmap {
-            image: (self.pictures)(&bitmap.path).unwrap_or_else(|| NO_PICTURE.clone()),
-            filter: match bitmap.filter {
-                TextureFilter::Nearest => Filter::Nearest,
-                TextureFilter::Bilinear => Filter::Bilinear,
-            },
-            wrap: match bitmap.wrap {
-                TextureWrap::Repeat => Wrap::Repeat,
-                TextureWrap::Mirror => Wrap::Mirror,
-                TextureWrap::Clamp => Wrap::Clamp,
-            },
-            raw: bitmap.raw,
-            to_uv: bitmap.to_uv,
-        }
+        let image = (self.pictures)(&bitmap.path).unwrap_or_else(|| NO_PICTURE.clone());
+        packed_bitmap(bitmap, image)
     }
 
     pub fn finish(self) -> Vec<texture::Texture> {

@@ -5,13 +5,15 @@
 
 mod container;
 mod geometry;
+pub mod material;
 pub mod model;
 
 pub use self::container::BesideFile;
 pub use self::geometry::Triangles;
+use self::material::Material;
 use self::model::{
-    Accessor, Animation, AnimationSampler, BufferView, Camera, Channel, ChannelTarget, Light, Material, Mesh, Node,
-    NodeLight, Root, Sampler, Texture,
+    Accessor, Animation, AnimationSampler, BufferView, Camera, Channel, ChannelTarget, Light, Mesh, Node, NodeLight,
+    Root, Sampler, Texture,
 };
 
 const FLOAT: u32 = 5126;

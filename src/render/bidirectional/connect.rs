@@ -85,16 +85,12 @@ impl<'a> Sample<'a, '_> {
             return Rgb::ZERO;
         }
         if self.settings.hide_emitters {
-            let mut path = PathState::new(ray, self.camera_sampler, None);
-            self.rays += 1;
-            let hit = self.scene.geometry.intersect(&ray);
-            path.behind_hidden_emitters(self.scene, &self.settings, hit);
-            self.rays += path.rays;
+            let (beyond, _) = self.first_seen(ray);
             // The vertex is on a lamp that the camera looks through.
-            if vertex.slot.light.is_some() && path.record.passed >= distance * (1.0 - SAME_PLACE) {
+            if vertex.slot.light.is_some() && beyond.record.passed >= distance * (1.0 - SAME_PLACE) {
                 return Rgb::ZERO;
             }
-            ray = path.ray;
+            ray = beyond.ray;
         }
         let wi = -ray.dir;
         let shadow = ShadowRay {
@@ -117,11 +113,14 @@ impl<'a> Sample<'a, '_> {
     ) {
         let mut walk = Walk::from_camera(self.view.sight.narrow(&self.scene.geometry, ray));
         loop {
-            self.rays += 1;
-            let mut hit = self.scene.geometry.intersect(&walk.ray);
-            if self.settings.hide_emitters && walk.segments == 0 {
-                hit = self.pass_hidden_emitters(&mut walk, hit);
-            }
+            let hit = if self.settings.hide_emitters && walk.segments == 0 {
+                let (beyond, hit) = self.first_seen(walk.ray);
+                (self.record.passed, walk.ray) = (beyond.record.passed, beyond.ray);
+                hit
+            } else {
+                self.rays += 1;
+                self.scene.geometry.intersect(&walk.ray)
+            };
             let Some(hit) = hit else {
                 self.escape(&walk, camera, observer);
                 self.record.escape(self.radiance);
@@ -133,13 +132,14 @@ impl<'a> Sample<'a, '_> {
         }
     }
 
-    fn pass_hidden_emitters(&mut self, walk: &mut Walk, hit: Option<Hit>) -> Option<Hit> {
-        let mut path = PathState::new(walk.ray, self.camera_sampler, None);
+    /// What the camera sees along a ray of its, behind lamps that it does not see: the state of a path there, and the hit.
+    fn first_seen(&mut self, ray: Ray) -> (PathState, Option<Hit>) {
+        let mut path = PathState::new(ray, self.camera_sampler, None);
+        path.rays += 1;
+        let hit = self.scene.geometry.intersect(&ray);
         let hit = path.behind_hidden_emitters(self.scene, &self.settings, hit);
         self.rays += path.rays;
-        self.record.passed = path.record.passed;
-        walk.ray = path.ray;
-        hit
+        (path, hit)
     }
 
     /// Takes the path from the camera to its next vertex and on. Returns why it has ended, if it has.

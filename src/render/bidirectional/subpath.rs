@@ -30,7 +30,7 @@ pub(super) struct Vertex<'a> {
     pub pdf: f32,
     /// The density that it would have from the other end of the path, by way of the vertex behind it.
     pub pdf_reverse: f32,
-    /// Of the first vertex of a path from a light: the density by which sampling a light from here finds its start.
+    /// The density by which sampling a light from here finds the start of the path. Only the first vertex of a path from a light has it.
     pub pdf_of_start: f32,
     /// Whether a delta lobe has sent the path on.
     pub is_delta: bool,
@@ -67,7 +67,7 @@ pub(super) enum Measure {
     SolidAngle(f32, Vec3),
     /// Per area perpendicular to it, at any distance.
     Perpendicular(f32),
-    /// Of the camera, from a point of its lens.
+    /// The camera's density, for rays from this point of its lens.
     Camera(Vec3),
 }
 

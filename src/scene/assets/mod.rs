@@ -3,6 +3,7 @@
 pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
+pub(crate) mod mtl_picture;
 pub mod parts_cache;
 pub mod scene_asset;
 pub(crate) mod shape_mesh;

@@ -9,8 +9,26 @@ use bevy::prelude::*;
 
 use crate::files::{Access, FileError};
 use crate::memory;
-use crate::scene::SceneAccess;
-use crate::texture::{Image, ImageFileError, load_image};
+use crate::scene::{Bitmap, SceneAccess, TextureFilter, TextureWrap};
+use crate::texture::{self, Filter, Image, ImageFileError, Wrap, load_image};
+
+/// A texture of the scene as lookups have it, with its picture.
+pub(crate) fn packed_bitmap(bitmap: &Bitmap, image: Arc<Image>) -> texture::Bitmap {
+    texture::Bitmap {
+        image,
+        filter: match bitmap.filter {
+            TextureFilter::Nearest => Filter::Nearest,
+            TextureFilter::Bilinear => Filter::Bilinear,
+        },
+        wrap: match bitmap.wrap {
+            TextureWrap::Repeat => Wrap::Repeat,
+            TextureWrap::Mirror => Wrap::Mirror,
+            TextureWrap::Clamp => Wrap::Clamp,
+        },
+        raw: bitmap.raw,
+        to_uv: bitmap.to_uv,
+    }
+}
 
 /// A picture as an asset. `image` is a new `Arc` after each reload.
 #[derive(Asset, TypePath, Clone, Debug)]

@@ -4,14 +4,15 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::level::{Level, Varying};
-use super::look::{Appearance, Look, Looks};
+use super::look::{Appearance, Look};
+use super::looks::Looks;
 use super::messages::Messages;
 use super::pictures::{Pictures, Planes};
 use crate::color::Rgb;
 use crate::files::Access;
 use crate::geometry::mesh::MtlMaterial;
 use crate::gltf::write::GltfWriter;
-use crate::gltf::write::model::{
+use crate::gltf::write::material::{
     Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, Sheen, Specular, TextureInfo,
     Transmission, Volume,
 };

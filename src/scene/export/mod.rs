@@ -4,9 +4,11 @@
 //! [`crate::gltf::write`], and the table of docs/scene-format.md says what becomes what.
 
 mod error;
+mod form;
 mod level;
 mod lights;
 mod look;
+mod looks;
 mod materials;
 mod messages;
 mod motion;

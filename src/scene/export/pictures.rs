@@ -12,12 +12,13 @@ use super::level::{Map, Varying};
 use super::messages::Messages;
 use crate::color::{Rgb, srgb_from_linear};
 use crate::files::Access;
-use crate::gltf::write::model::{Sampler, TextureExtensions, TextureInfo, TextureTransform};
+use crate::gltf::write::material::{TextureExtensions, TextureInfo, TextureTransform};
+use crate::gltf::write::model::Sampler;
 use crate::gltf::write::{GltfWriter, PictureBytes};
 use crate::memory;
-use crate::scene::assets::texture_map::load_picture;
+use crate::scene::assets::texture_map::{load_picture, packed_bitmap};
 use crate::scene::{Parameter, Texture, TextureFilter, TextureWrap};
-use crate::texture::{self, Bitmap, Checkerboard, Filter, Image, TextureId, TexturePoint, TextureTable, Wrap};
+use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
 
 /// Pixels along each side of a picture that is made of textures which lie differently.
 const BAKED: u32 = 1024;
@@ -278,22 +279,14 @@ impl<'a> Pictures<'a> {
         messages: &mut Messages,
     ) -> TextureId {
         let packed = match texture {
-            Texture::Bitmap(bitmap) => texture::Texture::Bitmap(Bitmap {
-                image: self
-                    .load(&bitmap.path, messages)
-                    .unwrap_or_else(|| Arc::new(Image::uniform(0.5))),
-                filter: match bitmap.filter {
-                    TextureFilter::Nearest => Filter::Nearest,
-                    TextureFilter::Bilinear => Filter::Bilinear,
-                },
-                wrap: match bitmap.wrap {
-                    TextureWrap::Repeat => Wrap::Repeat,
-                    TextureWrap::Mirror => Wrap::Mirror,
-                    TextureWrap::Clamp => Wrap::Clamp,
-                },
-                raw: bitmap.raw,
-                to_uv: place.unwrap_or(bitmap.to_uv),
-            }),
+            Texture::Bitmap(bitmap) => {
+                let image = self.load(&bitmap.path, messages);
+                let image = image.unwrap_or_else(|| Arc::new(Image::uniform(0.5)));
+                texture::Texture::Bitmap(texture::Bitmap {
+                    to_uv: place.unwrap_or(bitmap.to_uv),
+                    ..packed_bitmap(bitmap, image)
+                })
+            }
             Texture::Checkerboard { color0, color1, to_uv } => {
                 let colors = [color0, color1].map(|color| match &**color {
                     Parameter::Constant(color) => texture::Parameter::Constant(*color),

@@ -1,56 +1,27 @@
 //! Shapes as nodes with meshes. Shapes of one form and material share a mesh, and all of one form share its vertices.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
-use std::sync::Arc;
 
-use bevy::math::{Affine3A, Mat3A, Vec3};
+use bevy::math::Affine3A;
 
 use super::error::ExportError;
+use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of};
 use crate::files::Access;
-use crate::geometry::attribute::AttributeDomain;
-use crate::geometry::mesh::MeshData;
 use crate::gltf::write::model::{Attributes, Mesh, Node, Pose, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter};
-use crate::math::{Frame, is_invertible};
-use crate::scene::assets::shape_mesh::shape_mesh;
-use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
+use crate::math::is_invertible;
 use crate::scene::description::{SceneDescription, ShapeDescription};
 use crate::scene::{AreaLight, ShapeKind};
-
-/// The colours of a mesh: the name of its attribute, and a factor.
-type Colors = Option<(String, f32)>;
-
-/// The geometry of a shape before it is placed.
-#[derive(Clone)]
-struct Form {
-    /// Equal forms have equal keys.
-    key: String,
-    mesh: Arc<MeshData>,
-    /// Whether it is shaded with the triangles' own normals.
-    is_flat: bool,
-    /// The shape's own space from that of the mesh.
-    shape_from_mesh: Affine3A,
-}
-
-impl Form {
-    /// Whether a mirror turns its normals around: those of the triangles, and those that follow from them.
-    fn turns_with_mirrors(&self) -> bool {
-        self.is_flat || self.mesh.has_computed_normals || self.mesh.normals.is_empty()
-    }
-}
 
 /// Writes shapes.
 pub(super) struct Shapes<'a> {
     pub scene: &'a SceneDescription,
-    pub access: &'a Access,
     pub materials: Materials<'a>,
-    files: HashMap<PathBuf, Option<TriangleMesh>>,
-    forms: HashMap<String, Option<Form>>,
+    forms: Forms<'a>,
     /// Vertices by what they are made from.
     vertices: HashMap<String, Attributes>,
     /// Triangles in the same way; None where there are none.
@@ -72,10 +43,8 @@ impl<'a> Shapes<'a> {
         }
         Self {
             scene,
-            access,
             materials: Materials::new(scene, access),
-            files: HashMap::new(),
-            forms: HashMap::new(),
+            forms: Forms::new(access),
             vertices: HashMap::new(),
             triangles: HashMap::new(),
             meshes: HashMap::new(),
@@ -96,7 +65,7 @@ impl<'a> Shapes<'a> {
             return self.write_instances(shape, group, writer, folders, messages);
         }
         let name = &*shape.identity.name;
-        let Some(form) = self.form(shape, messages) else {
+        let Some(form) = self.forms.of(shape, messages) else {
             return Ok(());
         };
         let world = shape.to_world * form.shape_from_mesh;
@@ -213,7 +182,7 @@ impl<'a> Shapes<'a> {
         let mut primitives = Vec::new();
         for member in self.members[group].clone() {
             let member = &scene.shapes[member];
-            let Some(form) = self.form(member, messages) else {
+            let Some(form) = self.forms.of(member, messages) else {
                 continue;
             };
             let in_group = member.to_world * form.shape_from_mesh;
@@ -403,88 +372,6 @@ impl<'a> Shapes<'a> {
         }
         Some((attribute, scale))
     }
-
-    /// The form of a shape; None (reported where it is not meant to have none) if it has no triangles.
-    fn form(&mut self, shape: &ShapeDescription, messages: &mut Messages) -> Option<Form> {
-        let kind = &shape.shape.kind;
-        let name = &*shape.identity.name;
-        let (plain, shape_from_mesh) = match kind {
-            ShapeKind::Sphere { center, radius } => {
-                let unit = ShapeKind::Sphere {
-                    center: Vec3::ZERO,
-                    radius: 1.0,
-                };
-                let scale = Affine3A::from_scale(Vec3::splat(*radius));
-                (unit, Affine3A::from_translation(*center) * scale)
-            }
-            ShapeKind::Cylinder { p0, p1, radius } => {
-                let unit = ShapeKind::Cylinder {
-                    p0: Vec3::ZERO,
-                    p1: Vec3::Z,
-                    radius: 1.0,
-                };
-                let axis = *p1 - *p0;
-                let Frame { s, t, n } = Frame::from_normal(axis.try_normalize().unwrap_or(Vec3::Z));
-                let axes = [s * *radius, t * *radius, n * axis.length()].map(bevy::math::Vec3A::from);
-                let map = Affine3A {
-                    matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
-                    translation: (*p0).into(),
-                };
-                (unit, map)
-            }
-            ShapeKind::Instance | ShapeKind::Frame => return None,
-            other => (other.clone(), Affine3A::IDENTITY),
-        };
-        let key = format!("{plain:?}");
-        if let Some(known) = self.forms.get(&key) {
-            let form = known.clone()?;
-            return Some(Form {
-                shape_from_mesh,
-                ..form
-            });
-        }
-        let mesh = match &plain {
-            ShapeKind::Mesh(file) => self.mesh_of_file(file, name, messages),
-            other => shape_mesh(other).map(Arc::new),
-        };
-        let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
-        if mesh.is_none() && !matches!(plain, ShapeKind::Mesh(_)) {
-            messages.left_out("shape", name, "there is no surface");
-        }
-        let form = mesh.map(|mesh| Form {
-            key: key.clone(),
-            mesh,
-            is_flat: match &plain {
-                ShapeKind::Mesh(file) => file.face_normals,
-                ShapeKind::Triangle { .. } => true,
-                _ => false,
-            },
-            shape_from_mesh,
-        });
-        self.forms.insert(key, form.clone());
-        form
-    }
-
-    fn mesh_of_file(
-        &mut self,
-        file: &crate::scene::MeshFile,
-        name: &str,
-        messages: &mut Messages,
-    ) -> Option<Arc<MeshData>> {
-        if !self.files.contains_key(&file.path) {
-            let loaded = load_mesh(&file.path, self.access);
-            if let Err(error) = &loaded {
-                messages.left_out("shape", name, format!("{}: {error}", file.path.display()));
-            }
-            self.files.insert(file.path.clone(), loaded.ok());
-        }
-        let mesh = self.files[&file.path].as_ref()?.data(file.shape_index)?;
-        // Meshes of files are flipped already where their format's default is to flip them.
-        match file.flip_tex_coords == file.format.flips_tex_coords() {
-            true => Some(mesh.clone()),
-            false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
-        }
-    }
 }
 
 fn is_mirrored(map: &Affine3A) -> bool {
@@ -497,77 +384,4 @@ fn pose_or_baked(local: &Affine3A) -> (Pose, Option<Affine3A>) {
         Some(pose) => (pose, None),
         None => (Pose::default(), Some(*local)),
     }
-}
-
-/// The vertices of a form as they are written; triangles are not turned.
-fn shown(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_unwelded: bool) -> MeshData {
-    let source = &form.mesh;
-    let all: Vec<usize> = match is_unwelded {
-        true => source
-            .triangles
-            .as_flattened()
-            .iter()
-            .map(|vertex| *vertex as usize)
-            .collect(),
-        false => (0..source.positions.len()).collect(),
-    };
-    let map = baked.unwrap_or(Affine3A::IDENTITY);
-    let for_normals = map.matrix3.inverse().transpose();
-    let side = if is_turned { -1.0 } else { 1.0 };
-    let place = |vertex: &usize| match baked {
-        Some(map) => map.transform_point3(source.positions[*vertex]),
-        None => source.positions[*vertex],
-    };
-    let normal = |vertex: &usize| match baked {
-        Some(_) => side * (for_normals * source.normals[*vertex]).normalize_or(Vec3::Z),
-        None => side * source.normals[*vertex],
-    };
-    let has_normals = !form.is_flat && !source.normals.is_empty();
-    MeshData {
-        positions: all.iter().map(place).collect(),
-        normals: if has_normals {
-            all.iter().map(normal).collect()
-        } else {
-            Vec::new()
-        },
-        uvs: match source.uvs.is_empty() {
-            true => Vec::new(),
-            false => all.iter().map(|vertex| source.uvs[*vertex]).collect(),
-        },
-        ..MeshData::default()
-    }
-}
-
-/// Whether colours are those of triangles, so that no two of these may share a vertex.
-fn is_of_triangles(mesh: &MeshData, colors: &Colors) -> bool {
-    let attribute = colors.as_ref().and_then(|(name, _)| mesh.attribute(name));
-    attribute.is_some_and(|attribute| attribute.domain == AttributeDomain::Triangle)
-}
-
-/// The colours of the vertices that [`shown`] gives.
-fn vertex_colors(mesh: &MeshData, (name, scale): &(String, f32), is_unwelded: bool) -> Vec<[f32; 3]> {
-    let Some(attribute) = mesh.attribute(name) else {
-        return Vec::new();
-    };
-    let mut colors = vec![
-        [0.0; 3];
-        if is_unwelded {
-            3 * mesh.triangles.len()
-        } else {
-            mesh.positions.len()
-        }
-    ];
-    let corners = [Vec3::X, Vec3::Y, Vec3::Z];
-    for (number, triangle) in mesh.triangles.iter().enumerate() {
-        for (corner, at) in corners.into_iter().enumerate() {
-            let value = *scale * attribute.value(&mesh.triangles, number as u32, at);
-            let place = if is_unwelded {
-                3 * number + corner
-            } else {
-                triangle[corner] as usize
-            };
-            colors[place] = value.clamp(Vec3::ZERO, Vec3::ONE).to_array();
-        }
-    }
-    colors
 }

@@ -31,7 +31,7 @@ pub(super) struct Taken<'a> {
 /// The places in whose middles other things must not be: an upright cylinder.
 struct Column {
     foot: Vec3,
-    /// As long as half the size of what is new.
+    /// The vector upwards. Its length is half the size of the new thing.
     upwards: Vec3,
     /// The distance from the foot to the position, in half sizes.
     lift: f32,

@@ -80,7 +80,7 @@ impl Recovery {
         }
     }
 
-    /// Asks nobody if there is no user.
+    /// The state of a window in which questions are shown only if a user is there to answer them.
     pub fn asking(self, is_attended: bool) -> Self {
         Self {
             is_unattended: !is_attended,

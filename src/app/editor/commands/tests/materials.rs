@@ -1,6 +1,7 @@
 //! Commands about materials.
 
 use super::*;
+use crate::scene::{Medium, PhaseFunction};
 
 #[test]
 fn a_new_material_belongs_to_its_shape() {
@@ -102,4 +103,21 @@ fn what_refracts_does_not_come_inside_of_two_sides() {
     }
     say(&mut world, build(ball, glass.clone().into()));
     assert_eq!(world.get::<Material>(outer), Some(&glass));
+}
+
+#[test]
+fn a_change_of_a_medium_is_called_by_its_parameter() {
+    let mut world = bare_world();
+    let name = Name::new("fog");
+    let medium = world.spawn((Medium::default(), DocumentOrder(0), name)).id();
+    let mut denser = Medium {
+        scale: 2.0,
+        ..Medium::default()
+    };
+    say(&mut world, Command::SetMedium(medium, Box::new(denser.clone())));
+    world.resource_mut::<Requests>().interaction += 1;
+    denser.phase = PhaseFunction::HenyeyGreenstein { g: 0.5 };
+    say(&mut world, Command::SetMedium(medium, Box::new(denser)));
+    let (done, _) = world.resource::<History>().labels();
+    assert_eq!(done, ["Edit medium `fog`: Density", "Edit medium `fog`: Phase"]);
 }

@@ -15,6 +15,7 @@ mod placing;
 mod projecting;
 mod saving;
 mod seeing;
+mod views;
 
 use std::path::{Path, PathBuf};
 
@@ -30,8 +31,7 @@ use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::color::Rgb;
 use crate::engine::{RenderControl, RenderFilm, ViewMode};
 use crate::scene::{
-    AreaLight, FirstNested, FreeView, Material, Medium, Parameter, PhaseFunction, SceneId, ShapeKind, SquarePath,
-    ToWorld, UsesMaterial,
+    AreaLight, FirstNested, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };
 
 fn say(world: &mut World, command: Command) {
@@ -478,41 +478,4 @@ fn what_comes_back_does_not_share_an_id() {
     let ids = [one, two].map(|material| world.get::<SceneId>(material).cloned());
     assert!(ids[0].is_some() && ids[0] != ids[1], "{ids:?}");
     assert_eq!(ids[1], Some(id()));
-}
-
-#[test]
-fn undo_takes_the_camera_and_the_view_back() {
-    let mut world = bare_world();
-    let camera = add(&mut world, AdditionKind::Camera);
-    say(&mut world, Command::LookThrough(camera));
-    let there = Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0));
-    say(&mut world, Command::MoveView(there));
-    let before = (world.get::<ToWorld>(camera).copied(), *world.resource::<FreeView>());
-    say(&mut world, Command::MoveCameraToView);
-    assert_eq!(world.get::<ToWorld>(camera), Some(&ToWorld(there)));
-    assert_eq!(*world.resource::<FreeView>(), FreeView::default());
-    // The view has gone elsewhere since.
-    say(&mut world, Command::MoveView(Affine3A::IDENTITY));
-    say(&mut world, Command::Undo);
-    assert_eq!(
-        (world.get::<ToWorld>(camera).copied(), *world.resource::<FreeView>()),
-        before
-    );
-}
-
-#[test]
-fn a_change_of_a_medium_is_called_by_its_parameter() {
-    let mut world = bare_world();
-    let name = Name::new("fog");
-    let medium = world.spawn((Medium::default(), DocumentOrder(0), name)).id();
-    let mut denser = Medium {
-        scale: 2.0,
-        ..Medium::default()
-    };
-    say(&mut world, Command::SetMedium(medium, Box::new(denser.clone())));
-    world.resource_mut::<Requests>().interaction += 1;
-    denser.phase = PhaseFunction::HenyeyGreenstein { g: 0.5 };
-    say(&mut world, Command::SetMedium(medium, Box::new(denser)));
-    let (done, _) = world.resource::<History>().labels();
-    assert_eq!(done, ["Edit medium `fog`: Density", "Edit medium `fog`: Phase"]);
 }

@@ -1,0 +1,24 @@
+//! The pictures of MTL materials as textures of the scene.
+
+use bevy::math::{Affine2, Vec2};
+
+use crate::geometry::mtl_map::MtlMap;
+use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
+
+/// The texture of a map. `raw`: whether its values are numbers, and no colours.
+///
+/// Meshes of such files have v turned upside down already, which the numbers of the library do not know.
+pub(crate) fn mtl_picture(map: &MtlMap, raw: bool) -> Texture {
+    let (scale, offset) = (map.scale, map.offset);
+    let offset = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
+    Texture::Bitmap(Box::new(Bitmap {
+        path: map.file.clone(),
+        filter: TextureFilter::Bilinear,
+        wrap: match map.clamp {
+            true => TextureWrap::Clamp,
+            false => TextureWrap::Repeat,
+        },
+        raw,
+        to_uv: Affine2::from_scale_angle_translation(scale, 0.0, offset),
+    }))
+}

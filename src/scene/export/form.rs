@@ -1,0 +1,211 @@
+//! The geometry of shapes before they are placed: shapes that differ in their places only have one form.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Mat3A, Vec3};
+
+use super::messages::Messages;
+use crate::files::Access;
+use crate::geometry::attribute::AttributeDomain;
+use crate::geometry::mesh::MeshData;
+use crate::math::Frame;
+use crate::scene::ShapeKind;
+use crate::scene::assets::shape_mesh::shape_mesh;
+use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
+use crate::scene::description::ShapeDescription;
+
+/// The colours of a mesh: the name of its attribute, and a factor.
+pub(super) type Colors = Option<(String, f32)>;
+
+/// The geometry of a shape before it is placed.
+#[derive(Clone)]
+pub(super) struct Form {
+    /// Equal forms have equal keys.
+    pub key: String,
+    pub mesh: Arc<MeshData>,
+    /// Whether it is shaded with the triangles' own normals.
+    pub is_flat: bool,
+    /// The shape's own space from that of the mesh.
+    pub shape_from_mesh: Affine3A,
+}
+
+impl Form {
+    /// Whether a mirror turns its normals around: those of the triangles, and those that follow from them.
+    pub fn turns_with_mirrors(&self) -> bool {
+        self.is_flat || self.mesh.has_computed_normals || self.mesh.normals.is_empty()
+    }
+}
+
+/// The forms of the shapes of a scene, each made once.
+pub(super) struct Forms<'a> {
+    access: &'a Access,
+    files: HashMap<PathBuf, Option<TriangleMesh>>,
+    forms: HashMap<String, Option<Form>>,
+}
+
+impl<'a> Forms<'a> {
+    pub fn new(access: &'a Access) -> Self {
+        Self {
+            access,
+            files: HashMap::new(),
+            forms: HashMap::new(),
+        }
+    }
+
+    /// The form of a shape; None (reported where it is not meant to have none) if it has no triangles.
+    pub fn of(&mut self, shape: &ShapeDescription, messages: &mut Messages) -> Option<Form> {
+        let kind = &shape.shape.kind;
+        let name = &*shape.identity.name;
+        let (plain, shape_from_mesh) = match kind {
+            ShapeKind::Sphere { center, radius } => {
+                let unit = ShapeKind::Sphere {
+                    center: Vec3::ZERO,
+                    radius: 1.0,
+                };
+                let scale = Affine3A::from_scale(Vec3::splat(*radius));
+                (unit, Affine3A::from_translation(*center) * scale)
+            }
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                let unit = ShapeKind::Cylinder {
+                    p0: Vec3::ZERO,
+                    p1: Vec3::Z,
+                    radius: 1.0,
+                };
+                let axis = *p1 - *p0;
+                let Frame { s, t, n } = Frame::from_normal(axis.try_normalize().unwrap_or(Vec3::Z));
+                let axes = [s * *radius, t * *radius, n * axis.length()].map(bevy::math::Vec3A::from);
+                let map = Affine3A {
+                    matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
+                    translation: (*p0).into(),
+                };
+                (unit, map)
+            }
+            ShapeKind::Instance | ShapeKind::Frame => return None,
+            other => (other.clone(), Affine3A::IDENTITY),
+        };
+        let key = format!("{plain:?}");
+        if let Some(known) = self.forms.get(&key) {
+            let form = known.clone()?;
+            return Some(Form {
+                shape_from_mesh,
+                ..form
+            });
+        }
+        let mesh = match &plain {
+            ShapeKind::Mesh(file) => self.mesh_of_file(file, name, messages),
+            other => shape_mesh(other).map(Arc::new),
+        };
+        let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
+        if mesh.is_none() && !matches!(plain, ShapeKind::Mesh(_)) {
+            messages.left_out("shape", name, "there is no surface");
+        }
+        let form = mesh.map(|mesh| Form {
+            key: key.clone(),
+            mesh,
+            is_flat: match &plain {
+                ShapeKind::Mesh(file) => file.face_normals,
+                ShapeKind::Triangle { .. } => true,
+                _ => false,
+            },
+            shape_from_mesh,
+        });
+        self.forms.insert(key, form.clone());
+        form
+    }
+
+    fn mesh_of_file(
+        &mut self,
+        file: &crate::scene::MeshFile,
+        name: &str,
+        messages: &mut Messages,
+    ) -> Option<Arc<MeshData>> {
+        if !self.files.contains_key(&file.path) {
+            let loaded = load_mesh(&file.path, self.access);
+            if let Err(error) = &loaded {
+                messages.left_out("shape", name, format!("{}: {error}", file.path.display()));
+            }
+            self.files.insert(file.path.clone(), loaded.ok());
+        }
+        let mesh = self.files[&file.path].as_ref()?.data(file.shape_index)?;
+        // Meshes of files are flipped already where their format's default is to flip them.
+        match file.flip_tex_coords == file.format.flips_tex_coords() {
+            true => Some(mesh.clone()),
+            false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
+        }
+    }
+}
+
+/// The vertices of a form as they are written; triangles are not turned.
+pub(super) fn shown(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_unwelded: bool) -> MeshData {
+    let source = &form.mesh;
+    let all: Vec<usize> = match is_unwelded {
+        true => source
+            .triangles
+            .as_flattened()
+            .iter()
+            .map(|vertex| *vertex as usize)
+            .collect(),
+        false => (0..source.positions.len()).collect(),
+    };
+    let map = baked.unwrap_or(Affine3A::IDENTITY);
+    let for_normals = map.matrix3.inverse().transpose();
+    let side = if is_turned { -1.0 } else { 1.0 };
+    let place = |vertex: &usize| match baked {
+        Some(map) => map.transform_point3(source.positions[*vertex]),
+        None => source.positions[*vertex],
+    };
+    let normal = |vertex: &usize| match baked {
+        Some(_) => side * (for_normals * source.normals[*vertex]).normalize_or(Vec3::Z),
+        None => side * source.normals[*vertex],
+    };
+    let has_normals = !form.is_flat && !source.normals.is_empty();
+    MeshData {
+        positions: all.iter().map(place).collect(),
+        normals: if has_normals {
+            all.iter().map(normal).collect()
+        } else {
+            Vec::new()
+        },
+        uvs: match source.uvs.is_empty() {
+            true => Vec::new(),
+            false => all.iter().map(|vertex| source.uvs[*vertex]).collect(),
+        },
+        ..MeshData::default()
+    }
+}
+
+/// Whether colours are those of triangles, so that no two of these may share a vertex.
+pub(super) fn is_of_triangles(mesh: &MeshData, colors: &Colors) -> bool {
+    let attribute = colors.as_ref().and_then(|(name, _)| mesh.attribute(name));
+    attribute.is_some_and(|attribute| attribute.domain == AttributeDomain::Triangle)
+}
+
+/// The colours of the vertices that [`shown`] gives.
+pub(super) fn vertex_colors(mesh: &MeshData, (name, scale): &(String, f32), is_unwelded: bool) -> Vec<[f32; 3]> {
+    let Some(attribute) = mesh.attribute(name) else {
+        return Vec::new();
+    };
+    let mut colors = vec![
+        [0.0; 3];
+        if is_unwelded {
+            3 * mesh.triangles.len()
+        } else {
+            mesh.positions.len()
+        }
+    ];
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z];
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        for (corner, at) in corners.into_iter().enumerate() {
+            let value = *scale * attribute.value(&mesh.triangles, number as u32, at);
+            let place = if is_unwelded {
+                3 * number + corner
+            } else {
+                triangle[corner] as usize
+            };
+            colors[place] = value.clamp(Vec3::ZERO, Vec3::ONE).to_array();
+        }
+    }
+    colors
+}

@@ -1,0 +1,497 @@
+//! What a material of the scene looks like in the terms of glTF. What has no counterpart there is left out or approximated, and noted.
+
+use super::level::{Level, Map};
+use super::look::{Appearance, Look};
+use super::messages::Messages;
+use super::pictures::Pictures;
+use crate::color::Rgb;
+use crate::geometry::mesh::MtlMaterial;
+use crate::geometry::mtl_model::MtlModel;
+use crate::scene::assets::mtl_picture::mtl_picture;
+use crate::scene::description::MaterialDescription;
+use crate::scene::{
+    Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Principled, PrincipledIndex, PrincipledThin,
+    Roughness,
+};
+use crate::shading::{eta_from_specular, ior, melanin_absorption};
+
+/// Makes looks of materials.
+pub(super) struct Looks<'a, 'p> {
+    pub materials: &'a [MaterialDescription],
+    pub pictures: &'a mut Pictures<'p>,
+    pub messages: &'a mut Messages,
+}
+
+impl Looks<'_, '_> {
+    /// The look of the material of an index.
+    pub fn of(&mut self, index: usize) -> Appearance {
+        let Some(about) = self.materials.get(index) else {
+            return Appearance::Surface(Look::matt(Level::number(0.5)).into());
+        };
+        let name = &*about.identity.name;
+        let mut lost = |what: &str| self.messages.note("material", name, what);
+        let look = match &about.material {
+            Material::Null => return Appearance::Nothing,
+            Material::TwoSided => {
+                if about.second.is_some() && about.second != about.first {
+                    lost("the back looks like the front");
+                }
+                return match self.nested(about.first) {
+                    Appearance::Surface(look) => Appearance::Surface(
+                        Look {
+                            is_two_sided: true,
+                            ..*look
+                        }
+                        .into(),
+                    ),
+                    nothing => nothing,
+                };
+            }
+            Material::Mask { opacity } => {
+                let opacity = Level::of_number(opacity);
+                return match self.nested(about.first) {
+                    Appearance::Surface(look) => self.masked(*look, opacity, name),
+                    nothing => nothing,
+                };
+            }
+            Material::Blend { weight } => return self.blend(about, Level::of_number(weight)),
+            Material::NormalMap { normals, .. } => {
+                let normals = match Level::of_color(normals) {
+                    Level::Constant(_) => None,
+                    varying => Some(varying.mapped(Map::Normals)),
+                };
+                return match self.nested(about.first) {
+                    Appearance::Surface(look) => Appearance::Surface(Look { normals, ..*look }.into()),
+                    nothing => nothing,
+                };
+            }
+            Material::BumpMap { height, .. } => {
+                if height.constant().is_none() {
+                    lost("the bumps are left out");
+                }
+                return self.nested(about.first);
+            }
+            Material::Diffuse { reflectance } => Look::matt(Level::of_color(reflectance)),
+            Material::Conductor {
+                ior,
+                specular_reflectance,
+            } => self.conductor(ior, specular_reflectance, Level::number(0.0), name),
+            Material::RoughConductor {
+                distribution,
+                alpha,
+                ior,
+                specular_reflectance,
+                multiple_scattering,
+            } => {
+                if *multiple_scattering {
+                    lost("light that bounces between facets more than once is left out");
+                }
+                let roughness = self.roughness(*distribution, alpha, name);
+                self.conductor(ior, specular_reflectance, roughness, name)
+            }
+            Material::Metal { reflectance, fuzz } => {
+                // The nearest roughness, as in `convert --portable`: alpha is a tenth's root of the fuzz.
+                let alpha = Level::of_number(fuzz).times(Rgb::splat(1.0 / 10.0f32.sqrt()));
+                if !alpha.is(0.0) {
+                    lost("the fuzz becomes the nearest roughness");
+                }
+                let roughness = match alpha {
+                    Level::Constant(alpha) => Level::Constant(Map::Root.apply(alpha)),
+                    // The factor is below the root.
+                    Level::Varying(_) => Level::of_number(fuzz)
+                        .mapped(Map::Root)
+                        .times(Rgb::splat(10.0f32.powf(-0.25))),
+                };
+                Look::metal(Level::of_color(reflectance), roughness)
+            }
+            Material::Dielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => {
+                let roughness = Level::number(0.0);
+                self.glass(
+                    interior,
+                    exterior,
+                    [specular_reflectance, specular_transmittance],
+                    roughness,
+                    name,
+                )
+            }
+            Material::RoughDielectric {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => {
+                let roughness = self.roughness(*distribution, alpha, name);
+                self.glass(
+                    interior,
+                    exterior,
+                    [specular_reflectance, specular_transmittance],
+                    roughness,
+                    name,
+                )
+            }
+            Material::ThinDielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => Look {
+                is_thick: false,
+                ..self.glass(
+                    interior,
+                    exterior,
+                    [specular_reflectance, specular_transmittance],
+                    Level::number(0.0),
+                    name,
+                )
+            }
+            .upright(),
+            Material::Plastic {
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => {
+                let roughness = Level::number(0.0);
+                self.plastic(
+                    interior,
+                    exterior,
+                    [diffuse_reflectance, specular_reflectance],
+                    *nonlinear,
+                    roughness,
+                    name,
+                )
+            }
+            Material::RoughPlastic {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => {
+                let roughness = self.roughness(*distribution, alpha, name);
+                self.plastic(
+                    interior,
+                    exterior,
+                    [diffuse_reflectance, specular_reflectance],
+                    *nonlinear,
+                    roughness,
+                    name,
+                )
+            }
+            Material::Principled(principled) => self.principled(principled, name),
+            Material::PrincipledThin(thin) => self.principled_thin(thin, name),
+            Material::Hair {
+                absorption,
+                azimuthal_roughness,
+                longitudinal_roughness,
+                ..
+            } => {
+                lost("a rough surface of about the same colour takes the place of hair");
+                let sigma_a = match absorption {
+                    Absorption::Melanin { eumelanin, pheomelanin } => melanin_absorption(*eumelanin, *pheomelanin),
+                    Absorption::Given { sigma_a, scale } => *scale * self.mean(&Level::of_color(sigma_a)),
+                };
+                Look {
+                    roughness: Level::number(longitudinal_roughness.clamp(0.0, 1.0)),
+                    specular: 1.0,
+                    ..Look::matt(Level::Constant(hair_color(sigma_a, *azimuthal_roughness)))
+                }
+            }
+        };
+        Appearance::Surface(look.into())
+    }
+
+    fn nested(&mut self, index: Option<usize>) -> Appearance {
+        match index {
+            Some(index) => self.of(index),
+            None => Appearance::Surface(Look::matt(Level::number(0.5)).into()),
+        }
+    }
+
+    fn mean(&mut self, level: &Level) -> Rgb {
+        match level {
+            Level::Constant(value) => *value,
+            Level::Varying(varying) => self.pictures.mean(varying, self.messages),
+        }
+    }
+
+    fn lose(&mut self, name: &str, what: &str) {
+        self.messages.note("material", name, what);
+    }
+
+    fn masked(&mut self, look: Look, opacity: Level, name: &str) -> Appearance {
+        let opacity = match (look.opacity, opacity) {
+            (Level::Constant(inner), outer) => outer.times(inner),
+            (inner, Level::Constant(outer)) => inner.times(outer),
+            (_, outer) => {
+                self.lose(name, "of two masks the outer one is taken");
+                outer
+            }
+        };
+        Appearance::Surface(Look { opacity, ..look }.into())
+    }
+
+    fn blend(&mut self, about: &MaterialDescription, weight: Level) -> Appearance {
+        let name = &*about.identity.name;
+        let (first, second) = (self.nested(about.first), self.nested(about.second.or(about.first)));
+        let (first, second) = match (first, second) {
+            // A share of nothing is a mask.
+            (Appearance::Nothing, Appearance::Surface(look)) => return self.masked(*look, weight, name),
+            (Appearance::Surface(look), Appearance::Nothing) if weight.constant().is_some() => {
+                let share = Rgb::ONE - self.mean(&weight);
+                return self.masked(*look, Level::Constant(share), name);
+            }
+            (Appearance::Surface(first), Appearance::Surface(second)) => (*first, *second),
+            (surface @ Appearance::Surface(_), _) | (_, surface) => {
+                self.lose(name, "what is inside is not blended");
+                return surface;
+            }
+        };
+        if first != second {
+            self.lose(
+                name,
+                "the two materials inside become one with the means of their numbers",
+            );
+        }
+        let weight = self.mean(&weight).x.clamp(0.0, 1.0);
+        Appearance::Surface(first.mixed(second, weight).into())
+    }
+
+    /// The square root of the width of the facets' slopes.
+    fn roughness(&mut self, distribution: Distribution, alpha: &Roughness, name: &str) -> Level {
+        if distribution == Distribution::Beckmann {
+            self.lose(name, "the facets are spread by GGX, not Beckmann");
+        }
+        let rough = |alpha: &Parameter<f32>| Level::of_number(alpha).mapped(Map::Root);
+        let level = match alpha {
+            Roughness::Isotropic(alpha) => rough(alpha),
+            Roughness::Anisotropic { u, v } => {
+                self.lose(name, "the roughness is the same in all directions");
+                match (rough(u), rough(v)) {
+                    (Level::Constant(u), Level::Constant(v)) => Level::Constant((u * v).powf(0.5)),
+                    (u, _) => u,
+                }
+            }
+        };
+        match level {
+            Level::Constant(value) => Level::Constant(value.min(Rgb::ONE)),
+            varying => varying,
+        }
+    }
+
+    fn conductor(&mut self, ior: &ConductorIor, reflectance: &Parameter<Rgb>, roughness: Level, name: &str) -> Look {
+        let (eta, k) = match ior {
+            ConductorIor::Named(name) => ior::conductor_ior(name).unwrap_or((Rgb::ZERO, Rgb::ONE)),
+            ConductorIor::Given { eta, k } => {
+                let of = |looks: &mut Self, value: &Parameter<Rgb>| looks.mean(&Level::of_color(value));
+                (of(self, eta), of(self, k))
+            }
+        };
+        if eta != Rgb::ZERO {
+            self.lose(
+                name,
+                "the index of refraction becomes the colour that the metal has head on",
+            );
+        }
+        let near = (eta - Rgb::ONE) * (eta - Rgb::ONE) + k * k;
+        let far = (eta + Rgb::ONE) * (eta + Rgb::ONE) + k * k;
+        Look::metal(Level::of_color(reflectance).times(near / far), roughness)
+    }
+
+    fn index(interior: &Ior, exterior: &Ior) -> f32 {
+        let number = |ior: &Ior| match ior {
+            Ior::Named(name) => ior::dielectric_ior(name).unwrap_or(1.0),
+            Ior::Number(number) => *number,
+        };
+        number(interior) / number(exterior)
+    }
+
+    /// The index of what is no glass, at least 1.
+    fn possible_index(&mut self, index: f32, name: &str) -> f32 {
+        if index >= 1.0 {
+            return index;
+        }
+        self.lose(name, "an index of refraction of 1 takes the place of one below");
+        1.0
+    }
+
+    fn glass(
+        &mut self,
+        interior: &Ior,
+        exterior: &Ior,
+        [reflectance, transmittance]: [&Parameter<Rgb>; 2],
+        roughness: Level,
+        name: &str,
+    ) -> Look {
+        if *reflectance != Parameter::Constant(Rgb::ONE) {
+            self.lose(name, "the factor on the reflection is left out");
+        }
+        // Light crosses the surface twice, and the colour of glTF is that of both times.
+        let base = Level::of_color(transmittance).mapped(Map::Square);
+        Look {
+            roughness,
+            transmission: Level::number(1.0),
+            is_thick: true,
+            index: Self::index(interior, exterior),
+            specular: 1.0,
+            ..Look::matt(base)
+        }
+    }
+
+    fn plastic(
+        &mut self,
+        interior: &Ior,
+        exterior: &Ior,
+        [diffuse, specular]: [&Parameter<Rgb>; 2],
+        nonlinear: bool,
+        roughness: Level,
+        name: &str,
+    ) -> Look {
+        self.lose(
+            name,
+            "the clear layer becomes the reflection of metallic-roughness, under which the base is brighter",
+        );
+        if nonlinear {
+            self.lose(
+                name,
+                "the colour does not grow more saturated between base and clear layer",
+            );
+        }
+        if specular.constant().is_none_or(|color| color != Rgb::splat(color.x)) {
+            self.lose(name, "the reflection has no colour");
+        }
+        Look {
+            roughness,
+            index: self.possible_index(Self::index(interior, exterior), name),
+            specular: self.mean(&Level::of_color(specular)).max_element().clamp(0.0, 1.0),
+            ..Look::matt(Level::of_color(diffuse))
+        }
+    }
+
+    fn principled(&mut self, given: &Principled, name: &str) -> Look {
+        let index = match given.index {
+            PrincipledIndex::Specular(specular) => eta_from_specular(specular),
+            PrincipledIndex::Eta(eta) => eta,
+        };
+        for (parameter, what) in [
+            (&given.anisotropic, "the roughness is the same in all directions"),
+            (&given.spec_tint, "the mirror image is not tinted"),
+            (&given.sheen_tint, "the sheen is not tinted"),
+            (&given.flatness, "the surface is not flatter than matt"),
+        ] {
+            let has_sheen = given.sheen != Parameter::Constant(0.0);
+            let matters = !std::ptr::eq(parameter, &given.sheen_tint) || has_sheen;
+            if *parameter != Parameter::Constant(0.0) && matters {
+                self.lose(name, what);
+            }
+        }
+        let clearcoat = Level::of_number(&given.clearcoat);
+        let gloss = self.uniform(
+            &given.clearcoat_gloss,
+            "the gloss of the coat is the mean of the texture",
+            name,
+        );
+        Look {
+            base: Level::of_color(&given.base_color),
+            metallic: Level::of_number(&given.metallic),
+            roughness: Level::of_number(&given.roughness),
+            transmission: Level::of_number(&given.spec_trans),
+            is_thick: given.refracts(),
+            index: match given.refracts() {
+                true => index,
+                false => self.possible_index(index, name),
+            },
+            specular: 1.0,
+            sheen: Rgb::splat(self.uniform(&given.sheen, "the sheen is the mean of the texture", name)),
+            clearcoat_roughness: if clearcoat.is(0.0) { 0.0 } else { 1.0 - gloss },
+            clearcoat,
+            ..Look::matt(Level::number(1.0))
+        }
+    }
+
+    fn principled_thin(&mut self, given: &PrincipledThin, name: &str) -> Look {
+        for (parameter, what) in [
+            (&given.anisotropic, "the roughness is the same in all directions"),
+            (&given.spec_tint, "the mirror image is not tinted"),
+            (&given.flatness, "the surface is not flatter than matt"),
+            (&given.diff_trans, "no matt light leaves on the other side"),
+        ] {
+            if *parameter != Parameter::Constant(0.0) {
+                self.lose(name, what);
+            }
+        }
+        let index = self.uniform(&given.eta, "the index of refraction is the mean of the texture", name);
+        Look {
+            base: Level::of_color(&given.base_color),
+            roughness: Level::of_number(&given.roughness),
+            transmission: Level::of_number(&given.spec_trans),
+            index: self.possible_index(index, name),
+            specular: 1.0,
+            sheen: Rgb::splat(self.uniform(&given.sheen, "the sheen is the mean of the texture", name)),
+            is_two_sided: true,
+            ..Look::matt(Level::number(1.0))
+        }
+    }
+
+    /// The number, or the mean (reported) of its texture.
+    fn uniform(&mut self, parameter: &Parameter<f32>, what: &str, name: &str) -> f32 {
+        let level = Level::of_number(parameter);
+        if level.constant().is_none() {
+            self.lose(name, what);
+        }
+        self.mean(&level).x.clamp(0.0, 100.0)
+    }
+
+    /// The look of a material of an MTL library.
+    pub fn of_mtl(&mut self, mtl: &MtlMaterial) -> Look {
+        let clear = Level::number(1.0);
+        let mut look = match mtl.model() {
+            MtlModel::Glass { index } => {
+                return Look {
+                    roughness: Level::number(0.0),
+                    transmission: clear,
+                    is_thick: true,
+                    index,
+                    specular: 1.0,
+                    ..Look::matt(Level::Constant(mtl.tf))
+                };
+            }
+            MtlModel::Metal { roughness } => {
+                let roughness = roughness.clamp(MtlModel::LEAST_ROUGHNESS, 1.0);
+                Look::metal(Level::Constant(mtl.kd), Level::number(roughness))
+            }
+            MtlModel::Mirror => Look::metal(Level::Constant(mtl.ks), Level::number(0.0)),
+            MtlModel::Matt => Look::matt(match &mtl.maps.kd {
+                Some(map) => Level::of_color(&Parameter::Texture(mtl_picture(map, false))),
+                None => Level::Constant(mtl.kd),
+            }),
+        };
+        look.is_two_sided = true;
+        if let Some(map) = &mtl.maps.norm {
+            look.normals = Some(Level::of_color(&Parameter::Texture(mtl_picture(map, true))).mapped(Map::Normals));
+        }
+        if let Some(map) = &mtl.maps.d {
+            look.opacity = Level::of_number(&Parameter::Texture(mtl_picture(map, true)));
+        }
+        look
+    }
+}
+
+/// About the colour of many hairs of this absorption (Chiang and others 2016, a fit).
+fn hair_color(sigma_a: Rgb, azimuthal_roughness: f32) -> Rgb {
+    let b = azimuthal_roughness;
+    let fit = 5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5);
+    sigma_a
+        .max(Rgb::ZERO)
+        .map(|absorption| (-fit * absorption.sqrt()).exp())
+}
