@@ -4,7 +4,7 @@ use super::model::{Accessor, Attributes};
 use super::{GltfWriteError, GltfWriter, push};
 use crate::geometry::mesh::MeshData;
 
-const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;

@@ -6,11 +6,13 @@
 mod container;
 mod geometry;
 pub mod material;
+mod meshes;
 pub mod model;
 
 pub use self::container::BesideFile;
 pub use self::geometry::Triangles;
 use self::material::Material;
+pub use self::meshes::PlacedMesh;
 use self::model::{
     Accessor, Animation, AnimationSampler, BufferView, Camera, Channel, ChannelTarget, Light, Mesh, Node, NodeLight,
     Root, Sampler, Texture,

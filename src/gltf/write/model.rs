@@ -95,6 +95,9 @@ pub struct Node {
     /// The light.
     #[serde(skip_serializing_if = "is_usual")]
     pub extensions: NodeExtensions,
+    /// What programs are to know that the specification does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<serde_json::Value>,
 }
 
 /// A pose as glTF has it: a scale, then a turn, then a shift.
@@ -183,7 +186,7 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
-/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TEXCOORD_0`, `COLOR_0`.
+/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TEXCOORD_0`, `TEXCOORD_1`, `COLOR_0`.
 pub type Attributes = BTreeMap<String, usize>;
 
 /// Triangles of one material.
