@@ -8,7 +8,7 @@
 #![cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]
 
 pub use sunroom_core::{
-    accel, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, metrics, render,
+    accel, bake, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, metrics, render,
     sampling, shading, texture,
 };
 

@@ -3,7 +3,7 @@
 //! This is the whole of what the program sees of it; the foreign calls are in `denoise/ffi.rs`. Without the cargo feature
 //! `denoise` everything here is still there, and [`denoise`] answers [`DenoiseError::NotBuilt`].
 //!
-//! Source: the API documentation of Open Image Denoise 2, section "Filters, RT".
+//! Source: the API documentation of Open Image Denoise 2, sections "Filters, RT" and "RTLightmap".
 
 #[cfg(feature = "denoise")]
 mod ffi;
@@ -44,6 +44,56 @@ pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) ->
     denoise(&input, cancel)
 }
 
+/// A lightmap without noise, of non-negative irradiance row by row; all of it finite and not negative. `threads` and `cancel` as for [`denoise_film`].
+pub fn denoise_lightmap(
+    width: u32,
+    height: u32,
+    irradiance: &[Rgb],
+    threads: Option<usize>,
+    cancel: &AtomicBool,
+) -> Result<Vec<Rgb>, DenoiseError> {
+    let input = DenoiseInput {
+        width,
+        height,
+        color: irradiance,
+        albedo: None,
+        normal: None,
+        prefilter: false,
+        quality: DenoiseQuality::High,
+        threads,
+    };
+    input.check()?;
+    run_lightmap(&input, cancel)
+}
+
+#[cfg(not(feature = "denoise"))]
+fn run_lightmap(_: &DenoiseInput, _: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
+    Err(DenoiseError::NotBuilt)
+}
+
+#[cfg(feature = "denoise")]
+fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
+    if input.color.is_empty() {
+        return Ok(Vec::new());
+    }
+    let job = ffi::Job {
+        width: input.width as usize,
+        height: input.height as usize,
+        quality: input.quality,
+        cancel,
+    };
+    let color = within(input.color, 0.0, brightest(input.color));
+    ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
+}
+
+/// The largest finite component, at least 0. An infinite pixel becomes as bright as the brightest other one: with a fixed large number in its place the
+/// library would expose for that pixel and lose the rest of the picture.
+#[cfg(feature = "denoise")]
+fn brightest(color: &[Rgb]) -> f32 {
+    let components = color.iter().flat_map(|pixel| pixel.to_array());
+    components.filter(|x| x.is_finite()).fold(0.0, f32::max)
+}
+
 #[cfg(not(feature = "denoise"))]
 fn run(_: &DenoiseInput, _: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     Err(DenoiseError::NotBuilt)
@@ -56,11 +106,7 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
     if input.color.is_empty() {
         return Ok(Vec::new());
     }
-    // An infinite pixel becomes as bright as the brightest other one. With a fixed large number in its place the library
-    // would expose for that pixel and lose the rest of the picture.
-    let components = input.color.iter().flat_map(|pixel| pixel.to_array());
-    let brightest = components.filter(|x| x.is_finite()).fold(0.0, f32::max);
-    let color = within(input.color, 0.0, brightest);
+    let color = within(input.color, 0.0, brightest(input.color));
     let mut albedo = input.albedo.map(|albedo| within(albedo, 0.0, 1.0));
     let mut normal = input.normal.map(|normal| within(normal, -1.0, 1.0));
     if cancel.load(Ordering::Relaxed) {

@@ -13,6 +13,7 @@ pub mod filter;
 mod headlight;
 pub mod image_io;
 pub mod inspect;
+pub mod irradiance;
 mod lanes;
 pub mod layered_image;
 pub mod layers;

@@ -78,6 +78,12 @@ pub(super) trait Scatterer {
         Some((u_choice, 1.0))
     }
 
+    /// Whether lights without extent count.
+    #[inline(always)]
+    fn takes_delta(&self) -> bool {
+        true
+    }
+
     /// The start of the way to `wi` for a path in `medium`.
     fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure;
 }
@@ -360,7 +366,11 @@ impl PathState {
             return;
         };
         let strategy = settings.strategy;
-        if !light.is_delta && !strategy.samples_lights() {
+        let counts = match light.is_delta {
+            true => vertex.takes_delta(),
+            false => strategy.samples_lights(),
+        };
+        if !counts {
             return;
         }
         let (value, mut bsdf_pdf) = vertex.eval_and_pdf(light.wi);

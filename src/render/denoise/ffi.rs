@@ -95,6 +95,13 @@ impl Device {
         filter.execute(job)
     }
 
+    /// Filters a lightmap.
+    pub fn filter_lightmap(&self, job: &Job, color: &[Vec3]) -> Result<Vec<Vec3>, DenoiseError> {
+        let filter = Filter::of_kind(self, c"RTLightmap")?;
+        filter.set_input(job, c"color", color)?;
+        filter.execute(job)
+    }
+
     /// The error of the calls so far in this thread, if any.
     fn check(&self) -> Result<(), DenoiseError> {
         match last_error(self.0) {
@@ -139,8 +146,12 @@ struct Filter<'a> {
 
 impl<'a> Filter<'a> {
     fn new(device: &'a Device) -> Result<Self, DenoiseError> {
+        Self::of_kind(device, c"RT")
+    }
+
+    fn of_kind(device: &'a Device, kind: &CStr) -> Result<Self, DenoiseError> {
         // SAFETY: the device is alive; the name ends in a zero byte.
-        let handle = unsafe { sys::oidnNewFilter(device.0, c"RT".as_ptr()) };
+        let handle = unsafe { sys::oidnNewFilter(device.0, kind.as_ptr()) };
         device.check()?;
         Ok(Self {
             handle,

@@ -1,0 +1,135 @@
+//! Makes pictures of the light at texels that can be filtered when they are shown.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::UVec2;
+
+use super::lightmap::Lightmaps;
+use super::seams::{Seam, even_out};
+use super::texels::Texels;
+use crate::color::Rgb;
+use crate::render::denoise::{DenoiseError, denoise_lightmap};
+
+/// A lightmap as a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightmapPicture {
+    /// Width and height.
+    pub size: UVec2,
+    /// Irradiance row by row from the top, linear Rec. 709; black where no surface is near.
+    pub irradiance: Vec<Rgb>,
+}
+
+/// The noise-free filter of Open Image Denoise, and how it runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Denoising<'a> {
+    /// The number of threads; None is one for each core.
+    pub threads: Option<usize>,
+    /// Ends it when set.
+    pub cancel: &'a AtomicBool,
+}
+
+/// Texels inside of walls get light from neighbours so far away, and no farther: what filters reach, but not the room beyond the wall.
+const INTO_WALLS: usize = 2;
+/// The gaps between charts are filled so far.
+const INTO_GAPS: usize = 8;
+
+/// The value of each texel of a page; None where it is not known.
+type Known = Vec<Option<Rgb>>;
+
+/// Makes the picture of a page. `seams` are those of this page.
+pub fn finish(
+    texels: &Texels,
+    page: usize,
+    light: &Lightmaps,
+    seams: &[Seam],
+    denoising: Option<Denoising>,
+) -> Result<LightmapPicture, DenoiseError> {
+    let size = texels.size;
+    let index_of = |place: UVec2| (place.y * size.x + place.x) as usize;
+    let own = texels.pages[page].clone();
+    let mut values: Known = vec![None; size.x as usize * size.y as usize];
+    let mut buried = vec![false; values.len()];
+    for texel in own {
+        let index = index_of(texels.texels[texel].place);
+        match light.is_buried(texel) {
+            true => buried[index] = true,
+            false => values[index] = Some(light.irradiance(texel)),
+        }
+    }
+    for _ in 0..INTO_WALLS {
+        spread(&mut values, size, |index| buried[index]);
+    }
+    for (value, buried) in values.iter_mut().zip(&buried) {
+        if *buried && value.is_none() {
+            *value = Some(Rgb::ZERO);
+        }
+    }
+    if let Some(denoising) = denoising {
+        denoise(&mut values, size, denoising)?;
+    }
+    fill_gaps(&mut values, size);
+    let mut irradiance: Vec<Rgb> = values.into_iter().map(Option::unwrap_or_default).collect();
+    even_out(&mut irradiance, size, seams);
+    Ok(LightmapPicture { size, irradiance })
+}
+
+/// Removes the noise of known texels.
+fn denoise(values: &mut Known, size: UVec2, denoising: Denoising) -> Result<(), DenoiseError> {
+    // The filter must not take black gaps for shadows.
+    let mut filled = values.clone();
+    fill_gaps(&mut filled, size);
+    let color: Vec<Rgb> = filled.into_iter().map(Option::unwrap_or_default).collect();
+    let filtered = denoise_lightmap(size.x, size.y, &color, denoising.threads, denoising.cancel)?;
+    for (value, filtered) in values.iter_mut().zip(filtered) {
+        if let Some(value) = value {
+            *value = filtered;
+        }
+    }
+    Ok(())
+}
+
+fn fill_gaps(values: &mut Known, size: UVec2) {
+    for _ in 0..INTO_GAPS {
+        spread(values, size, |_| true);
+    }
+}
+
+/// Gives unknown texels that `may` be given one the mean of the known ones around them.
+fn spread(values: &mut Known, size: UVec2, may: impl Fn(usize) -> bool) {
+    let before = values.clone();
+    for y in 0..size.y {
+        for x in 0..size.x {
+            let index = (y * size.x + x) as usize;
+            if before[index].is_some() || !may(index) {
+                continue;
+            }
+            let (mut sum, mut count) = (Rgb::ZERO, 0.0);
+            for row in y.saturating_sub(1)..size.y.min(y + 2) {
+                for column in x.saturating_sub(1)..size.x.min(x + 2) {
+                    if let Some(value) = before[(row * size.x + column) as usize] {
+                        sum += value;
+                        count += 1.0;
+                    }
+                }
+            }
+            if count > 0.0 {
+                values[index] = Some(sum / count);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_spreads_one_texel_at_a_time_where_it_may() {
+        let size = UVec2::new(5, 1);
+        let mut values: Known = vec![Some(Rgb::ONE), None, None, None, Some(Rgb::ZERO)];
+        spread(&mut values, size, |index| index != 3);
+        assert_eq!(values, [Some(Rgb::ONE), Some(Rgb::ONE), None, None, Some(Rgb::ZERO)]);
+        spread(&mut values, size, |_| true);
+        assert_eq!(values[2..4], [Some(Rgb::ONE), Some(Rgb::ZERO)]);
+    }
+}

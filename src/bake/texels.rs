@@ -1,0 +1,302 @@
+//! The texels that surfaces cover, and the place of each in the world.
+//!
+//! A texel belongs to the triangle that is nearest to its centre, and its place is the point of the triangle nearest to that. Every texel that a triangle
+//! touches is covered, so that filtering between texels never meets one that has no light. Where vertex normals bend a surface, the place
+//! moves out to the curved one that they stand for, as in Hanika, Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle
+//! would start inside.
+
+use std::ops::Range;
+
+use glam::{UVec2, Vec2, Vec3};
+
+use crate::render::irradiance::Receiver;
+
+/// A surface that light is gathered on, in world space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BakeSurface {
+    /// The lightmap that it lies in.
+    pub page: u32,
+    /// The vertices.
+    pub positions: Vec<Vec3>,
+    /// Unit normals of the vertices, on the side that light is gathered on; zero for those of flat triangles, and empty if all are flat.
+    pub normals: Vec<Vec3>,
+    /// The places of the vertices in the lightmap, in texels from its upper left corner. Charts lie apart by two texels or more.
+    pub coordinates: Vec<Vec2>,
+    /// The corners of the triangles, counter-clockwise as seen from the side that light is gathered on.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A texel that a surface covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    /// The column and the row.
+    pub place: UVec2,
+    /// The point where light is gathered.
+    pub receiver: Receiver,
+}
+
+/// The texels of all lightmaps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Texels {
+    /// Width and height of each lightmap.
+    pub size: UVec2,
+    /// The covered texels, page by page, and row by row within a page.
+    pub texels: Vec<Texel>,
+    /// The texels of each page among them.
+    pub pages: Vec<Range<usize>>,
+}
+
+/// Half the diagonal of a texel, and a little more.
+const REACH: f32 = 0.7072;
+/// What lies on the border of a triangle moves inwards by so much of a texel, so that it is not in the wall that may stand there.
+const INSET: f32 = 0.05;
+/// The rounding of positions relative to the coordinates, which have gone through the pose of a node.
+const ROUNDING: f32 = 32.0 * f32::EPSILON;
+
+/// The nearest triangle to the centre of a texel so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    distance: f32,
+    surface: u32,
+    triangle: u32,
+    weights: Vec3,
+}
+
+/// Finds the texels of so many pages of `size` that the surfaces cover. What lies outside of the pages, and triangles without an area in the lightmap
+/// or in the world, cover none.
+pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texels {
+    let mut found = Texels {
+        size,
+        ..Texels::default()
+    };
+    for page in 0..pages {
+        let mut nearest: Vec<Option<Nearest>> = vec![None; size.x as usize * size.y as usize];
+        for (index, surface) in (0..).zip(surfaces).filter(|(_, surface)| surface.page == page) {
+            for (number, corners) in (0..).zip(&surface.triangles) {
+                let at = corners.map(|corner| surface.coordinates[corner as usize]);
+                let in_world = corners.map(|corner| surface.positions[corner as usize]);
+                if area(at).abs() > 0.0 && normal(in_world) != Vec3::ZERO {
+                    cover(at, size, |place, distance, weights| {
+                        let old = &mut nearest[(place.y * size.x + place.x) as usize];
+                        if old.is_none_or(|old| distance < old.distance) {
+                            *old = Some(Nearest {
+                                distance,
+                                surface: index,
+                                triangle: number,
+                                weights,
+                            });
+                        }
+                    });
+                }
+            }
+        }
+        let first = found.texels.len();
+        let covered = (0..).zip(&nearest).filter_map(|(index, nearest)| {
+            let nearest = (*nearest)?;
+            Some(Texel {
+                place: UVec2::new(index % size.x, index / size.x),
+                receiver: receiver(
+                    &surfaces[nearest.surface as usize],
+                    nearest.triangle as usize,
+                    nearest.weights,
+                ),
+            })
+        });
+        found.texels.extend(covered);
+        found.pages.push(first..found.texels.len());
+    }
+    found
+}
+
+/// Twice the signed area.
+fn area([a, b, c]: [Vec2; 3]) -> f32 {
+    (b - a).perp_dot(c - a)
+}
+
+/// The unit normal of a triangle; zero if it has no area.
+fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a)
+        .as_dvec3()
+        .cross((c - a).as_dvec3())
+        .normalize_or_zero()
+        .as_vec3()
+}
+
+/// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the weights of the corners there.
+fn cover(corners: [Vec2; 3], size: UVec2, mut found: impl FnMut(UVec2, f32, Vec3)) {
+    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
+    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
+    if !(low.is_finite() && high.is_finite()) {
+        return;
+    }
+    // Casts saturate: what is outside of the page is left out.
+    let first = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
+    let last = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2().min(size);
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    for y in first.y..last.y {
+        for x in first.x..last.x {
+            let place = UVec2::new(x, y);
+            let centre = place.as_vec2() + 0.5;
+            let nearest = nearest_point(corners, centre);
+            let distance = nearest.distance(centre);
+            if distance > REACH {
+                continue;
+            }
+            let inside = match distance > 0.0 {
+                true => nearest + (middle - nearest).clamp_length_max(INSET),
+                false => nearest,
+            };
+            found(place, distance, weights(corners, inside));
+        }
+    }
+}
+
+/// The point of a triangle that is nearest to `point`.
+fn nearest_point(corners: [Vec2; 3], point: Vec2) -> Vec2 {
+    let weights = weights(corners, point);
+    if weights.min_element() >= 0.0 {
+        return point;
+    }
+    let [a, b, c] = corners;
+    let on_edge = |(a, b): (Vec2, Vec2)| {
+        let edge = b - a;
+        let along = (point - a).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE);
+        a + edge * along.clamp(0.0, 1.0)
+    };
+    let edges = [(a, b), (b, c), (c, a)].map(on_edge);
+    let nearer = |a: Vec2, b: Vec2| {
+        if b.distance_squared(point) < a.distance_squared(point) {
+            b
+        } else {
+            a
+        }
+    };
+    nearer(nearer(edges[0], edges[1]), edges[2])
+}
+
+/// The weights of the corners at `point`.
+fn weights([a, b, c]: [Vec2; 3], point: Vec2) -> Vec3 {
+    let whole = area([a, b, c]);
+    let of_b = area([a, point, c]) / whole;
+    let of_c = area([a, b, point]) / whole;
+    Vec3::new(1.0 - of_b - of_c, of_b, of_c)
+}
+
+/// The place of a texel in the world.
+fn receiver(surface: &BakeSurface, triangle: usize, weights: Vec3) -> Receiver {
+    // A triangle that is thin in the lightmap may have weights a little outside.
+    let weights = weights.clamp(Vec3::ZERO, Vec3::ONE);
+    let weights = weights / weights.element_sum();
+    let corners = surface.triangles[triangle].map(|corner| corner as usize);
+    let in_world = corners.map(|corner| surface.positions[corner]);
+    let mix = |of: [Vec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;
+    let flat = mix(in_world);
+    let geometric_normal = normal(in_world);
+    let extent = in_world
+        .into_iter()
+        .fold(Vec3::ZERO, |extent, place| extent.max(place.abs()));
+    let mut receiver = Receiver {
+        position: flat,
+        error: ROUNDING * extent.max_element(),
+        normal: geometric_normal,
+        geometric_normal,
+    };
+    if !surface.normals.is_empty() {
+        let normals = corners.map(|corner| surface.normals[corner]);
+        // Of zeros there is no mean, and they move nothing.
+        receiver.normal = mix(normals).try_normalize().unwrap_or(geometric_normal);
+        let [a, b, c] =
+            [0, 1, 2].map(|corner| (in_world[corner] - flat).dot(normals[corner]).max(0.0) * normals[corner]);
+        receiver.position += mix([a, b, c]);
+    }
+    receiver
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(low: f32, high: f32) -> BakeSurface {
+        let corners = [(low, low), (high, low), (high, high), (low, high)];
+        BakeSurface {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            coordinates: corners.map(|(x, y)| Vec2::new(x, y)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..BakeSurface::default()
+        }
+    }
+
+    #[test]
+    fn whole_texels_have_their_centres_and_touched_ones_are_covered() {
+        let texels = covered_texels(&[square(2.0, 5.5)], UVec2::splat(8), 1);
+        for texel in &texels.texels {
+            let centre = texel.place.as_vec2() + 0.5;
+            let place = texel.receiver.position;
+            let expected = centre.clamp(Vec2::splat(2.0), Vec2::splat(5.5));
+            assert!(place.truncate().distance(expected) <= INSET + 1e-5, "{texel:?}");
+            assert_eq!(texel.receiver.normal, Vec3::Z);
+            assert!(
+                place.truncate().cmpgt(Vec2::splat(2.0)).all() || centre.min_element() < 2.0,
+                "{texel:?}"
+            );
+        }
+        for y in 2..6 {
+            for x in 2..6 {
+                let place = UVec2::new(x, y);
+                assert!(texels.texels.iter().any(|texel| texel.place == place), "{place}");
+            }
+        }
+        assert!(
+            texels
+                .texels
+                .iter()
+                .all(|texel| texel.place.min_element() >= 1 && texel.place.max_element() <= 6)
+        );
+    }
+
+    #[test]
+    fn a_triangle_smaller_than_a_texel_covers_one() {
+        let texels = covered_texels(&[square(3.1, 3.2)], UVec2::splat(8), 1);
+        assert!(texels.texels.iter().any(|texel| texel.place == UVec2::splat(3)));
+        assert!(
+            texels
+                .texels
+                .iter()
+                .all(|texel| (texel.receiver.position.x - 3.15).abs() < 0.06)
+        );
+    }
+
+    #[test]
+    fn what_has_no_area_covers_nothing() {
+        let mut flat = square(1.0, 5.0);
+        flat.positions = vec![Vec3::ONE; 4];
+        let mut thin = square(1.0, 5.0);
+        thin.coordinates = vec![Vec2::splat(2.0); 4];
+        let mut outside = square(20.0, 25.0);
+        outside.coordinates[0] = Vec2::new(-1e30, -1e30);
+        let mut broken = square(1.0, 5.0);
+        broken.coordinates[1] = Vec2::NAN;
+        broken.coordinates[3] = Vec2::INFINITY;
+        let texels = covered_texels(&[flat, thin, broken], UVec2::splat(8), 2);
+        assert_eq!((texels.texels.len(), texels.pages.len()), (0, 2));
+        // It ends, whatever it covers.
+        covered_texels(&[outside], UVec2::splat(8), 1);
+    }
+
+    #[test]
+    fn bent_surfaces_move_out() {
+        let mut ball = square(1.0, 5.0);
+        let centre = Vec3::new(3.0, 3.0, -3.0);
+        ball.normals = ball
+            .positions
+            .iter()
+            .map(|place| (*place - centre).normalize())
+            .collect();
+        let radius = ball.positions[0].distance(centre);
+        for texel in covered_texels(&[ball], UVec2::splat(8), 1).texels {
+            let distance = texel.receiver.position.distance(centre);
+            assert!(distance > 0.999 * radius && distance < 1.35 * radius, "{texel:?}");
+            assert!(texel.receiver.normal.angle_between(texel.receiver.position - centre) < 0.1);
+        }
+    }
+}

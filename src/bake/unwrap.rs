@@ -1,0 +1,330 @@
+//! A second set of texture coordinates for meshes, in which no two places of their surfaces share a texel.
+//!
+//! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
+//! an atlas may be, and what becomes of meshes that have no surface or are broken.
+
+use glam::{UVec2, Vec2, Vec3};
+use uvunwrap::{Density, MeshInput, Options};
+
+use crate::memory::{self, Reservation, Shortage};
+
+/// The sizes of lightmaps that are possible, in texels.
+pub const ATLAS_SIZES: std::ops::RangeInclusive<u32> = 16..=16384;
+
+/// The size of lightmaps and of their texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnwrapSettings {
+    /// The width of a lightmap, and its largest height; in [`ATLAS_SIZES`].
+    pub atlas_size: u32,
+    /// Texels per unit of length, above 0; None is as many as fit in one lightmap.
+    pub texels_per_unit: Option<f32>,
+    /// Texels around each chart that hold nothing of another.
+    pub padding: u32,
+}
+
+impl Default for UnwrapSettings {
+    fn default() -> Self {
+        Self {
+            atlas_size: 1024,
+            texels_per_unit: None,
+            padding: 2,
+        }
+    }
+}
+
+/// A mesh to be unwrapped, in the size in which it stands in the world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UnwrapMesh {
+    /// The name for messages.
+    pub name: String,
+    /// The vertices.
+    pub positions: Vec<Vec3>,
+    /// The corners.
+    pub triangles: Vec<[u32; 3]>,
+    /// The part of the mesh that each triangle belongs to. No chart has triangles of two parts.
+    pub part_of_triangle: Vec<u32>,
+    /// How often the mesh stands in the world; each time it has a place of its own in the lightmaps.
+    pub places: usize,
+}
+
+/// The layout of all meshes.
+#[derive(Debug)]
+pub struct Layout {
+    /// Width and height of each lightmap.
+    pub size: UVec2,
+    /// The number of lightmaps.
+    pub pages: u32,
+    /// Texels per unit of length.
+    pub texels_per_unit: f32,
+    /// The meshes in the order in which they were given.
+    pub meshes: Vec<LayoutMesh>,
+    /// The memory for the light of all texels.
+    pub memory: Reservation,
+}
+
+/// A mesh with its coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayoutMesh {
+    /// For each vertex the one that it was. At seams there are several of one.
+    pub vertices: Vec<u32>,
+    /// The coordinates of each vertex within the mesh's rectangle, in [0, 1].
+    pub coordinates: Vec<Vec2>,
+    /// The triangles in the order in which they were given.
+    pub triangles: Vec<[u32; 3]>,
+    /// The rectangles, one for each place of the mesh.
+    pub rectangles: Vec<LayoutRectangle>,
+}
+
+/// A part of a lightmap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayoutRectangle {
+    /// The lightmap.
+    pub page: u32,
+    /// The upper left corner, in [0, 1].
+    pub min: Vec2,
+    /// The lower right corner, in [0, 1].
+    pub max: Vec2,
+}
+
+/// The reason why meshes cannot be unwrapped.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum UnwrapError {
+    #[error("nothing in the level has a surface that a lightmap could lie on")]
+    Nothing,
+    #[error("a lightmap of {0} texels: the width is between 16 and 16384")]
+    AtlasSize(u32),
+    #[error("{0} texels per unit: the number has to be above 0")]
+    TexelsPerUnit(f32),
+    #[error("`{0}` has vertices that are no numbers")]
+    Broken(String),
+    #[error(
+        "a shape needs {width} x {height} texels, and a lightmap has {size} x {size}: fewer texels per unit, or larger lightmaps"
+    )]
+    TooLarge { width: u32, height: u32, size: u32 },
+    #[error("the level needs {0} texels: that is too many; take fewer texels per unit")]
+    TooMany(u64),
+    #[error("the lightmaps: {0}")]
+    Memory(#[from] Shortage),
+    #[error("the shapes cannot be laid out: {0}")]
+    Other(String),
+}
+
+/// Bytes for each texel of a lightmap while it is made: its place, its sums, and the pictures of it.
+const TEXEL_BYTES: u64 = 224;
+/// The most texels of all lightmaps together.
+const MOST_TEXELS: f64 = (1u64 << 30) as f64;
+
+/// Lays meshes out in lightmaps.
+pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout, UnwrapError> {
+    let UnwrapSettings {
+        atlas_size,
+        texels_per_unit,
+        padding,
+    } = *settings;
+    if !ATLAS_SIZES.contains(&atlas_size) {
+        return Err(UnwrapError::AtlasSize(atlas_size));
+    }
+    if let Some(density) = texels_per_unit.filter(|density| !(*density > 0.0 && density.is_finite())) {
+        return Err(UnwrapError::TexelsPerUnit(density));
+    }
+    for mesh in meshes {
+        if !mesh.positions.iter().all(|place| place.is_finite()) {
+            return Err(UnwrapError::Broken(mesh.name.clone()));
+        }
+    }
+    let area: f64 = meshes.iter().map(UnwrapMesh::area).sum();
+    if !(area > 0.0) {
+        return Err(UnwrapError::Nothing);
+    }
+    let page = f64::from(atlas_size).powi(2);
+    let needed = texels_per_unit.map_or(page, |density| area * f64::from(density).powi(2));
+    if needed > MOST_TEXELS {
+        return Err(UnwrapError::TooMany(needed as u64));
+    }
+    // The least that is needed, before the work begins.
+    let mut reserved = memory::reserve(TEXEL_BYTES * needed as u64)?;
+    let inputs: Vec<_> = meshes.iter().map(Input::new).collect();
+    let inputs: Vec<MeshInput> = inputs.iter().map(Input::borrow).collect();
+    let options = Options {
+        density: match texels_per_unit {
+            Some(texels_per_unit) => Density::Fixed {
+                texels_per_unit,
+                page_size: Some(atlas_size),
+            },
+            None => Density::Auto { page_size: atlas_size },
+        },
+        padding,
+        ..Options::default()
+    };
+    let atlas = uvunwrap::generate(&inputs, &options).map_err(|error| match error {
+        uvunwrap::Error::ChartTooLarge { width, height, .. } => UnwrapError::TooLarge {
+            width,
+            height,
+            size: atlas_size,
+        },
+        uvunwrap::Error::AtlasTooLarge { texels } => UnwrapError::TooMany(texels),
+        other => UnwrapError::Other(other.to_string()),
+    })?;
+    let texels = u64::from(atlas.width) * u64::from(atlas.height) * u64::from(atlas.page_count);
+    reserved.resize(TEXEL_BYTES * texels)?;
+    Ok(Layout {
+        size: UVec2::new(atlas.width, atlas.height),
+        pages: atlas.page_count,
+        texels_per_unit: atlas.texels_per_unit,
+        meshes: atlas.meshes.into_iter().map(LayoutMesh::of).collect(),
+        memory: reserved,
+    })
+}
+
+impl UnwrapMesh {
+    /// The area of all its places.
+    fn area(&self) -> f64 {
+        let of = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.positions[corner as usize].as_dvec3());
+            0.5 * (b - a).cross(c - a).length()
+        };
+        self.places as f64 * self.triangles.iter().map(of).sum::<f64>()
+    }
+}
+
+/// A mesh as the crate takes it.
+struct Input {
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    parts: Vec<u32>,
+    scales: Vec<f32>,
+}
+
+impl Input {
+    fn new(mesh: &UnwrapMesh) -> Self {
+        Self {
+            positions: mesh.positions.iter().map(|place| place.to_array()).collect(),
+            indices: mesh.triangles.as_flattened().to_vec(),
+            parts: mesh.part_of_triangle.clone(),
+            scales: vec![1.0; mesh.places],
+        }
+    }
+
+    fn borrow(&self) -> MeshInput<'_> {
+        MeshInput {
+            face_materials: (!self.parts.is_empty()).then_some(&*self.parts),
+            instance_scales: &self.scales,
+            ..MeshInput::new(&self.positions, &self.indices)
+        }
+    }
+}
+
+impl LayoutMesh {
+    fn of(mesh: uvunwrap::OutputMesh) -> Self {
+        let (triangles, _) = mesh.indices.as_chunks::<3>();
+        Self {
+            vertices: mesh.vertices.iter().map(|vertex| vertex.xref).collect(),
+            coordinates: mesh.vertices.iter().map(|vertex| Vec2::from(vertex.uv)).collect(),
+            triangles: triangles.to_vec(),
+            rectangles: mesh
+                .instances
+                .iter()
+                .map(|place| LayoutRectangle {
+                    page: place.page,
+                    min: place.min.into(),
+                    max: place.max.into(),
+                })
+                .collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(size: f32) -> UnwrapMesh {
+        let corners = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)];
+        UnwrapMesh {
+            name: "square".to_owned(),
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            part_of_triangle: vec![0, 0],
+            places: 1,
+        }
+    }
+
+    fn with_density(texels_per_unit: f32) -> UnwrapSettings {
+        UnwrapSettings {
+            texels_per_unit: Some(texels_per_unit),
+            atlas_size: 256,
+            ..UnwrapSettings::default()
+        }
+    }
+
+    #[test]
+    fn texels_have_the_size_that_was_asked_for() {
+        let mesh = UnwrapMesh {
+            places: 3,
+            ..square(5.0)
+        };
+        let layout = unwrap(&[mesh], &with_density(20.0)).expect("it fits");
+        let [mesh] = &layout.meshes[..] else { panic!("one mesh") };
+        assert_eq!(mesh.rectangles.len(), 3);
+        for place in &mesh.rectangles {
+            let extent = (place.max - place.min) * layout.size.as_vec2();
+            let at = |corner: u32| mesh.coordinates[corner as usize] * extent;
+            let [a, b, _] = mesh.triangles[0];
+            assert!((at(a).distance(at(b)) / 5.0 - 20.0).abs() < 0.5, "{extent}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_laid_out_is_said() {
+        let error = |meshes: &[UnwrapMesh], settings: UnwrapSettings| {
+            unwrap(meshes, &settings).map(drop).expect_err("no layout")
+        };
+        assert_eq!(error(&[], with_density(1.0)), UnwrapError::Nothing);
+        assert_eq!(error(&[square(0.0)], with_density(1.0)), UnwrapError::Nothing);
+        assert_eq!(
+            error(&[square(1.0)], with_density(0.0)),
+            UnwrapError::TexelsPerUnit(0.0)
+        );
+        assert_eq!(
+            error(&[square(1.0)], with_density(f32::INFINITY)),
+            UnwrapError::TexelsPerUnit(f32::INFINITY)
+        );
+        let size = |atlas_size| UnwrapSettings {
+            atlas_size,
+            ..UnwrapSettings::default()
+        };
+        assert_eq!(error(&[square(1.0)], size(4)), UnwrapError::AtlasSize(4));
+        assert!(matches!(
+            error(&[square(100.0)], with_density(20.0)),
+            UnwrapError::TooLarge { size: 256, .. }
+        ));
+        assert!(matches!(
+            error(&[square(1e6)], with_density(1.0)),
+            UnwrapError::TooMany(_)
+        ));
+        let mut broken = square(1.0);
+        broken.positions[2].x = f32::NAN;
+        assert_eq!(
+            error(&[broken], with_density(1.0)),
+            UnwrapError::Broken("square".to_owned())
+        );
+    }
+
+    #[test]
+    fn degenerate_and_overlapping_triangles_are_laid_out_with_the_rest() {
+        let mut mesh = square(2.0);
+        mesh.triangles.extend([[0, 1, 2], [0, 0, 1], [2, 1, 0], [1, 1, 1]]);
+        mesh.part_of_triangle = vec![0; 6];
+        let layout = unwrap(&[mesh], &with_density(8.0)).expect("a layout");
+        assert_eq!(layout.meshes[0].triangles.len(), 6);
+        let inside = |at: &Vec2| at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all();
+        assert!(layout.meshes[0].coordinates.iter().all(inside));
+    }
+
+    #[test]
+    fn texels_smaller_than_any_shape_are_handled() {
+        let layout = unwrap(&[square(1e-3)], &with_density(1.0)).expect("a layout");
+        assert_eq!(layout.pages, 1);
+    }
+}

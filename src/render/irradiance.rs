@@ -1,0 +1,155 @@
+//! Estimates irradiance: the light that arrives at one side of a surface, whatever that surface is made of.
+//!
+//! A sample is a path that begins at the surface, with next event estimation and multiple importance sampling there as at every later vertex. The
+//! surface takes the place of the first one that a camera ray meets, so limits of depth count as if a camera looked at it. The integral, of radiance
+//! times cosine over the hemisphere, is that of PBR 4th ed., section 4.2.1.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use super::dimensions::BounceDraw;
+use super::path::{Departure, Scatterer};
+use super::path_state::{Arrival, PathState};
+use super::scene::RenderScene;
+use super::view::PathSettings;
+use crate::accel::Detail;
+use crate::color::Rgb;
+use crate::light::LightReference;
+use crate::math::{Frame, Ray, offset_origin};
+use crate::medium::MediumId;
+use crate::sampling::{Sampler, warp};
+
+/// A point on one side of a surface, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// The point.
+    pub position: Vec3,
+    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it.
+    pub error: f32,
+    /// The unit normal from which the cosine is measured.
+    pub normal: Vec3,
+    /// The unit normal of the surface itself, on the same side. No light arrives from below it.
+    pub geometric_normal: Vec3,
+}
+
+/// The light that counts at a receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReceivedLight {
+    /// Light of all ways.
+    #[default]
+    All,
+    /// All but the light that comes straight from lights without extent: points, spots and single directions.
+    WithoutDelta,
+}
+
+/// One sample of the irradiance at a receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IrradianceSample {
+    /// The estimate, linear Rec. 709.
+    pub irradiance: Rgb,
+    /// Whether the path first meets the back of a surface.
+    pub meets_back: bool,
+    /// Rays traced, shadow rays included.
+    pub rays: u32,
+}
+
+/// A receiver as the first vertex of a path, which has the cosine in place of a bsdf.
+struct Vertex<'a> {
+    receiver: &'a Receiver,
+    light: ReceivedLight,
+    reference: LightReference,
+}
+
+impl Scatterer for Vertex<'_> {
+    fn reference(&self) -> &LightReference {
+        &self.reference
+    }
+
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        let cosine = self.receiver.cosine(wi);
+        (Rgb::splat(cosine), cosine * FRAC_1_PI)
+    }
+
+    fn takes_delta(&self) -> bool {
+        self.light == ReceivedLight::All
+    }
+
+    fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure {
+        Departure {
+            origin: self.receiver.leave(wi),
+            medium,
+        }
+    }
+}
+
+impl Receiver {
+    /// The cosine to the normal; 0 for directions below the surface.
+    fn cosine(&self, wi: Vec3) -> f32 {
+        match self.geometric_normal.dot(wi) > 0.0 {
+            true => self.normal.dot(wi).max(0.0),
+            false => 0.0,
+        }
+    }
+
+    fn leave(&self, wi: Vec3) -> Vec3 {
+        offset_origin(self.position, self.error, self.geometric_normal, wi)
+    }
+}
+
+/// Traces one sample of the irradiance at `receiver`, which is in `medium`.
+pub fn trace_irradiance(
+    scene: &RenderScene,
+    settings: &PathSettings,
+    receiver: &Receiver,
+    light: ReceivedLight,
+    sampler: Sampler,
+    medium: Option<MediumId>,
+) -> IrradianceSample {
+    let vertex = Vertex {
+        receiver,
+        light,
+        reference: LightReference {
+            position: receiver.position,
+            normal: Some(receiver.normal),
+        },
+    };
+    let wi = Frame::from_normal(receiver.normal)
+        .to_world(warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1))));
+    let mut path = PathState::new(
+        Ray::new(receiver.leave(wi), wi),
+        sampler,
+        medium.filter(|_| settings.media),
+    );
+    path.depth = 1;
+    path.is_straight = false;
+    if settings.is_last(1) {
+        return IrradianceSample::default();
+    }
+    path.sample_light(scene, settings, &vertex, &mut ());
+    let cosine = receiver.cosine(wi);
+    let mut meets_back = false;
+    if cosine > 0.0 {
+        path.throughput = Rgb::splat(PI);
+        path.arrival = Arrival {
+            is_sampled: true,
+            pdf: cosine * FRAC_1_PI,
+            from: vertex.reference,
+        };
+        path.rays += 1;
+        let mut hit = scene.geometry.intersect(&path.ray);
+        if let Some(hit) = &hit {
+            let point = scene.geometry.surface_in(&path.ray, hit, Detail::Plain);
+            meets_back = point.geometric_normal.dot(wi) > 0.0;
+        }
+        while path.advance(scene, settings, hit, &mut ()) {
+            path.rays += 1;
+            hit = scene.geometry.intersect(&path.ray);
+        }
+    }
+    IrradianceSample {
+        irradiance: path.radiance,
+        meets_back,
+        rays: path.rays,
+    }
+}
