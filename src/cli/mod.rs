@@ -5,6 +5,7 @@
 //! written; 143 terminated, and a checkpoint is written.
 
 mod args;
+mod bake;
 mod bench;
 mod check;
 mod convert;
@@ -59,6 +60,8 @@ enum Command {
     Merge(Box<merge::MergeArgs>),
     /// Make a job that renders a scene on many machines
     Submit(Box<submit::SubmitArgs>),
+    /// Export a level with lightmaps for a game engine
+    Bake(Box<bake::BakeArgs>),
     /// Report what is wrong with scene files
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
@@ -95,6 +98,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(*args),
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Submit(args)) => submit::run(&args),
+        Some(Command::Bake(args)) => bake::run(*args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Diff(args)) => diff::run(&args),

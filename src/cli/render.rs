@@ -397,7 +397,7 @@ fn describe(picture: &mut LayeredImage, world: &World, args: &RenderArgs) {
 }
 
 /// The first interrupt asks for an orderly end, the second one ends the process.
-fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
+pub fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = cancel.clone();
     on_interrupt(move || {

@@ -559,7 +559,7 @@ fn a_misspelt_command_gets_a_suggestion() {
         (&["rendr"], more),
         (
             &["frobnicate"],
-            "the commands are edit, render, merge, submit, check, convert, diff, bench, completions, man",
+            "the commands are edit, render, merge, submit, bake, check, convert, diff, bench, completions, man",
         ),
     ] {
         let output = sunroom().args(arguments).output().expect("starts");
@@ -993,12 +993,13 @@ fn help(command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "",
     "edit",
     "render",
     "merge",
     "submit",
+    "bake",
     "check",
     "convert",
     "diff",

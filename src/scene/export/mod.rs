@@ -70,6 +70,28 @@ pub fn export(
         let path = target.to_owned();
         return Err(ExportError::Ending { path });
     };
+    let (writer, messages) = collect(scene, hidden, access)?;
+    let files = match kind {
+        Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
+        Kind::Text => {
+            let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+            let (text, beside) = writer.text(&stem)?;
+            let beside = beside
+                .into_iter()
+                .map(|file| (target.with_file_name(file.name), file.bytes));
+            beside.chain([(target.to_owned(), text)]).collect()
+        }
+    };
+    Ok(Export { files, messages })
+}
+
+/// Collects the content of the files of a scene, which may still be changed, with one sentence for each thing that they do not say as the scene does. `hidden` and
+/// `access` as for [`export`].
+pub fn collect(
+    scene: &SceneDescription,
+    hidden: &Hidden,
+    access: &Access,
+) -> Result<(GltfWriter, Vec<String>), ExportError> {
     let mut writer = GltfWriter::default();
     let mut messages = Messages::default();
     let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
@@ -104,21 +126,7 @@ pub fn export(
             false => shapes.write(shape, &mut writer, &mut folders, &mut messages)?,
         }
     }
-    let files = match kind {
-        Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
-        Kind::Text => {
-            let stem = target.file_stem().unwrap_or_default().to_string_lossy();
-            let (text, beside) = writer.text(&stem)?;
-            let beside = beside
-                .into_iter()
-                .map(|file| (target.with_file_name(file.name), file.bytes));
-            beside.chain([(target.to_owned(), text)]).collect()
-        }
-    };
-    Ok(Export {
-        files,
-        messages: messages.sentences(),
-    })
+    Ok((writer, messages.sentences()))
 }
 
 const HIDDEN: &str = "hidden in the window";

@@ -1,0 +1,266 @@
+//! `sunroom bake`: from a scene file to a level with lightmaps.
+
+mod args;
+mod files;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bevy::math::Vec3;
+use bevy::prelude::App;
+use rayon::ThreadPool;
+use sunroom::app::headless::render_only;
+use sunroom::app::threads::worker_count;
+use sunroom::bake::finish::{Denoising, LightmapPicture, finish};
+use sunroom::bake::level::{BakeLevel, unwrap_level};
+use sunroom::bake::lightmap::{Gathering, Lightmaps};
+use sunroom::bake::manifest::BakedLight;
+use sunroom::bake::seams::{Seam, smooth_seams};
+use sunroom::bake::sides::lit_sides;
+use sunroom::bake::texels::{Texels, covered_texels};
+use sunroom::bake::unwrap::UnwrapSettings;
+use sunroom::document::paths::settle;
+use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
+use sunroom::gltf::write::GltfWriter;
+use sunroom::render::denoise::DenoiseError;
+use sunroom::render::irradiance::ReceivedLight;
+use sunroom::render::scene::RenderScene;
+use sunroom::render::view::View;
+use sunroom::scene::assets::scene_asset::load_document;
+use sunroom::scene::export::{Hidden, collect};
+use sunroom::scene::{OpenScene, SceneStatus, read};
+
+pub use self::args::BakeArgs;
+
+use super::check::{has_only_warnings, report_left_out, report_scene};
+use super::ending::INTERRUPTED;
+use super::progress::Progress;
+use super::render::cancel_on_interrupt;
+use super::report::{self, Failure, counted};
+
+/// The samples of each texel where no limit is given.
+const SAMPLES: u32 = 64;
+/// The first round; each one doubles the samples up to the largest round.
+const FIRST_ROUND: u32 = 4;
+const LARGEST_ROUND: u32 = 32;
+
+pub fn run(args: BakeArgs) -> ExitCode {
+    args.memory.apply();
+    args.threads.report_limit();
+    match bake(&args) {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
+    if !args.no_denoise && !cfg!(feature = "denoise") {
+        return Err(Failure::Usage(format!(
+            "{}; --no-denoise bakes without it",
+            DenoiseError::NotBuilt
+        )));
+    }
+    files::prepare(&args.output)?;
+    let cancel = cancel_on_interrupt()?;
+    let Some((scene, view)) = packed(args, &cancel)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    let Some(mut writer) = collected(args)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    let gathering = Gathering {
+        scene: &scene,
+        settings: view.integrator.settings(),
+        light: match args.indirect_only {
+            true => ReceivedLight::WithoutDelta,
+            false => ReceivedLight::All,
+        },
+        medium: view.medium,
+        sequence: view.sequence,
+        seed: args.seed.unwrap_or(view.seed),
+    };
+    let threads = worker_count(args.threads.threads, false).get();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let settings = UnwrapSettings {
+        atlas_size: args.atlas_size,
+        texels_per_unit: args.texels_per_unit,
+        ..UnwrapSettings::default()
+    };
+    let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles);
+    let level = pool.install(|| unwrap_level(&mut writer, &settings, lit))?;
+    let texels = covered_texels(&level.surfaces, level.size, level.pages);
+    if !args.quiet {
+        report::line(format_args!(
+            "{} in {} of {} x {}, {:.4} texels per unit, {}",
+            counted(level.nodes.len(), "shape"),
+            counted(level.pages, "lightmap"),
+            level.size.x,
+            level.size.y,
+            level.texels_per_unit,
+            counted(texels.texels.len(), "texel"),
+        ));
+    }
+    let light = gathered(args, &gathering, &texels, &cancel, &pool)?;
+    let pictures = finished(args, &level, &texels, &light, threads)?;
+    let about = files::About {
+        light: match args.indirect_only {
+            true => BakedLight::WithoutDirectPunctual,
+            false => BakedLight::All,
+        },
+        samples: light.samples,
+        seed: gathering.seed,
+        denoised: !args.no_denoise,
+    };
+    files::write(&args.output, writer, &level, &pictures, &about)?;
+    if light.invalid > 0 {
+        let samples = counted(light.invalid, "sample");
+        report::line(format_args!("warning: {samples} not finite, which count as black"));
+    }
+    let place = args.output.display();
+    if cancel.load(Ordering::Relaxed) {
+        let samples = counted(light.samples, "sample");
+        report::error(format_args!(
+            "interrupted; the lightmaps in {place} have {samples} per texel"
+        ));
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    if !args.quiet {
+        report::line(format_args!("the level is in {place}"));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The scene as it is rendered; None if it is refused, which has been reported.
+fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<(RenderScene, View)>, Failure> {
+    let trust = args.trust.trust(&args.scene.scene)?;
+    let open = OpenScene {
+        path: args.scene.scene.clone(),
+        defines: args.scene.defines.defines.clone(),
+        ..OpenScene::default()
+    };
+    let mut app: App = render_only(open, args.threads.threads);
+    app.insert_resource(trust);
+    let limits = Limits {
+        cancel: cancel.clone(),
+        ..Limits::default()
+    };
+    let loaded = load_to_completion(&mut app, &limits);
+    let status = app.world().resource::<SceneStatus>();
+    if !report_scene(status, args.strict) {
+        if has_only_warnings(status) {
+            report::refused_for_warnings(&args.scene.scene);
+        }
+        return Ok(None);
+    }
+    if !loaded? {
+        return Err("interrupted while the scene was being loaded: nothing is written".into());
+    }
+    let engine = app.world().resource::<RenderStatus>();
+    if engine.state != RenderState::Failed && !report_left_out(engine, &args.scene.scene, args.strict) {
+        if engine.shortages.is_empty() {
+            report::refused_for_warnings(&args.scene.scene);
+        }
+        return Ok(None);
+    }
+    let packed = app.world().resource::<PackedScene>();
+    match (packed.scene.clone(), packed.view.clone()) {
+        (Some(scene), Some(view)) => Ok(Some((scene, view))),
+        _ => Err(format!("{}: there is nothing to bake", args.scene.scene.display()).into()),
+    }
+}
+
+/// The scene as a glTF file that is being made; None if it is refused, which has been reported. Messages about the scene itself have been printed when it
+/// was loaded.
+fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
+    let path = settle(&args.scene.scene);
+    let access = args.trust.trust(&args.scene.scene)?.access(&path);
+    let mut document = load_document(&path, &args.scene.defines.defines, access)?;
+    let scene = read::read(&mut document);
+    let (writer, messages) = collect(&scene, &Hidden::default(), &document.access)?;
+    for message in &messages {
+        report::line(format_args!("warning: {message}"));
+    }
+    if args.strict && !messages.is_empty() {
+        report::refused_for_warnings(&args.scene.scene);
+        return Ok(None);
+    }
+    Ok(Some(writer))
+}
+
+/// Gathers light until a limit is reached, or an interrupt ends it after some samples.
+fn gathered(
+    args: &BakeArgs,
+    gathering: &Gathering,
+    texels: &Texels,
+    cancel: &AtomicBool,
+    pool: &ThreadPool,
+) -> Result<Lightmaps, Failure> {
+    let is_open = args.time.is_some() || args.noise.is_some();
+    let target = args.spp.unwrap_or(if is_open { u32::MAX } else { SAMPLES });
+    let mut light = Lightmaps::new(texels.texels.len());
+    let mut progress = Progress::new(args.quiet, args.time);
+    let begin = Instant::now();
+    let is_late = |begin: Instant| args.time.is_some_and(|time: Duration| begin.elapsed() >= time);
+    while light.samples < target {
+        let round = light
+            .samples
+            .clamp(FIRST_ROUND, LARGEST_ROUND)
+            .min(target - light.samples);
+        if !pool.install(|| light.add_round(gathering, texels, round, cancel, |_| {})) {
+            break;
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        let status = RenderStatus {
+            samples: light.samples,
+            target,
+            seconds,
+            time_limit: args.time.map(|time| time.as_secs_f32()),
+            noise: light.noise(),
+            noise_target: args.noise,
+            msamples_per_s: 1e-6 * f64::from(light.samples) * texels.texels.len() as f64 / seconds.max(1e-9),
+            ..RenderStatus::default()
+        };
+        let is_quiet_enough = args
+            .noise
+            .zip(status.noise)
+            .is_some_and(|(target, noise)| noise <= target);
+        let is_last = is_quiet_enough || is_late(begin) || light.samples >= target;
+        match is_last {
+            true => progress.finish(&status),
+            false => progress.update(&status),
+        }
+        if is_last {
+            break;
+        }
+    }
+    if light.samples == 0 {
+        return Err("interrupted before the first samples: nothing is written".into());
+    }
+    Ok(light)
+}
+
+/// The pictures of all lightmaps.
+fn finished(
+    args: &BakeArgs,
+    level: &BakeLevel,
+    texels: &Texels,
+    light: &Lightmaps,
+    threads: usize,
+) -> Result<Vec<LightmapPicture>, DenoiseError> {
+    let mut seams: Vec<Vec<Seam>> = vec![Vec::new(); level.pages as usize];
+    for surface in &level.surfaces {
+        seams[surface.page as usize].extend(smooth_seams(surface));
+    }
+    // An interrupt has ended the gathering of light; what there is shall be written.
+    let never = AtomicBool::new(false);
+    let denoising = (!args.no_denoise).then_some(Denoising {
+        threads: Some(threads),
+        cancel: &never,
+    });
+    let pages = seams.iter().enumerate();
+    pages
+        .map(|(page, seams)| finish(texels, page, light, seams, denoising))
+        .collect()
+}

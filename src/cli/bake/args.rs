@@ -1,0 +1,60 @@
+//! The arguments of `sunroom bake`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use sunroom::bake::unwrap::ATLAS_SIZES;
+
+use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
+use crate::cli::parse;
+
+#[derive(Args)]
+pub struct BakeArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder for the level, its lightmaps and lightmaps.json; it is made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Texels per unit of length [default: as many as fit in one lightmap]
+    #[arg(long, value_name = "N")]
+    pub texels_per_unit: Option<f32>,
+    /// Width of a lightmap in texels, and its largest height
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = atlas_size())]
+    pub atlas_size: u32,
+    /// Samples per texel [default: 64, or as many as --time and --noise allow]
+    #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub time: Option<Duration>,
+    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of texels relative to their luminance, as estimated
+    #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
+    pub noise: Option<f32>,
+    /// Leave the direct light of points, spots and directional lights to the game, which has them in the level; that of shining surfaces and of the sky
+    /// is baked all the same
+    #[arg(long)]
+    pub indirect_only: bool,
+    /// Keep the noise instead of removing it with Open Image Denoise
+    #[arg(long)]
+    pub no_denoise: bool,
+    /// Seed of the random numbers; the same seed gives the same lightmaps on any number of threads [default: the scene's]
+    #[arg(long)]
+    pub seed: Option<u32>,
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    #[command(flatten)]
+    pub trust: TrustArgs,
+    /// Treat warnings as errors
+    #[arg(long)]
+    pub strict: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn atlas_size() -> impl clap::builder::TypedValueParser<Value = u32> {
+    clap::value_parser!(u32).range(i64::from(*ATLAS_SIZES.start())..=i64::from(*ATLAS_SIZES.end()))
+}

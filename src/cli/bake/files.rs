@@ -1,0 +1,85 @@
+//! The files of a bake.
+
+use std::fs;
+use std::path::Path;
+
+use sunroom::bake::finish::LightmapPicture;
+use sunroom::bake::ktx2::ktx2;
+use sunroom::bake::level::BakeLevel;
+use sunroom::bake::manifest::{BakedLight, LightmapFiles, Manifest};
+use sunroom::color::Rgb;
+use sunroom::files::{check_writable, write_atomically};
+use sunroom::gltf::write::GltfWriter;
+use sunroom::render::image_io::{FileOptions, write_layered};
+use sunroom::render::layered_image::LayeredImage;
+
+use crate::cli::report::Failure;
+
+const LEVEL: &str = "level.glb";
+/// It is written last, so that the files that it names are there.
+const MANIFEST: &str = "lightmaps.json";
+
+/// What the manifest says of the light.
+pub struct About {
+    pub light: BakedLight,
+    pub samples: u32,
+    pub seed: u32,
+    pub denoised: bool,
+}
+
+/// Makes the folder, and tries whether files can be written there.
+pub fn prepare(folder: &Path) -> Result<(), Failure> {
+    let fails = |error| format!("cannot write to {}: {error}", folder.display());
+    fs::create_dir_all(folder).map_err(fails)?;
+    Ok(check_writable(&folder.join(MANIFEST)).map_err(fails)?)
+}
+
+/// Writes all files, each in one step.
+pub fn write(
+    folder: &Path,
+    writer: GltfWriter,
+    level: &BakeLevel,
+    pictures: &[LightmapPicture],
+    about: &About,
+) -> Result<(), Failure> {
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        write_atomically(&path, bytes).map_err(|error| format!("cannot write {}: {error}", path.display()))
+    };
+    write(LEVEL, &writer.binary()?)?;
+    let mut lightmaps = Vec::new();
+    for (number, picture) in pictures.iter().enumerate() {
+        let files = LightmapFiles {
+            exr: format!("lightmap-{number}.exr"),
+            ktx2: format!("lightmap-{number}.ktx2"),
+            width: picture.size.x,
+            height: picture.size.y,
+        };
+        let white: Vec<Rgb> = picture
+            .irradiance
+            .iter()
+            .map(|light| *light / std::f32::consts::PI)
+            .collect();
+        let mut image = LayeredImage::new(files.width, files.height);
+        image.add_rgb("", &white);
+        write_layered(&folder.join(&files.exr), &image, &FileOptions::default())?;
+        write(&files.ktx2, &ktx2(picture.size, white))?;
+        lightmaps.push(files);
+    }
+    let manifest = Manifest {
+        format: Manifest::FORMAT,
+        version: Manifest::VERSION,
+        generator: Manifest::GENERATOR,
+        level: LEVEL.to_owned(),
+        coordinates: Manifest::COORDINATES,
+        quantity: Manifest::QUANTITY,
+        light: about.light,
+        texels_per_unit: level.texels_per_unit,
+        samples: about.samples,
+        seed: about.seed,
+        denoised: about.denoised,
+        lightmaps,
+        nodes: level.nodes.clone(),
+    };
+    Ok(write(MANIFEST, &manifest.text()?)?)
+}

@@ -1,0 +1,141 @@
+//! `sunroom bake`: a level and its lightmaps.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::process::Output;
+
+use sunroom::texture::load_image;
+
+use crate::workshop::{Workshop, sunroom};
+
+/// A white floor, a turned wall of two sides, a ball of glass, and a lamp in the middle of the floor's sky.
+const SCENE: &str = r#"<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+  </sensor>
+  <shape type="rectangle" id="floor">
+    <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.8, 0.8"/></bsdf>
+  </shape>
+  <shape type="rectangle" id="wall">
+    <transform name="to_world"><rotate y="1" angle="180"/><translate x="0" y="1" z="-3"/></transform>
+    <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.5, 0.5"/></bsdf></bsdf>
+  </shape>
+  <shape type="sphere" id="ball">
+    <point name="center" x="2" y="0.5" z="0"/><float name="radius" value="0.3"/>
+    <bsdf type="dielectric"/>
+  </shape>
+  <emitter type="point" id="bulb"><point name="position" x="0" y="2" z="0"/><rgb name="intensity" value="3, 3, 3"/></emitter>
+</scene>
+"#;
+
+fn bake(scene: &Path, output: &Path, more: &[&str]) -> Output {
+    let mut command = sunroom();
+    command.arg("bake").arg(scene).arg("-o").arg(output).args(more);
+    command.output().expect("the program starts")
+}
+
+#[track_caller]
+fn assert_code(output: &Output, code: i32) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{said}");
+}
+
+fn manifest(folder: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join("lightmaps.json")).expect("the manifest");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// The largest red value of a lightmap.
+fn brightest(file: &Path) -> f32 {
+    let image = load_image(&std::fs::read(file).expect("the lightmap")).expect("a picture");
+    let places = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    places.map(|(x, y)| image.pixel(x, y).x).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_level_is_baked() {
+    let workshop = Workshop::new();
+    let scene = workshop.scene(SCENE);
+    let folder = workshop.path("level");
+    let quick = [
+        "--spp",
+        "16",
+        "--texels-per-unit",
+        "8",
+        "--atlas-size",
+        "128",
+        "--no-denoise",
+    ];
+    assert_code(&bake(&scene, &folder, &quick), 0);
+    let names: HashSet<String> = std::fs::read_dir(&folder)
+        .expect("the folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    let expected = ["level.glb", "lightmap-0.exr", "lightmap-0.ktx2", "lightmaps.json"];
+    assert_eq!(names, expected.map(str::to_owned).into());
+    let about = manifest(&folder);
+    let nodes = about["nodes"].as_array().expect("nodes");
+    let paths: Vec<&str> = nodes.iter().filter_map(|node| node["path"].as_str()).collect();
+    assert_eq!(paths, ["floor", "wall"], "glass has no lightmap");
+    assert_eq!((&about["samples"], &about["light"]), (&16.into(), &"all".into()));
+    // Straight below the bulb: E / pi = I / d^2 / pi, and some light of the wall.
+    let direct = 3.0 / 4.0 / std::f32::consts::PI;
+    let light = brightest(&folder.join("lightmap-0.exr"));
+    assert!(light > 0.95 * direct && light < 1.3 * direct, "{light} for {direct}");
+    let level = sunroom()
+        .arg("check")
+        .arg(folder.join("level.glb"))
+        .output()
+        .expect("it starts");
+    assert_code(&level, 0);
+
+    // The same bits on another number of threads, and again into the same folder.
+    let lightmap = std::fs::read(folder.join("lightmap-0.ktx2")).expect("the lightmap");
+    assert_code(
+        &bake(&scene, &folder, &[&quick[..], &["--threads", "1", "-q"]].concat()),
+        0,
+    );
+    assert!(lightmap == std::fs::read(folder.join("lightmap-0.ktx2")).expect("the lightmap"));
+
+    assert_code(&bake(&scene, &folder, &[&quick[..], &["--indirect-only"]].concat()), 0);
+    assert_eq!(manifest(&folder)["light"], "without_direct_punctual");
+    let indirect = brightest(&folder.join("lightmap-0.exr"));
+    assert!(indirect > 0.0 && indirect < 0.5 * light, "{indirect} of {light}");
+}
+
+#[test]
+fn what_cannot_be_baked_is_said() {
+    let workshop = Workshop::new();
+    let scene = workshop.scene(SCENE);
+    let folder = workshop.path("level");
+    let fails = |more: &[&str], code: i32, word: &str| {
+        let output = bake(&scene, &folder, more);
+        assert_code(&output, code);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(word), "{said}");
+        assert!(!folder.join("level.glb").exists());
+    };
+    fails(&["--texels-per-unit", "0"], 1, "has to be above 0");
+    fails(
+        &["--texels-per-unit", "100", "--atlas-size", "128"],
+        1,
+        "fewer texels per unit",
+    );
+    fails(&["--texels-per-unit", "1e30"], 1, "too many");
+    fails(&["--atlas-size", "8"], 2, "--atlas-size");
+    fails(&["--spp", "0"], 2, "--spp");
+    let nowhere = workshop.write("file", "");
+    assert_code(&bake(&scene, &nowhere.join("folder"), &[]), 1);
+    assert_code(&bake(&workshop.path("missing.xml"), &folder, &[]), 1);
+    let empty = workshop.write(
+        "empty.xml",
+        r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="point"/></scene>"#,
+    );
+    let output = bake(&empty, &folder, &[]);
+    assert_code(&output, 1);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("a lightmap could lie on"), "{said}");
+}
