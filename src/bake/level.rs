@@ -95,8 +95,8 @@ struct Sheet {
     triangles: usize,
 }
 
-/// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a surface in the world that light comes to: it
-/// gets the corners of its triangles, and answers for front and back.
+/// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a surface in the world that light comes
+/// to: it gets the corners of its triangles, and answers for front and back.
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,

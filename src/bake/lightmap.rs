@@ -4,35 +4,28 @@
 //! number of threads and any division into rounds give the same bits.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::texels::{Texel, Texels};
 use crate::color::{Rgb, luminance};
-use crate::medium::MediumId;
-use crate::render::irradiance::{ReceivedLight, trace_irradiance};
+use crate::render::irradiance::{IrradianceJob, ReceivedLight, trace_irradiance};
 use crate::render::noise::DARK;
 use crate::render::scene::RenderScene;
-use crate::render::view::PathSettings;
-use crate::sampling::{Sampler, SequenceKind};
+use crate::render::view::View;
+use crate::sampling::Sampler;
 
 /// Everything that the light at a texel depends on besides its place.
 #[derive(Clone, Debug)]
 pub struct Gathering<'a> {
     /// The scene that sends the light.
     pub scene: &'a RenderScene,
-    /// The settings of paths.
-    pub settings: PathSettings,
+    /// The settings of paths, the medium that all surfaces are in, and the random numbers with their seed.
+    pub view: &'a View,
     /// The light that counts.
     pub light: ReceivedLight,
-    /// The medium that all surfaces are in.
-    pub medium: Option<MediumId>,
-    /// The kind of random numbers.
-    pub sequence: SequenceKind,
-    /// The seed. Another seed gives other noise.
-    pub seed: u32,
 }
 
 /// Sums over the samples of a texel.
@@ -59,8 +52,8 @@ pub struct Lightmaps {
     pub invalid: u64,
 }
 
-/// Texels that a thread takes at once.
-const BLOCK: usize = 64;
+/// Texels that a thread takes at once, sixteen for each lane.
+const BLOCK: usize = 256;
 
 impl Lightmaps {
     /// No light yet at so many texels.
@@ -93,16 +86,8 @@ impl Lightmaps {
         let traced: Option<Vec<Block>> = blocks
             .par_iter()
             .map(|(first_row, range)| {
-                if cancel.load(Ordering::Relaxed) {
-                    return None;
-                }
-                let block = Block::trace(
-                    gathering,
-                    &texels.texels[range.clone()],
-                    &self.sums[range.clone()],
-                    *first_row,
-                    indices.clone(),
-                );
+                let (own, before) = (&texels.texels[range.clone()], &self.sums[range.clone()]);
+                let block = Block::trace(gathering, own, before, *first_row, indices.clone(), cancel)?;
                 done(range.len());
                 Some(block)
             })
@@ -158,31 +143,34 @@ struct Block {
 }
 
 impl Block {
+    /// Traces the samples of these indices; None if `cancel` was set in the meantime.
     fn trace(
         gathering: &Gathering,
         texels: &[Texel],
         before: &[TexelSum],
         first_row: u32,
         indices: Range<u32>,
-    ) -> Self {
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
         let mut block = Self {
             sums: before.to_vec(),
             rays: 0,
             invalid: 0,
         };
-        let Gathering {
-            scene,
-            settings,
-            light,
-            medium,
-            sequence,
-            seed,
-        } = gathering;
-        for (texel, sum) in texels.iter().zip(&mut block.sums) {
-            let pixel = UVec2::new(texel.place.x, first_row + texel.place.y);
-            for index in indices.clone() {
-                let sampler = Sampler::new(*sequence, pixel, index, *seed);
-                let sample = trace_irradiance(scene, settings, &texel.receiver, *light, sampler, *medium);
+        let Gathering { scene, view, light } = gathering;
+        let jobs: Vec<IrradianceJob> = texels
+            .iter()
+            .flat_map(|texel| {
+                let pixel = UVec2::new(texel.place.x, first_row + texel.place.y);
+                indices.clone().map(move |index| IrradianceJob {
+                    receiver: texel.receiver,
+                    sampler: Sampler::new(view.sequence, pixel, index, view.seed),
+                })
+            })
+            .collect();
+        let samples = trace_irradiance(scene, view, *light, &jobs, cancel)?;
+        for (sum, samples) in block.sums.iter_mut().zip(samples.chunks(indices.len())) {
+            for sample in samples {
                 block.rays += u64::from(sample.rays);
                 sum.backs += u32::from(sample.meets_back);
                 if !sample.irradiance.is_finite() {
@@ -193,6 +181,6 @@ impl Block {
                 sum.luminance_squared += f64::from(luminance(sample.irradiance)).powi(2);
             }
         }
-        block
+        Some(block)
     }
 }

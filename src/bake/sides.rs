@@ -1,10 +1,12 @@
 //! Which sides of a surface light comes to.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::{UVec2, Vec2, Vec3};
 
 use super::lightmap::Gathering;
 use crate::color::Rgb;
-use crate::render::irradiance::{ReceivedLight, Receiver, trace_irradiance};
+use crate::render::irradiance::{IrradianceJob, ReceivedLight, Receiver, trace_irradiance};
 use crate::sampling::{Sampler, warp};
 
 /// The points of a surface that are asked, and the paths from each on either side.
@@ -22,18 +24,22 @@ pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]]) -> (bool, bool)
             Some((*triangle, (b - a).cross(c - a).try_normalize()?))
         })
         .collect();
-    let mut lit = [false, false];
-    for point in 0..POINTS {
-        let Some((corners, normal)) = regular.get(point as usize * regular.len() / POINTS as usize) else {
-            break;
-        };
-        let place = Sampler::new(gathering.sequence, UVec2::new(point, 0), 0, gathering.seed).at_2d(PLACE);
-        let position = place_in(corners, place);
-        for (side, sign) in [(0, 1.0), (1, -1.0)] {
-            lit[side] = lit[side] || is_lit(gathering, position, sign * *normal, UVec2::new(point, 1 + side as u32));
-        }
-    }
-    (lit[0], lit[1])
+    let places: Vec<(Vec3, Vec3)> = (0..POINTS)
+        .filter_map(|point| {
+            let (corners, normal) = regular.get(point as usize * regular.len() / POINTS as usize)?;
+            Some((place_in(corners, sampler(gathering, point, 0, 0).at_2d(PLACE)), *normal))
+        })
+        .collect();
+    (is_lit(gathering, &places, 1.0), is_lit(gathering, &places, -1.0))
+}
+
+fn sampler(gathering: &Gathering, point: u32, side: u32, index: u32) -> Sampler {
+    Sampler::new(
+        gathering.view.sequence,
+        UVec2::new(point, side),
+        index,
+        gathering.view.seed,
+    )
 }
 
 fn place_in([a, b, c]: &[Vec3; 3], u: Vec2) -> Vec3 {
@@ -41,24 +47,26 @@ fn place_in([a, b, c]: &[Vec3; 3], u: Vec2) -> Vec3 {
     *a + at.x * (*b - *a) + at.y * (*c - *a)
 }
 
-fn is_lit(gathering: &Gathering, position: Vec3, normal: Vec3, pixel: UVec2) -> bool {
-    let receiver = Receiver {
-        position,
-        error: 32.0 * f32::EPSILON * position.abs().max_element(),
-        normal,
-        geometric_normal: normal,
-    };
-    (0..PATHS).any(|index| {
-        let sampler = Sampler::new(gathering.sequence, pixel, index, gathering.seed);
-        let (scene, settings) = (gathering.scene, &gathering.settings);
-        let sample = trace_irradiance(
-            scene,
-            settings,
-            &receiver,
-            ReceivedLight::All,
-            sampler,
-            gathering.medium,
-        );
-        sample.irradiance != Rgb::ZERO
-    })
+/// Whether light comes to one of these points with the normals of their triangles, on the side of that sign.
+fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32) -> bool {
+    let side = if sign > 0.0 { 1 } else { 2 };
+    let jobs: Vec<IrradianceJob> = (0..)
+        .zip(places)
+        .flat_map(|(point, &(position, normal))| {
+            let normal = sign * normal;
+            let receiver = Receiver {
+                position,
+                error: 32.0 * f32::EPSILON * position.abs().max_element(),
+                normal,
+                geometric_normal: normal,
+            };
+            (0..PATHS).map(move |index| IrradianceJob {
+                receiver,
+                sampler: sampler(gathering, point, side, index),
+            })
+        })
+        .collect();
+    let never = AtomicBool::new(false);
+    let samples = trace_irradiance(gathering.scene, gathering.view, ReceivedLight::All, &jobs, &never);
+    samples.is_some_and(|samples| samples.iter().any(|sample| sample.irradiance != Rgb::ZERO))
 }

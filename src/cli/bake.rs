@@ -64,22 +64,22 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     }
     files::prepare(&args.output)?;
     let cancel = cancel_on_interrupt()?;
-    let Some((scene, view)) = packed(args, &cancel)? else {
+    let Some((scene, mut view)) = packed(args, &cancel)? else {
         return Ok(ExitCode::FAILURE);
     };
     let Some(mut writer) = collected(args)? else {
         return Ok(ExitCode::FAILURE);
     };
+    if let Some(seed) = args.seed {
+        view.seed = seed;
+    }
     let gathering = Gathering {
         scene: &scene,
-        settings: view.integrator.settings(),
+        view: &view,
         light: match args.indirect_only {
             true => ReceivedLight::WithoutDelta,
             false => ReceivedLight::All,
         },
-        medium: view.medium,
-        sequence: view.sequence,
-        seed: args.seed.unwrap_or(view.seed),
     };
     let threads = worker_count(args.threads.threads, false).get();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -110,7 +110,7 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
             false => BakedLight::All,
         },
         samples: light.samples,
-        seed: gathering.seed,
+        seed: view.seed,
         denoised: !args.no_denoise,
     };
     files::write(&args.output, writer, &level, &pictures, &about)?;

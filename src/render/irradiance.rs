@@ -5,15 +5,16 @@
 //! times cosine over the hemisphere, is that of PBR 4th ed., section 4.2.1.
 
 use std::f32::consts::{FRAC_1_PI, PI};
+use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
 use super::dimensions::BounceDraw;
+use super::lanes;
 use super::path::{Departure, Scatterer};
 use super::path_state::{Arrival, PathState};
 use super::scene::RenderScene;
-use super::view::PathSettings;
-use crate::accel::Detail;
+use super::view::{PathSettings, View};
 use crate::color::Rgb;
 use crate::light::LightReference;
 use crate::math::{Frame, Ray, offset_origin};
@@ -97,15 +98,50 @@ impl Receiver {
     }
 }
 
-/// Traces one sample of the irradiance at `receiver`, which is in `medium`.
+/// One of the samples at a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct IrradianceJob {
+    /// The receiver.
+    pub receiver: Receiver,
+    /// The random numbers.
+    pub sampler: Sampler,
+}
+
+/// Traces samples of irradiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its medium. The samples are in the order
+/// of the jobs. None if `cancel` was set in the meantime.
 pub fn trace_irradiance(
     scene: &RenderScene,
-    settings: &PathSettings,
-    receiver: &Receiver,
+    view: &View,
     light: ReceivedLight,
-    sampler: Sampler,
-    medium: Option<MediumId>,
-) -> IrradianceSample {
+    jobs: &[IrradianceJob],
+    cancel: &AtomicBool,
+) -> Option<Vec<IrradianceSample>> {
+    let settings = view.integrator.settings();
+    if settings.is_last(1) {
+        return Some(vec![IrradianceSample::default(); jobs.len()]);
+    }
+    let begun: Vec<PathState> = jobs
+        .iter()
+        .map(|job| begin(scene, view, &settings, light, job))
+        .collect();
+    let ended = lanes::trace_begun(scene, view, &settings, &begun, cancel)?;
+    let samples = ended.into_iter().map(|ended| IrradianceSample {
+        irradiance: ended.radiance,
+        meets_back: ended.meets_back,
+        rays: ended.rays,
+    });
+    Some(samples.collect())
+}
+
+/// A path that has left its receiver.
+fn begin(
+    scene: &RenderScene,
+    view: &View,
+    settings: &PathSettings,
+    light: ReceivedLight,
+    job: &IrradianceJob,
+) -> PathState {
+    let IrradianceJob { receiver, sampler } = job;
     let vertex = Vertex {
         receiver,
         light,
@@ -114,42 +150,20 @@ pub fn trace_irradiance(
             normal: Some(receiver.normal),
         },
     };
-    let wi = Frame::from_normal(receiver.normal)
-        .to_world(warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1))));
-    let mut path = PathState::new(
-        Ray::new(receiver.leave(wi), wi),
-        sampler,
-        medium.filter(|_| settings.media),
-    );
+    let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)));
+    let wi = Frame::from_normal(receiver.normal).to_world(local);
+    let medium = view.medium.filter(|_| settings.media);
+    let mut path = PathState::new(Ray::new(receiver.leave(wi), wi), *sampler, medium);
     path.depth = 1;
     path.is_straight = false;
-    if settings.is_last(1) {
-        return IrradianceSample::default();
-    }
     path.sample_light(scene, settings, &vertex, &mut ());
     let cosine = receiver.cosine(wi);
-    let mut meets_back = false;
-    if cosine > 0.0 {
-        path.throughput = Rgb::splat(PI);
-        path.arrival = Arrival {
-            is_sampled: true,
-            pdf: cosine * FRAC_1_PI,
-            from: vertex.reference,
-        };
-        path.rays += 1;
-        let mut hit = scene.geometry.intersect(&path.ray);
-        if let Some(hit) = &hit {
-            let point = scene.geometry.surface_in(&path.ray, hit, Detail::Plain);
-            meets_back = point.geometric_normal.dot(wi) > 0.0;
-        }
-        while path.advance(scene, settings, hit, &mut ()) {
-            path.rays += 1;
-            hit = scene.geometry.intersect(&path.ray);
-        }
-    }
-    IrradianceSample {
-        irradiance: path.radiance,
-        meets_back,
-        rays: path.rays,
-    }
+    // What goes below the surface brings nothing.
+    path.throughput = if cosine > 0.0 { Rgb::splat(PI) } else { Rgb::ZERO };
+    path.arrival = Arrival {
+        is_sampled: true,
+        pdf: cosine * FRAC_1_PI,
+        from: vertex.reference,
+    };
+    path
 }

@@ -20,8 +20,7 @@ use sunroom::gltf::write::model::{Mesh, Node, Pose, Primitive as GltfPrimitive};
 use sunroom::light::LightSource;
 use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::view::{PathSettings, Strategy};
-use sunroom::sampling::SequenceKind;
+use sunroom::render::view::{Strategy, View};
 use sunroom::shading::{Bsdf, Diffuse};
 
 use crate::support::{SceneBuilder, assert_close, camera, mean_luminance, render, view};
@@ -32,20 +31,19 @@ fn diffuse(reflectance: f32) -> Bsdf {
     })
 }
 
-fn gathering(scene: &RenderScene, strategy: Strategy) -> Gathering<'_> {
+/// A view for its settings; the camera does not matter.
+fn settings(strategy: Strategy) -> View {
+    View {
+        seed: 3,
+        ..view(camera(Vec3::ONE, Vec3::ZERO, 90.0), 1, u32::MAX, strategy)
+    }
+}
+
+fn gathering<'a>(scene: &'a RenderScene, view: &'a View) -> Gathering<'a> {
     Gathering {
         scene,
-        settings: PathSettings {
-            max_depth: u32::MAX,
-            rr_depth: 5,
-            hide_emitters: false,
-            media: false,
-            strategy,
-        },
+        view,
         light: ReceivedLight::All,
-        medium: None,
-        sequence: SequenceKind::Independent,
-        seed: 3,
     }
 }
 
@@ -113,10 +111,18 @@ fn a_rectangle_lights_a_point_by_its_form_factor() {
     let along = |x: f32, y: f32| x / (1.0 + x * x).sqrt() * (y / (1.0 + x * x).sqrt()).atan();
     let form_factor = 4.0 * (along(x, y) + along(y, x)) / (2.0 * PI);
     for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis] {
-        let light = gather(&gathering(&scene, strategy), &point(Vec3::ZERO, Vec3::Y), 20_000);
+        let light = gather(
+            &gathering(&scene, &settings(strategy)),
+            &point(Vec3::ZERO, Vec3::Y),
+            20_000,
+        );
         assert_close(&format!("{strategy:?}"), mean(&light), 2.0 * PI * form_factor);
     }
-    let below = gather(&gathering(&scene, Strategy::Mis), &point(Vec3::ZERO, Vec3::NEG_Y), 100);
+    let below = gather(
+        &gathering(&scene, &settings(Strategy::Mis)),
+        &point(Vec3::ZERO, Vec3::NEG_Y),
+        100,
+    );
     assert_eq!(mean(&below).0, 0.0);
 }
 
@@ -139,7 +145,7 @@ fn all_light_of_a_lamp_is_found_on_the_walls() {
         })
         .collect();
     let found = covered_texels(&walls, UVec2::new(214, 144), 1);
-    let light = gather(&gathering(&scene, Strategy::Mis), &found, 1);
+    let light = gather(&gathering(&scene, &settings(Strategy::Mis)), &found, 1);
     let is_whole = |place: UVec2| {
         let within = (place.as_vec2() + 0.5 - 4.0) % 70.0;
         within.max_element() < texels
@@ -172,7 +178,7 @@ fn a_closed_furnace_sends_pi_times_its_radiance() {
             UVec2::splat(8),
             1,
         );
-        let light = gather(&gathering(&scene, Strategy::Mis), &texels, 400);
+        let light = gather(&gathering(&scene, &settings(Strategy::Mis)), &texels, 400);
         assert_close(&format!("albedo {albedo}"), mean(&light), PI / (1.0 - albedo));
     }
 }
@@ -203,14 +209,15 @@ fn a_lightmap_shows_what_the_path_tracer_sees() {
     );
     let (seen, seen_error) = mean_luminance(&render(&scene, &looking, 4000));
     let texels = point(Vec3::ZERO, Vec3::Y);
-    let (light, error) = mean(&gather(&gathering(&scene, Strategy::Mis), &texels, 60_000));
+    let (light, error) = mean(&gather(&gathering(&scene, &settings(Strategy::Mis)), &texels, 60_000));
     let factor = 0.6 / PI;
     let both = (factor * light, (factor * error).hypot(seen_error));
     assert_close("the floor", both, seen);
 
+    let view = settings(Strategy::Mis);
     let without = Gathering {
         light: ReceivedLight::WithoutDelta,
-        ..gathering(&scene, Strategy::Mis)
+        ..gathering(&scene, &view)
     };
     let (rest, rest_error) = mean(&gather(&without, &texels, 60_000));
     let direct = 0.3 * 0.5 / 0.75f32.powf(1.5);
@@ -225,7 +232,8 @@ fn threads_and_rounds_change_no_bit() {
         UVec2::splat(28),
         1,
     );
-    let gathering = gathering(&scene, Strategy::Mis);
+    let view = settings(Strategy::Mis);
+    let gathering = gathering(&scene, &view);
     let with = |threads: usize, rounds: &[u32]| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -271,7 +279,7 @@ fn no_light_leaks_through_a_wall_into_a_dark_room() {
         ..BakeSurface::default()
     };
     let texels = covered_texels(&[floor], UVec2::new(88, 48), 1);
-    let light = gather(&gathering(&scene, Strategy::Mis), &texels, 64);
+    let light = gather(&gathering(&scene, &settings(Strategy::Mis)), &texels, 64);
     let picture = finish(&texels, 0, &light, &[], None).expect("nothing is denoised");
     let row: Vec<f32> = (0..88).map(|x| picture.irradiance[24 * 88 + x].x).collect();
     // The wall is at columns 42 to 45.
@@ -292,7 +300,8 @@ fn sides_are_lit_where_light_comes() {
     let mut scene = SceneBuilder::default();
     add_lamp(&mut scene);
     let scene = scene.build();
-    let gathering = gathering(&scene, Strategy::Mis);
+    let view = settings(Strategy::Mis);
+    let gathering = gathering(&scene, &view);
     let at = |height: f32| {
         [[
             Vec3::new(0.0, height, 0.0),

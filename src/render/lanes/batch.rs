@@ -6,7 +6,7 @@ use super::camera_rays::CameraRays;
 use super::context::{Coherence, Context, Job, Samples};
 use super::travelled::Travelled;
 use super::vertices::{Met, Vertices};
-use crate::accel::Hit;
+use crate::accel::{Detail, Hit};
 use crate::light::LightId;
 use crate::math::lanes::{LANES, Vec3Lanes, each_lane, ones_in};
 use crate::math::{PerLane, Ray};
@@ -83,6 +83,24 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.active = (1 << count) - 1;
         self.traced = 0;
         count
+    }
+
+    /// Gives a free lane a path that is on its way, the one of a job.
+    pub fn set(&mut self, lane: usize, path: &PathState, job: usize) {
+        path.scatter_lane(&mut self.paths, lane);
+        self.outputs[lane] = Output { job, weight: 1.0 };
+        self.hits[lane] = None;
+        self.traced &= !(1 << lane);
+        self.active |= 1 << lane;
+    }
+
+    /// Whether the surface that the ray of a lane meets shows its back.
+    pub fn meets_back(&self, lane: usize, context: &Context) -> bool {
+        self.hits[lane].is_some_and(|hit| {
+            let ray = self.paths.ray.get(lane);
+            let point = context.scene.geometry.surface_in(&ray, &hit, Detail::Plain);
+            point.geometric_normal.dot(ray.dir) > 0.0
+        })
     }
 
     /// Moves the path that another batch has in the lane `theirs` to the free lane `lane`.

@@ -3,6 +3,7 @@
 use glam::UVec2;
 
 use crate::accel::{Hit, RayLanes, Tlas};
+use crate::color::Rgb;
 use crate::light::LightId;
 use crate::light::lanes::SoleLight;
 use crate::math::lanes::LANES;
@@ -17,6 +18,17 @@ use crate::render::view::{PathSettings, View};
 pub(in crate::render) struct Job {
     pub pixel: UVec2,
     pub index: u32,
+}
+
+/// The end of a path that was begun elsewhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::render) struct EndedPath {
+    /// The radiance that it has found.
+    pub radiance: Rgb,
+    /// Whether the first surface that it has met since showed its back.
+    pub meets_back: bool,
+    /// Rays traced, shadow rays included.
+    pub rays: u32,
 }
 
 /// The results of paths, by job.
@@ -41,6 +53,9 @@ impl<'v> Samples<'v> {
         self.notes.as_mut().map(|notes| notes.of(job))
     }
 }
+
+/// The number of steps between two checks whether to stop.
+pub(super) const STEPS_TO_CANCEL: usize = 64;
 
 pub(super) struct Context<'a> {
     pub scene: &'a RenderScene,

@@ -10,6 +10,7 @@
 //! [`PathState::advance`]: super::path_state::PathState::advance
 
 mod batch;
+mod begun;
 mod camera_rays;
 mod context;
 mod light_samples;
@@ -20,16 +21,14 @@ mod vertices;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub(super) use self::context::{Job, Samples};
+pub(super) use self::context::{EndedPath, Job, Samples};
 
 use self::batch::PathBatch;
-use self::context::{Coherence, Context};
+use self::context::{Coherence, Context, STEPS_TO_CANCEL};
+use super::path_state::PathState;
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
 use crate::math::lanes::{LANES, each_lane};
-
-/// The number of steps between two checks whether to stop.
-const STEPS_TO_CANCEL: usize = 64;
 
 /// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set in the meantime.
 pub(super) fn trace<'v>(
@@ -52,6 +51,26 @@ pub(super) fn trace<'v>(
         false => Paths::<false>::new(view, jobs).trace(&context, cancel, &mut samples),
     };
     is_done.then_some(samples)
+}
+
+/// Traces paths that have left a vertex, as one by one. Those without throughput have ended. None if `cancel` was set in the meantime.
+pub(super) fn trace_begun(
+    scene: &RenderScene,
+    view: &View,
+    settings: &PathSettings,
+    begun: &[PathState],
+    cancel: &AtomicBool,
+) -> Option<Vec<EndedPath>> {
+    let context = Context {
+        scene,
+        view,
+        settings,
+        sole_light: scene.lights.sole(),
+    };
+    match settings.media && !scene.media.is_empty() {
+        true => begun::trace::<true>(&context, begun, cancel),
+        false => begun::trace::<false>(&context, begun, cancel),
+    }
 }
 
 /// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to their first bounce,
