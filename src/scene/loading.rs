@@ -7,7 +7,6 @@ use std::sync::Arc;
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::prelude::*;
-use bevy::tasks::IoTaskPool;
 
 use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
@@ -138,7 +137,7 @@ pub(super) fn apply_scenes(
                 continue;
             }
             if asset.diagnostics.has_errors() {
-                fail(world, id, |_| asset.diagnostics);
+                fail(world, id, |_| asset.diagnostics.clone());
             } else {
                 take_in(world, id, asset);
             }
@@ -164,7 +163,7 @@ fn is_known(world: &mut World, asset: &SceneAsset) -> bool {
     is_known
 }
 
-/// Lets the asset of the scene's file have the description that is known, and drops its own on another thread: of a large scene that takes long.
+/// Lets the asset of the scene's file have the description that is known, so that a large scene is in memory once.
 fn share_description(world: &mut World) {
     let (Some(file), Some(base)) = (world.get_resource::<SceneFile>(), world.get_resource::<FileBase>()) else {
         return;
@@ -178,10 +177,8 @@ fn share_description(world: &mut World) {
     };
     if let Some(mut assets) = world.get_resource_mut::<Assets<SceneAsset>>()
         && let Some(asset) = assets.get_mut_untracked(id)
-        && let Some(pool) = IoTaskPool::try_get()
     {
-        let own = std::mem::replace(asset, known);
-        pool.spawn(async move { drop(own) }).detach();
+        *asset = known;
     }
 }
 
@@ -267,7 +264,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     if !waits {
         status.asked = None;
         status.state = SceneState::Ready;
-        status.diagnostics = asset.diagnostics;
+        status.diagnostics = asset.diagnostics.clone();
     }
 }
 
@@ -296,7 +293,6 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
 /// Makes the entities follow this file, which has just been written from them and read again.
 pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
-    // What the asset has of the file before is dropped elsewhere, also if it is of another file.
     share_description(world);
     if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), path.parent()) {
         access.allow(folder);

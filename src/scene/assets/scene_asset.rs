@@ -7,6 +7,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
+use bevy::tasks::IoTaskPool;
 
 use super::gltf_scene::{import, is_gltf, largest};
 use super::parts_cache::allow_parts;
@@ -23,6 +24,18 @@ pub struct SceneAsset {
     pub description: Arc<SceneDescription>,
     /// The problems with the file. If there are errors, the description must not be shown.
     pub diagnostics: Arc<Diagnostics>,
+}
+
+/// The description of a large scene takes long to drop: if nothing else has it, this is done on another thread.
+impl Drop for SceneAsset {
+    fn drop(&mut self) {
+        if Arc::strong_count(&self.description) == 1
+            && let Some(pool) = IoTaskPool::try_get()
+        {
+            let description = std::mem::take(&mut self.description);
+            pool.spawn(async move { drop(description) }).detach();
+        }
+    }
 }
 
 /// The values for the `$name`s of scene files, by path. They are shared with the loader, because reloads need them as well.

@@ -6,10 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 use bevy_egui::{EguiContexts, egui};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 
 use super::widgets::Widgets;
+use crate::app::editor::command::presets::Preset;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{EditorModel, Model};
 use crate::app::editor::picture::ball_picture::{self, without_noise};
@@ -78,13 +81,26 @@ impl Drop for Work {
 #[derive(Resource, Default)]
 pub struct Previews {
     pictures: HashMap<Ball, Picture>,
-    /// The looks of the library, in its order, and under which keys their pictures are kept.
-    presets: Vec<(BallMaterial, Arc<str>)>,
+    presets: Looks,
     work: Option<Work>,
     /// The material whose thread ended too early: another attempt would fail as well.
     given_up: Option<BallMaterial>,
+    /// The library while it is being read.
+    library: Option<Task<Library>>,
     /// Whether every visible picture has its final quality.
     are_done: bool,
+}
+
+/// The looks of the materials of the library, in its order, and under which keys their pictures are kept.
+type Looks = Vec<(BallMaterial, Arc<str>)>;
+
+/// The looks, and the pictures that came with the program, by key.
+type Library = (Looks, HashMap<&'static str, egui::ColorImage>);
+
+fn read_library(presets: &[Preset]) -> Library {
+    let keys = presets.iter().map(|preset| ball_picture::key(preset).into());
+    let looks = ball_picture::looks(presets).into_iter().zip(keys);
+    (looks.collect(), ball_picture::shipped())
 }
 
 /// Takes the rendered passes, and starts the next picture.
@@ -98,7 +114,7 @@ pub fn update_previews(
     pacing: Res<Pacing>,
     cache: Res<PictureCache>,
 ) -> Result {
-    previews.load_library(&model.0, contexts.ctx_mut()?);
+    previews.load_library(&model.0, contexts.ctx_mut()?, &wake_up);
     let wanted = wanted(&model.0, &widgets, &packed, &previews.presets);
     let finished = previews.take_passes(contexts.ctx_mut()?);
     let is_wanted = |work: &Work| {
@@ -123,7 +139,7 @@ pub fn update_previews(
         let kept = wanted.key.clone().map(|key| (key, cache.clone()));
         previews.work = start(wanted.ball, wanted.look.clone(), quality, kept, wake_up.clone());
     }
-    previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
+    previews.are_done = previews.library.is_none() && previews.work.is_none() && previews.next(&wanted, true).is_none();
     previews.let_go(&packed, &wanted);
     model.0.textures.balls = previews.shown();
     Ok(())
@@ -140,7 +156,7 @@ struct Wanted {
 }
 
 /// The pictures that panels show, the most important first.
-fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[(BallMaterial, Arc<str>)]) -> Vec<Wanted> {
+fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &Looks) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
         .enumerate()
@@ -190,14 +206,26 @@ impl Previews {
         self.are_done
     }
 
-    /// Packs the library's materials, once, and takes the pictures that came with the program.
-    fn load_library(&mut self, model: &Model, context: &egui::Context) {
+    /// Packs the library's materials, once, and takes the pictures that came with the program. That is done on another thread: it takes longer than
+    /// a frame may.
+    fn load_library(&mut self, model: &Model, context: &egui::Context, wake_up: &WakeUp) {
         if self.presets.len() == model.presets.len() {
             return;
         }
-        let keys = model.presets.iter().map(|preset| ball_picture::key(preset).into());
-        self.presets = ball_picture::looks(&model.presets).into_iter().zip(keys).collect();
-        let mut shipped = ball_picture::shipped();
+        let Some(library) = &mut self.library else {
+            let (presets, wake_up) = (model.presets.clone(), wake_up.clone());
+            let read = async move {
+                let library = read_library(&presets);
+                wake(&wake_up);
+                library
+            };
+            self.library = Some(AsyncComputeTaskPool::get_or_init(TaskPool::default).spawn(read));
+            return;
+        };
+        let Some((presets, mut shipped)) = check_ready(library) else {
+            return;
+        };
+        (self.presets, self.library) = (presets, None);
         for (place, (look, key)) in self.presets.iter().enumerate() {
             let Some(image) = shipped.remove(&**key) else { continue };
             let ball = Ball::Preset(place);
@@ -401,7 +429,7 @@ fn wake(wake_up: &WakeUp) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::editor::command::presets::{self, Preset};
+    use crate::app::editor::command::presets;
     use crate::color::Rgb;
     use crate::material::{Material, MaterialId, MaterialTable};
     use crate::shading::{Bsdf, Diffuse};
@@ -430,7 +458,11 @@ mod tests {
             ..Model::default()
         };
         let mut previews = Previews::default();
-        previews.load_library(&model, &egui::Context::default());
+        let context = egui::Context::default();
+        while previews.presets.len() < model.presets.len() {
+            previews.load_library(&model, &context, &WakeUp::default());
+            std::thread::yield_now();
+        }
         (previews, model)
     }
 

@@ -11,7 +11,7 @@ const SCENE: &str = r#"<scene version="3.0.0"><sensor type="perspective"/><emitt
 
 fn names(path: &Path) -> Vec<String> {
     let bytes = crate::files::read(path, crate::files::LARGEST_DATA).expect("it is written");
-    let scene = read_scene(bytes, path, &[]).description;
+    let scene = read_scene(bytes, path, &[]).description.clone();
     scene
         .shapes
         .iter()
