@@ -12,7 +12,7 @@ use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
 use super::unit::is_unit;
 use super::value::format_float;
-use super::{Category, Child, Document, Interpolation, Object, Property, Track, TransformOp, Value};
+use super::{Category, Child, Document, Interpolation, Key, Object, Property, Track, TransformOp, Value};
 
 const VERSION: &str = "3.0.0";
 
@@ -64,6 +64,27 @@ pub(super) fn property_to_block(
     let mut writer = Writer::new(margin, layout);
     writer.property(property, owner)?;
     Ok(writer.into_block())
+}
+
+/// A key of the property `name` as [`to_block`] writes it; `owner` is for the message.
+pub(super) fn key_to_block(
+    key: &Key,
+    name: &str,
+    owner: &Object,
+    margin: &str,
+    layout: &Layout,
+) -> Result<String, WriteError> {
+    let mut writer = Writer::new(margin, layout);
+    writer.key(key, name, owner)?;
+    Ok(writer.into_block())
+}
+
+/// The start tag of the keys of the property `name`.
+pub(super) fn animation_tag(name: &str, track: &Track) -> Result<String, WriteError> {
+    let layout = Layout::default();
+    let mut writer = Writer::new("", &layout);
+    writer.open_animation(name, track)?;
+    Ok(writer.text.trim().to_owned())
 }
 
 /// One step of the transform `name`, in one line.
@@ -144,18 +165,26 @@ impl<'l> Writer<'l> {
     }
 
     fn animation(&mut self, name: &str, track: &Track, owner: &Object) -> Result<(), WriteError> {
+        self.open_animation(name, track)?;
+        self.depth += 1;
+        for key in &track.keys {
+            self.key(key, name, owner)?;
+        }
+        self.close("animation");
+        Ok(())
+    }
+
+    fn open_animation(&mut self, name: &str, track: &Track) -> Result<(), WriteError> {
         let mut attributes = vec![("name", name)];
         if track.interpolation != Interpolation::default() {
             attributes.push(("interpolation", track.interpolation.name()));
         }
-        self.tag("animation", &attributes, false)?;
-        self.depth += 1;
-        for key in &track.keys {
-            let time = format_float(key.time as f32);
-            self.value("time", &time, &key.value, (name, owner))?;
-        }
-        self.close("animation");
-        Ok(())
+        self.tag("animation", &attributes, false)
+    }
+
+    fn key(&mut self, key: &Key, name: &str, owner: &Object) -> Result<(), WriteError> {
+        let time = format_float(key.time as f32);
+        self.value("time", &time, &key.value, (name, owner))
     }
 
     fn property(&mut self, property: &Property, owner: &Object) -> Result<(), WriteError> {

@@ -582,3 +582,82 @@ fn what_cannot_have_keys_says_so() {
             .is_none()
     );
 }
+
+/// The text of the scene's file once it is saved.
+fn saved(world: &mut World) -> String {
+    let path = world.resource::<SceneStatus>().path.clone().expect("a file");
+    save(world, &path).expect("it can be saved");
+    std::fs::read_to_string(path).expect("a file")
+}
+
+#[test]
+fn keys_leave_the_spelling_of_a_transform_as_it_was() {
+    let text = r#"<scene version="3.0.0">
+  <sensor type="perspective"/>
+  <shape type="sphere" id="ball">
+    <transform name="to_world"> <!-- where it is -->
+      <scale x="0.5" y='0.50' z="0.5"/>
+      <rotate y="1" angle="30.0"/>
+      <translate x="1"  y="0.5"/>
+    </transform>
+  </shape>
+</scene>
+"#;
+    let (_folder, mut world) = opened(text);
+    do_all(&mut world, &["key ball", "time 1", "move ball 1,0,0"]);
+    let key = |time: &str, x: &str| {
+        format!(
+            r#"
+      <transform time="{time}"> <!-- where it is -->
+        <scale x="0.5" y='0.50' z="0.5"/>
+        <rotate y="1" angle="30.0"/>
+        <translate x="{x}"  y="0.5"/>
+      </transform>"#
+        )
+    };
+    let animated = |keys: &[String]| {
+        let (before, rest) = text.split_once("\n    <transform name").expect("a transform");
+        let (_, after) = rest.split_once("</transform>").expect("its end");
+        let keys = keys.concat();
+        format!("{before}\n    <animation name=\"to_world\">{keys}\n    </animation>{after}")
+    };
+    assert_eq!(saved(&mut world), animated(&[key("0", "1"), key("1", "2")]));
+    // A key between others, one that moves, and one that is removed.
+    do_all(&mut world, &["time 0.5", "key ball"]);
+    let three = [key("0", "1"), key("0.5", "1.5"), key("1", "2")];
+    assert_eq!(saved(&mut world), animated(&three));
+    do_all(&mut world, &["move-key ball to_world 0.5 3", "time 1", "unkey ball"]);
+    assert_eq!(saved(&mut world), animated(&[key("0", "1"), key("3", "1.5")]));
+    do_all(&mut world, &["time 0", "stand-still ball"]);
+    assert_eq!(saved(&mut world), text);
+}
+
+#[test]
+fn an_edited_key_leaves_the_others_and_their_remarks_as_they_were() {
+    let text = r#"<scene version="3.0.0">
+    <sensor type="perspective"/>
+    <shape type="sphere" id="ball">
+        <animation name="radius"   interpolation="ease">
+            <!-- small -->
+            <float time="0.0" value="1.0"/> <!-- first -->
+            <float  value="2.0" time="1e0"/>
+            <float time="2" value="3.0"/>
+        </animation>
+    </shape>
+</scene>
+"#;
+    let (_folder, mut world) = opened(text);
+    do_all(&mut world, &["time 1", "set ball radius 5"]);
+    let edited = text.replace("value=\"2.0\"", "value=\"5\"");
+    assert_eq!(saved(&mut world), edited);
+    do_all(
+        &mut world,
+        &["time 0.25", "key ball radius", "interpolate ball radius step"],
+    );
+    let level = radius(&mut world, "ball");
+    let first = "<float time=\"0.0\" value=\"1.0\"/> <!-- first -->\n";
+    let further = format!("{first}            <float time=\"0.25\" value=\"{level}\"/>\n");
+    let edited = edited.replace(first, &further).replace("\"ease\"", "\"step\"");
+    assert_eq!(saved(&mut world), edited);
+    assert_file_shows_the_same(&mut world, &[0.0, 0.3, 1.0, 3.0]);
+}

@@ -1,6 +1,6 @@
 //! Writes what is new in an object after the element that it follows, with the indentation found there.
 
-use super::edits::{Edit, apply, margin_of_line, move_margin};
+use super::edits::{Edit, apply, margin_of_line, resettle};
 use super::elements::Element;
 use super::slot::slot_after;
 use super::source::{Place, Source, is_scene};
@@ -119,9 +119,4 @@ impl<'r> Reviser<'r> {
         let margin = margin_of_line(to.text(), include.tag.start);
         resettle(text.trim(), old_margin, margin, to.layout.newline)
     }
-}
-
-fn resettle(block: &str, from: &str, to: &str, newline: &str) -> String {
-    let plain = block.replace("\r\n", "\n");
-    move_margin(&plain, from, to).replace('\n', newline)
 }

@@ -118,8 +118,14 @@ pub fn end_of_line(text: &str, element_end: usize) -> usize {
     }
 }
 
+/// The lines of a block with another margin and line end.
+pub fn resettle(block: &str, from: &str, to: &str, newline: &str) -> String {
+    let plain = block.replace("\r\n", "\n");
+    move_margin(&plain, from, to).replace('\n', newline)
+}
+
 /// Gives the lines of a block another margin. The first line has none.
-pub fn move_margin(block: &str, from: &str, to: &str) -> String {
+fn move_margin(block: &str, from: &str, to: &str) -> String {
     let mut lines = block.split('\n');
     let mut result = lines.next().unwrap_or_default().to_owned();
     for line in lines {

@@ -8,6 +8,7 @@ mod additions;
 pub(super) mod edits;
 pub mod elements;
 mod files;
+mod keys;
 mod slot;
 mod source;
 mod values;
@@ -19,9 +20,10 @@ use self::edits::Edit;
 use self::elements::Element;
 use self::files::FileNames;
 pub use self::files::move_files;
+use self::keys::Keys;
 pub use self::source::{Destination, FindFile};
 use self::source::{Place, Source, is_scene, position, span_of};
-use self::values::{revise_attribute, revise_value};
+use self::values::revise_attribute;
 use super::paths::settle;
 use super::write::{WriteError, check_finite, property_to_block};
 use super::{Child, Document, Object, Property, SourceId, Span, Value};
@@ -223,9 +225,12 @@ impl<'r> Reviser<'r> {
             };
         }
         check_finite(&now.value, &now.name, owner)?;
-        if now.keys.is_none()
-            && let Some(edits) = revise_value(source, index, &old.value, &now, owner)?
-        {
+        let keys = Keys {
+            source,
+            owner,
+            now: &now,
+        };
+        if let Some(edits) = keys.revise(index, old)? {
             return Ok(edits);
         }
         let margin = edits::margin_of_line(source.text(), element.tag.start);
