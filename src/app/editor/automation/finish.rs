@@ -5,7 +5,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::exit_door::{ExitDoor, Step};
 use super::latency::LatencyProbe;
-use super::screenshot::{save_window, window_is_complete};
+use super::screenshot::{WindowWait, save_window};
 use super::script::Script;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
@@ -28,6 +28,7 @@ pub(crate) fn drive_exit_door(
     script: Option<Res<Script>>,
     motion: Res<Motion>,
     mut control: ResMut<RenderControl>,
+    mut window_wait: Local<WindowWait>,
     (pacing, previews, place, denoiser): (Res<Pacing>, Res<Previews>, Res<PicturePlace>, Res<Denoiser>),
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
@@ -75,8 +76,10 @@ pub(crate) fn drive_exit_door(
                 _ => false,
             };
             let is_denoised = !denoiser.is_copying() && !denoiser.is_working();
-            let is_complete = door.screenshot.is_none() || is_denoised && window_is_complete(&pacing, &previews);
-            if is_reached && is_complete && status.is_up_to_date && motion.is_settled() && place.is_settled() {
+            let is_there = is_reached && status.is_up_to_date && motion.is_settled() && place.is_settled();
+            let is_complete =
+                door.screenshot.is_none() || is_there && is_denoised && window_wait.is_over(&pacing, &previews);
+            if is_there && is_complete {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }
         }

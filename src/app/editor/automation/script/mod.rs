@@ -26,15 +26,13 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::exit_door::ExitDoor;
-use super::screenshot::{save_window, window_is_complete};
+use super::screenshot::{WindowWait, save_window};
 use crate::app::editor::command::Command;
 use crate::app::editor::commands;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
-use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning};
 use crate::app::editor::session::requests::Requests;
-use crate::app::editor::window::preview::Previews;
 use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
@@ -56,6 +54,8 @@ pub(crate) struct Script {
     step: Option<Step>,
     wait: Option<Wait>,
     screenshot_awaited: bool,
+    /// The wait before a screenshot.
+    window_wait: WindowWait,
     /// The full film is traced for an image that is to be saved.
     image_awaited: bool,
     failed: bool,
@@ -75,6 +75,7 @@ impl Script {
             step: None,
             wait: None,
             screenshot_awaited: false,
+            window_wait: WindowWait::default(),
             image_awaited: false,
             failed: false,
             number: 0,
@@ -180,8 +181,7 @@ impl Script {
             self.step = Some(step);
             return;
         }
-        let is_complete = window_is_complete(world.resource::<Pacing>(), world.resource::<Previews>());
-        if matches!(step, Step::Screenshot(_)) && !is_complete {
+        if matches!(step, Step::Screenshot(_)) && !self.window_wait.is_over(world.resource(), world.resource()) {
             self.step = Some(step);
             return;
         }
