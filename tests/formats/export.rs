@@ -670,6 +670,36 @@ fn what_is_lost_is_said_with_its_name() {
 }
 
 #[test]
+fn no_file_of_the_scene_is_overwritten() {
+    let shop = Workshop::new();
+    shop.put("cube.xml", scene(&format!("{CAMERA}<shape type='cube'>{MATT}</shape>")));
+    assert_eq!(shop.convert("cube.xml", "level.gltf"), [""; 0]);
+    // It names the buffer of the other one.
+    shop.put("other.gltf", shop.read("level.gltf"));
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    shop.put("mesh.glb", format!("{header}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    let mesh = format!("<shape type='ply'><string name='filename' value='mesh.glb'/>{MATT}</shape>");
+    shop.put("mesh.xml", scene(&format!("{CAMERA}{mesh}")));
+    for (scene, file, kept) in [
+        ("other.gltf", "level.gltf", "level.bin"),
+        ("mesh.xml", "mesh.glb", "mesh.glb"),
+    ] {
+        let before = shop.read(kept);
+        let output = shop.sunroom(&["convert", scene, file]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(
+            said.contains(&format!("{kept}: the scene is made of this file")),
+            "{said}"
+        );
+        assert_eq!(shop.read(kept), before);
+    }
+    // Another scene may replace what an earlier export has left.
+    assert_eq!(shop.convert("cube.xml", "level.gltf"), [""; 0]);
+}
+
+#[test]
 fn what_cannot_be_written_is_an_error() {
     let shop = Workshop::new();
     shop.put("scene.xml", scene(CAMERA));

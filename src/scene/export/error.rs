@@ -16,4 +16,6 @@ pub enum ExportError {
     File { path: PathBuf, source: std::io::Error },
     #[error("{}: a glTF file ends with .glb (one file) or .gltf (with others beside it)", path.display())]
     Ending { path: PathBuf },
+    #[error("{}: the scene is made of this file; choose another name", path.display())]
+    InUse { path: PathBuf },
 }

@@ -5,6 +5,7 @@
 
 mod error;
 mod form;
+mod in_use;
 mod level;
 mod lights;
 mod look;
@@ -20,6 +21,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
+use self::in_use::first_in_use;
 use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
@@ -71,7 +73,7 @@ pub fn export(
         return Err(ExportError::Ending { path });
     };
     let (writer, messages) = collect(scene, hidden, access)?;
-    let files = match kind {
+    let files: Vec<(PathBuf, Vec<u8>)> = match kind {
         Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
         Kind::Text => {
             let stem = target.file_stem().unwrap_or_default().to_string_lossy();
@@ -82,6 +84,10 @@ pub fn export(
             beside.chain([(target.to_owned(), text)]).collect()
         }
     };
+    if let Some(path) = first_in_use(scene, files.iter().map(|(path, _)| path.as_path())) {
+        let path = path.to_owned();
+        return Err(ExportError::InUse { path });
+    }
     Ok(Export { files, messages })
 }
 

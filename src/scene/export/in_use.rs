@@ -1,0 +1,43 @@
+//! The files that a scene is made of, which an export must not overwrite.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::scene::ShapeKind;
+use crate::scene::description::SceneDescription;
+use crate::scene::pictures::pictures_of_lights;
+
+/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
+pub(super) fn first_in_use<'f>(
+    scene: &SceneDescription,
+    mut files: impl Iterator<Item = &'f Path>,
+) -> Option<&'f Path> {
+    let used = used_files(scene);
+    let used: BTreeSet<PathBuf> = used.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    // A file that is not there yet is in no use.
+    files.find(|file| file.canonicalize().is_ok_and(|file| used.contains(&file)))
+}
+
+fn used_files(scene: &SceneDescription) -> BTreeSet<PathBuf> {
+    let lights = scene.shapes.iter().filter_map(|shape| shape.area_light.as_ref());
+    let mut used = pictures_of_lights(lights, scene.emitters.iter().map(|emitter| &emitter.emitter));
+    for material in &scene.materials {
+        material.material.for_each_texture(&mut |texture| {
+            texture.for_each_bitmap(&mut |bitmap| {
+                used.insert(bitmap.path.clone());
+            });
+        });
+    }
+    for shape in &scene.shapes {
+        if let ShapeKind::Mesh(mesh) = &shape.shape.kind {
+            used.insert(mesh.path.clone());
+        }
+    }
+    used.extend([scene.path.clone()]);
+    used.extend(scene.sources.iter().cloned());
+    // Those of glTF files name their buffers and pictures.
+    let origin = scene.remains.origin.iter();
+    let sources = origin.flat_map(|origin| &origin.diagnostics.sources);
+    used.extend(sources.map(|source| source.path.clone()));
+    used
+}
