@@ -255,12 +255,12 @@ impl Group {
                 .is_some_and(|material| writer.material(material).double_sided);
             let places = writer.vectors::<3>(part.attributes["POSITION"]);
             let triangles = writer.triangles(part);
-            let backs: &[bool] = match sides {
+            let sheets: &[bool] = match sides {
                 Sides::Both if is_two_sided => &[false, true],
                 Sides::Back if is_two_sided => &[true],
                 _ => &[false],
             };
-            for &is_back in backs {
+            for &is_back in sheets {
                 let input = &mut group.input;
                 let sheet = Sheet {
                     primitive: index,
@@ -269,9 +269,14 @@ impl Group {
                     first_triangle: input.triangles.len(),
                     triangles: triangles.len(),
                 };
-                input
-                    .positions
-                    .extend(places.iter().map(|place| in_size.transform_point3((*place).into())));
+                let sized = || places.iter().map(|place| in_size.transform_point3((*place).into()));
+                let extent = sized().fold(0.0f32, |extent, place| extent.max(place.abs().max_element()));
+                // Front and back lie apart, so that no edge has four triangles. Nothing but the layout uses these places.
+                let aside = match is_back && sheets.len() == 2 {
+                    true => Vec3::X * 4.0 * extent,
+                    false => Vec3::ZERO,
+                };
+                input.positions.extend(sized().map(|place| place + aside));
                 let numbered = triangles.iter().map(|corners| {
                     let [a, b, c] = corners.map(|corner| sheet.first_vertex + corner);
                     if is_back { [a, c, b] } else { [a, b, c] }

@@ -50,7 +50,7 @@ pub struct UnwrapMesh {
 /// The layout of all meshes.
 #[derive(Debug)]
 pub struct Layout {
-    /// Width and height of each lightmap.
+    /// Width and height of each lightmap. One that is alone is only as high as it has to be.
     pub size: UVec2,
     /// The number of lightmaps.
     pub pages: u32,
@@ -166,15 +166,33 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
         uvunwrap::Error::AtlasTooLarge { texels } => UnwrapError::TooMany(texels),
         other => UnwrapError::Other(other.to_string()),
     })?;
-    let texels = u64::from(atlas.width) * u64::from(atlas.height) * u64::from(atlas.page_count);
+    let mut meshes: Vec<LayoutMesh> = atlas.meshes.into_iter().map(LayoutMesh::of).collect();
+    let mut size = UVec2::new(atlas.width, atlas.height);
+    if atlas.page_count == 1 {
+        size.y = crop(&mut meshes, size.y);
+    }
+    let texels = u64::from(size.x) * u64::from(size.y) * u64::from(atlas.page_count);
     reserved.resize(TEXEL_BYTES * texels)?;
     Ok(Layout {
-        size: UVec2::new(atlas.width, atlas.height),
+        size,
         pages: atlas.page_count,
         texels_per_unit: atlas.texels_per_unit,
-        meshes: atlas.meshes.into_iter().map(LayoutMesh::of).collect(),
+        meshes,
         memory: reserved,
     })
+}
+
+/// Leaves out the rows of a page below all rectangles, and gives its new height.
+fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
+    let rectangles = || meshes.iter().flat_map(|mesh| &mesh.rectangles);
+    let lowest = rectangles().map(|rectangle| rectangle.max.y).fold(0.0, f32::max);
+    let kept = ((lowest * height as f32).ceil() as u32).clamp(1, height);
+    let factor = height as f32 / kept as f32;
+    for rectangle in meshes.iter_mut().flat_map(|mesh| &mut mesh.rectangles) {
+        rectangle.min.y *= factor;
+        rectangle.max.y = (rectangle.max.y * factor).min(1.0);
+    }
+    kept
 }
 
 impl UnwrapMesh {
@@ -326,5 +344,7 @@ mod tests {
     fn texels_smaller_than_any_shape_are_handled() {
         let layout = unwrap(&[square(1e-3)], &with_density(1.0)).expect("a layout");
         assert_eq!(layout.pages, 1);
+        // The page ends where the shapes do.
+        assert!(layout.size.y < 16, "{}", layout.size);
     }
 }

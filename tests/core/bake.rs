@@ -496,3 +496,42 @@ fn a_mesh_without_triangles_has_no_place() {
         "{error}"
     );
 }
+
+#[test]
+fn each_side_of_a_square_is_one_chart() {
+    let mut writer = GltfWriter::default();
+    let square = patch(Vec3::ZERO, Vec3::Y, 1.0, 1.0, Vec2::ZERO);
+    let square = MeshData {
+        positions: square.positions,
+        triangles: square.triangles,
+        ..MeshData::default()
+    };
+    let attributes = writer.add_vertices(&square, None).expect("few vertices");
+    let indices = writer.add_triangles(&square.triangles, 4).expect("few triangles");
+    let material = writer.add_material(GltfMaterial {
+        double_sided: true,
+        ..GltfMaterial::default()
+    });
+    let primitives = vec![GltfPrimitive {
+        attributes,
+        indices,
+        material: Some(material),
+    }];
+    let mesh = writer.add_mesh(Mesh {
+        name: "square".to_owned(),
+        primitives,
+    });
+    let node = Node {
+        mesh: Some(mesh),
+        ..Node::default()
+    };
+    writer.add_node(node, None);
+    laid_out(&mut writer, (true, true));
+    let sheets = &writer.mesh(0).primitives;
+    // A chart more would have vertices of its own on the diagonal.
+    let vertices: Vec<usize> = sheets
+        .iter()
+        .map(|sheet| writer.vectors::<3>(sheet.attributes["POSITION"]).len())
+        .collect();
+    assert_eq!(vertices, [4, 4]);
+}
