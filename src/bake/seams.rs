@@ -20,8 +20,8 @@ pub struct Seam {
     pub other: [Vec2; 2],
 }
 
-/// The passes over all seams. Differences fall by more than half with each.
-const PASSES: usize = 16;
+/// The passes over all seams. After 16 a seam that lies askew still differs by 2.5 % of the first difference, after 64 by less than 1 %.
+const PASSES: usize = 64;
 /// The cosine of the largest angle between the normals on both sides of a seam of a smooth surface.
 const SMOOTH: f32 = 0.99;
 
@@ -133,30 +133,48 @@ pub fn even_out(picture: &mut [Rgb], size: UVec2, seams: &[Seam]) {
 mod tests {
     use super::*;
 
-    #[test]
-    fn both_sides_of_a_seam_become_equal() {
+    /// A picture whose left half is 1 and whose right half is 2, evened out along a seam between them, and the values of both sides along it.
+    fn evened(seam: Seam) -> (Vec<Rgb>, Vec<[f32; 2]>) {
         let size = UVec2::new(16, 8);
-        let mut picture: Vec<Rgb> = (0..128)
-            .map(|index| Rgb::splat(if index % 16 < 8 { 1.0 } else { 2.0 }))
-            .collect();
-        let seam = Seam {
-            one: [Vec2::new(2.5, 1.2), Vec2::new(2.5, 6.9)],
-            other: [Vec2::new(12.1, 1.0), Vec2::new(12.9, 6.7)],
-        };
+        let half = |index: u32| Rgb::splat(if index % 16 < 8 { 1.0 } else { 2.0 });
+        let mut picture: Vec<Rgb> = (0..128).map(half).collect();
         even_out(&mut picture, size, &[seam]);
         let value = |at: Vec2| {
-            mixed(at, size)
+            let mixed = mixed(at, size);
+            mixed
                 .iter()
-                .map(|(index, weight)| picture[*index] * *weight)
-                .sum::<Rgb>()
+                .map(|(index, weight)| picture[*index].x * *weight)
+                .sum::<f32>()
         };
-        for step in 0..=8 {
-            let along = step as f32 / 8.0;
-            let [one, other] = [seam.one, seam.other].map(|side| value(side[0].lerp(side[1], along)));
-            assert!((one - other).abs().max_element() < 0.01, "{along}: {one} {other}");
-            assert!((one.x - 1.5).abs() < 0.1, "{one}");
+        let steps = (0..=8).map(|step| step as f32 / 8.0);
+        let values = steps.map(|along| [seam.one, seam.other].map(|side| value(side[0].lerp(side[1], along))));
+        let values = values.collect();
+        (picture, values)
+    }
+
+    #[test]
+    fn both_sides_of_a_seam_become_equal() {
+        let (picture, values) = evened(Seam {
+            one: [Vec2::new(2.5, 1.2), Vec2::new(2.5, 6.9)],
+            other: [Vec2::new(12.1, 1.0), Vec2::new(12.9, 6.7)],
+        });
+        for [one, other] in values {
+            assert!((one - other).abs() < 0.01, "{one} {other}");
+            assert!(one > 1.2 && one < 1.8, "{one}");
         }
-        assert_eq!(picture[7], Rgb::ONE);
+        assert_eq!(picture[7], Rgb::ONE, "texels away from the seam stay");
+    }
+
+    #[test]
+    fn sides_that_lie_alike_meet_in_the_middle() {
+        let (_, values) = evened(Seam {
+            one: [Vec2::new(2.5, 1.2), Vec2::new(2.5, 6.9)],
+            other: [Vec2::new(12.5, 1.2), Vec2::new(12.5, 6.9)],
+        });
+        assert!(
+            values.as_flattened().iter().all(|value| (value - 1.5).abs() < 0.01),
+            "{values:?}"
+        );
     }
 
     #[test]
