@@ -26,7 +26,7 @@ use crate::render::passes::pass_end;
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
-use crate::render::view::View;
+use crate::render::view::{Integrator, View};
 
 /// The way in which a picture begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,7 +250,9 @@ impl Job {
         if matches!(reached, Some(StopReason::Time | StopReason::Noise)) {
             self.pause();
         }
-        let asked = (stop.noise, stop.is_adaptive);
+        // All samples of a round see the same photons.
+        let is_adaptive = stop.is_adaptive && !matches!(self.view.integrator, Integrator::Merging(..));
+        let asked = (stop.noise, is_adaptive);
         if let Some(run) = &self.run {
             if self.round.0 != asked {
                 // A round begins as soon as all pixels have the same number of samples.

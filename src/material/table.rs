@@ -18,6 +18,8 @@ pub struct MaterialTable {
     tables: ShadingTables,
     /// Whether light can pass straight through any of them.
     has_null_lobe: bool,
+    /// Whether any of them has a delta lobe.
+    has_delta_lobe: bool,
     /// Whether each material depends on texture coordinates or tangents.
     parametrised: Vec<bool>,
     /// Whether lanes can shade each material, see [`Self::is_for_lanes`].
@@ -71,6 +73,11 @@ impl MaterialTable {
             Material::Textured(textured) => textured.has_null_lobe(),
             _ => false,
         });
+        let has_delta_lobe = materials.iter().any(|material| match material {
+            Material::Plain(bsdf) => bsdf.has_delta_lobe(),
+            Material::Textured(textured) => textured.has_delta_lobe(),
+            _ => false,
+        });
         let parametrised = nesting::parametrised(&materials);
         let albedo = |material: &Material| match material {
             Material::Plain(bsdf) => bsdf.albedo(),
@@ -83,6 +90,7 @@ impl MaterialTable {
             materials,
             tables,
             has_null_lobe,
+            has_delta_lobe,
         }
     }
 
@@ -110,6 +118,11 @@ impl MaterialTable {
     /// Whether any surface may let light pass straight through, so that shadow rays have to look up what they hit.
     pub fn has_null_lobe(&self) -> bool {
         self.has_null_lobe
+    }
+
+    /// Whether any surface sends some of its light in the only direction of a lobe, as mirrors and glass do.
+    pub fn has_delta_lobe(&self) -> bool {
+        self.has_delta_lobe
     }
 
     /// Whether it is a border that light does not notice.

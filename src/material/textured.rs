@@ -122,6 +122,24 @@ impl TexturedBsdf {
         matches!(self, Self::ThinDielectric { .. } | Self::Hair { .. })
     }
 
+    /// Whether some of its light may go in the only direction of its lobe.
+    pub(super) fn has_delta_lobe(&self) -> bool {
+        match self {
+            Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Plastic { .. }
+            | Self::Metal { .. } => true,
+            Self::Diffuse { .. }
+            | Self::RoughConductor { .. }
+            | Self::RoughDielectric { .. }
+            | Self::RoughPlastic { .. }
+            | Self::Principled(_)
+            | Self::PrincipledThin(_)
+            | Self::Hair { .. } => false,
+        }
+    }
+
     /// Whether `tables` has all tables to whose ids the model refers.
     pub(super) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {

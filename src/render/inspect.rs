@@ -1,11 +1,14 @@
 //! The paths of a pixel with everything that was decided along them: what the renderer does there, step by step, to be drawn and read.
 
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
 
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
-use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
+use super::bidirectional::{Techniques, Tracer};
+use super::observer::{Bounce, Joined, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
 use super::scene::RenderScene;
+use super::splats::Splat;
 use super::tile::render_sample;
 use super::view::View;
 use crate::color::Rgb;
@@ -24,7 +27,11 @@ pub struct RecordedPath {
     pub escaped_to: Vec<MetEmitter>,
     /// The reason why the path ended after its last vertex.
     pub end: PathEnd,
-    /// The sum of all contributions.
+    /// The path from a light that its vertices were joined with, from the light on, in world space; empty where there is none.
+    pub light_path: Vec<Vec3>,
+    /// The light that the path from the light has sent to the lens.
+    pub splats: Vec<Splat>,
+    /// The sum of the contributions to its own pixel.
     pub radiance: Rgb,
     /// The weight of the radiance in its pixel, by the filter; 1 on average.
     pub filter_weight: f32,
@@ -39,29 +46,53 @@ pub struct RecordedVertex {
     pub met: Option<MetEmitter>,
     /// The light that was sampled from here; None where none was looked for.
     pub sampled: Option<SampledLight>,
+    /// The joint with the path from the light; None where nothing has come from it.
+    pub joined: Option<Joined>,
     /// The continuation; None if the path ended.
     pub bounce: Option<Bounce>,
 }
 
-/// The paths of samples `samples` of a pixel, exactly as they are in the picture by path tracing; none where the view's integrator traces none.
+/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view traces no paths. Photons are left out: what is shown of
+/// [`Integrator::Merging`](super::view::Integrator::Merging) is bidirectional path tracing.
 pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Range<u32>) -> Vec<RecordedPath> {
     if view.path_settings(pixel).is_none() {
         return Vec::new();
     }
-    let record = |index| {
+    let mut tracer = Techniques::of(view).and_then(|(settings, techniques)| {
+        let techniques = Techniques {
+            merging: None,
+            ..techniques
+        };
+        Tracer::new(
+            scene,
+            view,
+            settings,
+            techniques,
+            samples.clone(),
+            &AtomicBool::new(false),
+        )
+    });
+    let mut record = |index| {
         let mut recorder = Recorder::default();
-        let (sample, filter_weight) = render_sample(scene, view, pixel, index, &mut recorder);
+        let (sample, filter_weight) = match &mut tracer {
+            Some(tracer) => tracer.sample(pixel, index, &mut recorder),
+            None => render_sample(scene, view, pixel, index, &mut recorder),
+        };
+        let tracer = tracer.as_mut();
+        let light_path = tracer.as_ref().map(|tracer| tracer.light_path().collect());
         RecordedPath {
             sample: index,
             camera_ray: view.camera_sample(pixel, index).ray,
             vertices: recorder.vertices,
             escaped_to: recorder.escaped_to,
             end: recorder.end,
+            light_path: light_path.unwrap_or_default(),
+            splats: tracer.map(|tracer| tracer.take_splats().list).unwrap_or_default(),
             radiance: sample.radiance,
             filter_weight,
         }
     };
-    samples.map(record).collect()
+    samples.map(&mut record).collect()
 }
 
 #[derive(Default)]
@@ -77,6 +108,7 @@ impl PathObserver for Recorder {
             place: *vertex,
             met: None,
             sampled: None,
+            joined: None,
             bounce: None,
         });
     }
@@ -92,6 +124,12 @@ impl PathObserver for Recorder {
     fn light_sampled(&mut self, sampled: &SampledLight) {
         if let Some(vertex) = self.vertices.last_mut() {
             vertex.sampled = Some(*sampled);
+        }
+    }
+
+    fn joined(&mut self, joined: &Joined) {
+        if let Some(vertex) = self.vertices.last_mut() {
+            vertex.joined = Some(*joined);
         }
     }
 

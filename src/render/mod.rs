@@ -29,6 +29,8 @@ pub mod part;
 pub mod passes;
 pub mod path;
 mod path_state;
+mod photon_map;
+pub mod photon_rounds;
 mod roulette;
 pub mod scene;
 pub mod shutter;

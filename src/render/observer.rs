@@ -23,8 +23,8 @@ pub trait PathObserver {
     fn emitter_met(&mut self, _met: &MetEmitter) {}
     /// A light was sampled from the last vertex.
     fn light_sampled(&mut self, _sampled: &SampledLight) {}
-    /// The last vertex was joined with a path from this light, which has brought this contribution.
-    fn joined(&mut self, _light: LightId, _contribution: Rgb) {}
+    /// The last vertex was joined with a path from a light, or merged with its photon.
+    fn joined(&mut self, _joined: &Joined) {}
     /// The path goes on from its last vertex.
     fn bounced(&mut self, _bounce: &Bounce) {}
     /// The path is over.
@@ -56,9 +56,8 @@ impl<O: PathObserver> PathObserver for Option<O> {
         self.iter_mut().for_each(|observer| observer.light_sampled(sampled));
     }
 
-    fn joined(&mut self, light: LightId, contribution: Rgb) {
-        self.iter_mut()
-            .for_each(|observer| observer.joined(light, contribution));
+    fn joined(&mut self, joined: &Joined) {
+        self.iter_mut().for_each(|observer| observer.joined(joined));
     }
 
     fn bounced(&mut self, bounce: &Bounce) {
@@ -141,6 +140,19 @@ pub struct SampledLight {
     pub weight: f32,
     /// The share of the light that reaches the vertex; zero behind something, None where it would not have been reflected anyway.
     pub arriving: Option<Rgb>,
+    /// The contribution to the path's radiance.
+    pub contribution: Rgb,
+}
+
+/// The light of a path from a light that has come to the last vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joined {
+    /// The light where that path begins.
+    pub light: LightId,
+    /// The vertex of that path, in world space.
+    pub position: Vec3,
+    /// The weight of multiple importance sampling.
+    pub weight: f32,
     /// The contribution to the path's radiance.
     pub contribution: Rgb,
 }

@@ -17,7 +17,7 @@ use super::optical_depth;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
 use super::splats::TileSplats;
-use super::view::{Integrator, PathSettings, Shown, View};
+use super::view::{PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
 
@@ -309,26 +309,12 @@ enum Tracer {
 
 impl Tracer {
     fn of(view: &View) -> Self {
-        if view.shown != Shown::Radiance {
-            return Self::OneByOne;
+        if let Some((settings, techniques)) = bidirectional::Techniques::of(view) {
+            return Self::Bidirectional(settings, techniques);
         }
-        match view.integrator {
-            Integrator::Path(settings) => Self::Lanes(settings),
-            Integrator::Bidirectional(settings) => Self::Bidirectional(
-                settings,
-                bidirectional::Techniques {
-                    // Splats are of no group and of no layer.
-                    splats: !view.film_layers().parts_light(),
-                    camera_paths: true,
-                },
-            ),
-            Integrator::LightTracing(settings) => Self::Bidirectional(
-                settings,
-                bidirectional::Techniques {
-                    splats: true,
-                    camera_paths: false,
-                },
-            ),
+        match view.shown {
+            Shown::Radiance => Self::Lanes(view.integrator.settings()),
+            _ => Self::OneByOne,
         }
     }
 
@@ -348,28 +334,32 @@ impl Tracer {
         jobs: impl Iterator<Item = Job>,
         cancel: &AtomicBool,
     ) -> Option<Traced<'a>> {
-        let (from_lanes, notes) = match self {
-            Self::Lanes(settings) => {
-                let jobs: Vec<Job> = jobs.collect();
-                let traced = lanes::trace(scene, view, settings, &jobs, cancel)?;
-                (Some(traced.list.into_iter()), traced.notes)
-            }
-            _ if cancel.load(Ordering::Relaxed) => return None,
-            _ => (None, LayerNotes::new(view, 1)),
-        };
-        Some(Traced {
+        let mut traced = Traced {
             scene,
             view,
-            from_lanes,
-            bidirectional: match *self {
-                Self::Bidirectional(settings, techniques) => {
-                    Some(bidirectional::Tracer::new(scene, view, settings, techniques))
-                }
-                _ => None,
-            },
-            notes,
+            from_lanes: None,
+            bidirectional: None,
+            notes: None,
             given: 0,
-        })
+        };
+        match *self {
+            Self::Lanes(settings) => {
+                let jobs: Vec<Job> = jobs.collect();
+                let lanes = lanes::trace(scene, view, &settings, &jobs, cancel)?;
+                traced.from_lanes = Some(lanes.list.into_iter());
+                traced.notes = lanes.notes;
+            }
+            _ if cancel.load(Ordering::Relaxed) => return None,
+            Self::Bidirectional(settings, techniques) => {
+                let indices = jobs.map(|job| job.index);
+                traced.notes = LayerNotes::new(view, 1);
+                traced.bidirectional = Some(bidirectional::Tracer::new(
+                    scene, view, settings, techniques, indices, cancel,
+                )?);
+            }
+            Self::OneByOne => traced.notes = LayerNotes::new(view, 1),
+        }
+        Some(traced)
     }
 }
 

@@ -8,6 +8,7 @@ use super::filter::PixelFilter;
 use super::layers::{FilmLayers, Layers};
 use super::light_layers::LightGroups;
 use super::motion::FrameBefore;
+use super::photon_rounds::PhotonRounds;
 use super::sight::Sight;
 use crate::math::Ray;
 use crate::medium::MediumId;
@@ -42,6 +43,8 @@ pub struct View {
     pub sequence: SequenceKind,
     /// The seed. Another seed gives other noise.
     pub seed: u32,
+    /// The photons of [`Integrator::Merging`], which are traced when they are needed.
+    pub photons: PhotonRounds,
 }
 
 /// The method by which light is found.
@@ -51,6 +54,9 @@ pub enum Integrator {
     Path(PathSettings),
     /// Light, by bidirectional path tracing. Media are left out.
     Bidirectional(PathSettings),
+    /// The same with photons beside it, which find what is seen of light through glass and in mirrors: vertex connection and merging. It blurs light a
+    /// little, by less with each round of samples.
+    Merging(PathSettings, PhotonSettings),
     /// Light, by paths from the lights alone. What mirrors and glass show is black. Media are left out.
     LightTracing(PathSettings),
 }
@@ -59,14 +65,20 @@ impl Integrator {
     /// The settings of its paths.
     pub fn settings(&self) -> PathSettings {
         match *self {
-            Self::Path(settings) | Self::Bidirectional(settings) | Self::LightTracing(settings) => settings,
+            Self::Path(settings)
+            | Self::Bidirectional(settings)
+            | Self::Merging(settings, _)
+            | Self::LightTracing(settings) => settings,
         }
     }
 
     /// The same, to be changed.
     pub fn settings_mut(&mut self) -> &mut PathSettings {
         match self {
-            Self::Path(settings) | Self::Bidirectional(settings) | Self::LightTracing(settings) => settings,
+            Self::Path(settings)
+            | Self::Bidirectional(settings)
+            | Self::Merging(settings, _)
+            | Self::LightTracing(settings) => settings,
         }
     }
 
@@ -138,6 +150,15 @@ impl PathSettings {
             false => self.longest_path() - depth - 1,
         }
     }
+}
+
+/// The parameters of photons.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhotonSettings {
+    /// The paths from the lights for one sample of all pixels; None for one in four pixels, within bounds.
+    pub paths: Option<u32>,
+    /// The radius within which the first samples take photons for those of their place, in pixels as the camera sees them; above 0.
+    pub radius: f32,
 }
 
 /// The strategy for finding light at a bounce.

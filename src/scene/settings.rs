@@ -16,13 +16,22 @@ pub enum PathPlugin {
     VolPathMis,
     /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
     Bdpt,
+    /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3 has none.
+    Vcm,
     /// `ptracer`: paths from the lights alone. Space is empty.
     Ptracer,
 }
 
 impl PathPlugin {
     /// All plugins.
-    pub const ALL: [Self; 5] = [Self::Path, Self::VolPath, Self::VolPathMis, Self::Bdpt, Self::Ptracer];
+    pub const ALL: [Self; 6] = [
+        Self::Path,
+        Self::VolPath,
+        Self::VolPathMis,
+        Self::Bdpt,
+        Self::Vcm,
+        Self::Ptracer,
+    ];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {
@@ -31,6 +40,7 @@ impl PathPlugin {
             Self::VolPath => "volpath",
             Self::VolPathMis => "volpathmis",
             Self::Bdpt => "bdpt",
+            Self::Vcm => "vcm",
             Self::Ptracer => "ptracer",
         }
     }
@@ -38,6 +48,11 @@ impl PathPlugin {
     /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their ways.
     pub fn has_strategy(self) -> bool {
         matches!(self, Self::Path | Self::VolPath | Self::VolPathMis)
+    }
+
+    /// Whether it has photons.
+    pub fn has_photons(self) -> bool {
+        self == Self::Vcm
     }
 
     /// Whether light meets media.
@@ -62,6 +77,10 @@ pub struct IntegratorSettings {
     pub strategy: Strategy,
     /// Whether Schlick's approximation is used for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
+    /// The paths from the lights for one sample of all pixels, with `vcm`: the file's `photons`; None for one in four pixels.
+    pub photons: Option<u32>,
+    /// The radius within which photons are merged in the first samples, in pixels: the file's `merge_radius`.
+    pub merge_radius: f32,
     /// The layers that are kept and saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
     pub layers: Layers,
@@ -76,6 +95,8 @@ impl Default for IntegratorSettings {
             hide_emitters: false,
             strategy: Strategy::Mis,
             schlick: false,
+            photons: None,
+            merge_radius: 3.0,
             layers: Layers::default(),
         }
     }

@@ -227,6 +227,21 @@ impl Bsdf {
         }
     }
 
+    /// Whether some of its light goes in the only direction of its lobe.
+    pub fn has_delta_lobe(&self) -> bool {
+        match self {
+            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Plastic(_) => true,
+            Self::Metal(metal) => metal.is_delta(),
+            Self::Diffuse(_)
+            | Self::RoughConductor(_)
+            | Self::RoughDielectric(_)
+            | Self::RoughPlastic(_)
+            | Self::Principled(_)
+            | Self::PrincipledThin(_)
+            | Self::Hair(_) => false,
+        }
+    }
+
     /// Whether it looks the same when the surface is turned about its normal.
     pub fn is_isotropic(&self) -> bool {
         match self {

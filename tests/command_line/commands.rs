@@ -31,6 +31,13 @@ const SCENE: &str = r#"<scene version="3.0.0">
 </scene>
 "#;
 
+/// The end of a scene with a mirror, which makes photons.
+const MIRROR: &str = r#"<shape type="sphere">
+    <point name="center" x="0" y="0.6" z="0"/><float name="radius" value="0.6"/>
+    <bsdf type="conductor"/>
+  </shape>
+</scene>"#;
+
 fn render(scene: &Path, output: &Path, more: &[&str]) -> Output {
     let mut command = sunroom();
     command.arg("render").arg(scene).arg("-o").arg(output).args(more);
@@ -149,16 +156,19 @@ fn figures_for_machines() {
 #[test]
 fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let shop = Workshop::new();
-    let scene = shop.scene(SCENE);
-    let bytes = |name: &str, args: &[&str]| {
-        let output = shop.path(name);
+    let bytes_of = |text: &str, name: &str, args: &[&str]| {
+        let (scene, output) = (shop.scene(text), shop.path(name));
         assert_code(&render(&scene, &output, args), 0);
         std::fs::read(output).expect("written")
     };
+    let bytes = |name: &str, args: &[&str]| bytes_of(SCENE, name, args);
     let one = bytes("1.exr", &["-t", "1", "--seed", "5", "--spp", "20"]);
     assert!(one == bytes("2.exr", &["-t", "4", "--seed", "5", "--spp", "20"]));
-    for integrator in ["bdpt", "ptracer"] {
+    assert!(one != bytes("3.exr", &["-t", "1", "--seed", "6", "--spp", "20"]));
+    let mirrored = SCENE.replace("</scene>", MIRROR);
+    for integrator in ["bdpt", "vcm", "ptracer"] {
         let args = |threads| ["-t", threads, "--spp", "20", "--integrator", integrator];
+        let bytes = |name: &str, args: &[&str]| bytes_of(&mirrored, name, args);
         let one = bytes("1.exr", &args("1"));
         assert!(one == bytes("2.exr", &args("4")), "{integrator}");
         let until_noise = |threads| [&args(threads)[..], &["--noise", "0.1", "--adaptive"]].concat();
@@ -167,7 +177,6 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
             "{integrator}"
         );
     }
-    assert!(one != bytes("3.exr", &["-t", "1", "--seed", "6", "--spp", "20"]));
 }
 
 #[test]

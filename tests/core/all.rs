@@ -59,6 +59,7 @@ mod lights;
 mod many_lights;
 mod materials;
 mod media;
+mod merging;
 mod meshes;
 mod motion;
 mod projected_light;

@@ -25,13 +25,13 @@ use sunroom::shading::{
 };
 use sunroom::texture::Parameter;
 
-fn diffuse(reflectance: f32) -> Bsdf {
+pub fn diffuse(reflectance: f32) -> Bsdf {
     Bsdf::Diffuse(Diffuse {
         reflectance: Rgb::splat(reflectance),
     })
 }
 
-fn glass() -> Bsdf {
+pub fn glass() -> Bsdf {
     Bsdf::Dielectric(Dielectric {
         eta: 1.5,
         model: DielectricModel::Exact,
@@ -52,7 +52,7 @@ fn facets(alpha: f32) -> Microfacet {
     Microfacet::new(MicrofacetKind::Ggx, alpha, alpha)
 }
 
-fn placed(scale: Vec3, turn: Quat, translation: Vec3) -> Affine3A {
+pub fn placed(scale: Vec3, turn: Quat, translation: Vec3) -> Affine3A {
     Affine3A::from_scale_rotation_translation(scale, turn, translation)
 }
 
@@ -106,14 +106,14 @@ fn lamp(scene: &mut SceneBuilder) {
     scene.add(Primitive::Rectangle, down, diffuse(0.3), Some(Rgb::splat(8.0)));
 }
 
-fn lit_room() -> RenderScene {
+pub fn lit_room() -> RenderScene {
     let mut scene = SceneBuilder::default();
     room(&mut scene);
     lamp(&mut scene);
     scene.build()
 }
 
-fn look(depth: u32) -> View {
+pub fn look(depth: u32) -> View {
     view(
         camera(Vec3::new(0.1, 0.0, 3.4), Vec3::new(0.0, -0.1, 0.0), 36.0),
         8,
@@ -122,7 +122,7 @@ fn look(depth: u32) -> View {
     )
 }
 
-fn by(integrator: fn(sunroom::render::view::PathSettings) -> Integrator, view: &View) -> View {
+pub fn by(integrator: fn(sunroom::render::view::PathSettings) -> Integrator, view: &View) -> View {
     View {
         integrator: integrator(view.integrator.settings()),
         ..view.clone()
@@ -138,7 +138,7 @@ fn assert_same(what: &str, scene: &RenderScene, view: &View, samples: u32) {
 }
 
 /// The same mean, and pixels that differ by no more than their noise.
-fn assert_pictures(what: &str, a: &Film, b: &Film) {
+pub fn assert_pictures(what: &str, a: &Film, b: &Film) {
     let ((x, dx), (y, dy)) = (mean_luminance(a), mean_luminance(b));
     assert!(x > 0.0, "{what} is black");
     assert_close(what, (y, dx.hypot(dy)), x);

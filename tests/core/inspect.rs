@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use crate::bidirectional::by;
 use crate::support::{SceneBuilder, camera, render, view};
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use sunroom::accel::Primitive;
@@ -109,6 +110,7 @@ fn contributions(path: &RecordedPath) -> impl Iterator<Item = Rgb> {
         let met = vertex.met.map(|met| met.contribution);
         met.into_iter()
             .chain(vertex.sampled.map(|sampled| sampled.contribution))
+            .chain(vertex.joined.map(|joined| joined.contribution))
     });
     of_vertices.chain(path.escaped_to.iter().map(|met| met.contribution))
 }
@@ -135,6 +137,41 @@ fn contributions_sum_up_to_the_very_samples_of_the_picture() {
             assert_eq!(record_paths(&scene, &look, pixel, path.sample..path.sample + 1), [path]);
         }
     }
+}
+
+#[test]
+fn both_paths_of_bidirectional_path_tracing_are_recorded() {
+    let scene = crate::bidirectional::lit_room();
+    let look = View {
+        width: SIZE,
+        height: SIZE,
+        ..by(Integrator::Bidirectional, &crate::bidirectional::look(MAX_DEPTH))
+    };
+    let (mut joints, mut splats) = (0, 0);
+    for (pixel, path) in all_paths(&scene, &look, 8) {
+        let sum = contributions(&path).fold(Rgb::ZERO, |sum, light| sum + light);
+        assert_eq!(sum, path.radiance, "{path:?}");
+        let tile = Tile {
+            x: pixel.x,
+            y: pixel.y,
+            width: 1,
+            height: 1,
+        };
+        let range = path.sample..path.sample + 1;
+        let rendered = render_tile(&scene, &look, tile, range, &AtomicBool::new(false)).expect("not cancelled");
+        assert_eq!(path.radiance * path.filter_weight, rendered.pixels[0].radiance);
+        assert_eq!(path.splats, rendered.splats.list);
+        // Every joint is with a vertex of the path from the light, which has no more vertices than the longest path.
+        let joined = path.vertices.iter().filter_map(|vertex| vertex.joined);
+        for joined in joined {
+            assert!(path.light_path[1..].contains(&joined.position), "{path:?}");
+            assert!((0.0..=1.0).contains(&joined.weight));
+            joints += 1;
+        }
+        assert!(path.light_path.len() <= MAX_DEPTH as usize);
+        splats += path.splats.len();
+    }
+    assert!(joints > 50 && splats > 50, "{joints} {splats}");
 }
 
 #[test]

@@ -371,7 +371,11 @@ fn path_says_that_it_leaves_media_out() {
     let (settings, lines) =
         with("<integrator type='volpathmis'><boolean name='use_spectral_mis' value='false'/></integrator>");
     assert_eq!((settings.plugin, lines.len()), (PathPlugin::VolPathMis, 0));
-    for (name, plugin) in [("bdpt", PathPlugin::Bdpt), ("ptracer", PathPlugin::Ptracer)] {
+    for (name, plugin) in [
+        ("bdpt", PathPlugin::Bdpt),
+        ("vcm", PathPlugin::Vcm),
+        ("ptracer", PathPlugin::Ptracer),
+    ] {
         let (settings, lines) = with(&format!("<integrator type='{name}'/>"));
         assert_eq!(settings.plugin, plugin);
         assert!(
@@ -382,6 +386,38 @@ fn path_says_that_it_leaves_media_out() {
     let around =
         "<integrator type='aov'><string name='aovs' value='dd:depth'/><integrator type='volpath'/></integrator>";
     assert_eq!(with(around).0.plugin, PathPlugin::VolPath);
+}
+
+#[test]
+fn photons_have_a_number_and_a_radius() {
+    let with = |parameters: &str| {
+        let text = format!("<scene version='3.0.0'><integrator type='vcm'>{parameters}</integrator></scene>");
+        let mut document = document::parse_str(&*text, Path::new("/scene.xml"), &[]);
+        let settings = read(&mut document).integrator;
+        let list = document.diagnostics.list.iter();
+        let lines: Vec<String> = list.map(|it| it.message.clone()).collect();
+        (settings.photons, settings.merge_radius, lines)
+    };
+    let of = |photons: &str, radius: &str| {
+        with(&format!(
+            "<integer name='photons' value='{photons}'/><float name='merge_radius' value='{radius}'/>"
+        ))
+    };
+    let (photons, radius, said) = of("70000", "1.5");
+    assert_eq!((photons, radius), (Some(70000), 1.5));
+    // Nothing is wrong: what is said otherwise is that there is no camera.
+    for usual in [with(""), of("0", "3")] {
+        assert_eq!(usual, (None, 3.0, said.clone()));
+    }
+    for (photons, radius, wrong) in [
+        ("-1", "3", "photons"),
+        ("2000000", "3", "photons"),
+        ("0", "0", "merge_radius"),
+    ] {
+        let (count, pixels, lines) = of(photons, radius);
+        assert_eq!((count, pixels), (None, 3.0));
+        assert!(lines.iter().any(|line| line.contains(wrong)), "{lines:?}");
+    }
 }
 
 /// A scene with every plugin and parameter.

@@ -10,8 +10,9 @@ use crate::medium::MediumId;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
+use crate::render::photon_rounds::PhotonRounds;
 use crate::render::sight::Sight;
-use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
+use crate::render::view::{Integrator, PathSettings, PhotonSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::parameters::FOV;
 use crate::scene::{
@@ -99,6 +100,13 @@ pub(in crate::engine) fn pack_view(
         integrator: match integrator.plugin {
             PathPlugin::Path | PathPlugin::VolPath | PathPlugin::VolPathMis => Integrator::Path(path_settings),
             PathPlugin::Bdpt => Integrator::Bidirectional(path_settings),
+            PathPlugin::Vcm => Integrator::Merging(
+                path_settings,
+                PhotonSettings {
+                    paths: integrator.photons,
+                    radius: check.number("merge_radius", integrator.merge_radius, 1e-2, 1e3, 3.0),
+                },
+            ),
             PathPlugin::Ptracer => Integrator::LightTracing(path_settings),
         },
         shown: match control.view_mode {
@@ -122,6 +130,7 @@ pub(in crate::engine) fn pack_view(
             Sequence::Independent => SequenceKind::Independent,
         },
         seed: sampler.seed,
+        photons: PhotonRounds::default(),
     })
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::subpath::{LightPath, Measure, Vertex, Walk, reverse_pdf};
-use super::weights::{Ends, weight, with_fewer_of_camera, with_fewer_of_light};
+use super::weights::weight;
 use super::{Sample, splat};
 use crate::accel::Hit;
 use crate::color::Rgb;
@@ -12,7 +12,9 @@ use crate::light::{LightId, LightSample, SurfaceHit, Target};
 use crate::material::Lobe;
 use crate::math::Ray;
 use crate::render::dimensions::{BounceDraw, LightDraw};
-use crate::render::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight, SurfaceVertex};
+use crate::render::observer::{
+    Bounce, Joined, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight, SurfaceVertex,
+};
 use crate::render::path_state::PathState;
 use crate::render::roulette;
 use crate::render::splats::Splat;
@@ -60,15 +62,13 @@ impl<'a> Sample<'a, '_> {
             if arriving == Rgb::ZERO {
                 continue;
             }
-            let weight = match self.techniques.camera_paths {
+            let weight = match self.camera_paths {
                 false => 1.0,
                 true => {
-                    let ends = Ends {
-                        last: number,
-                        pdf: to.density * vertex.cosine(to.ray.dir),
-                        next: vertex.scattering.reverse_pdf(-to.ray.dir),
-                    };
-                    weight(with_fewer_of_light(path, vertices, &ends))
+                    let pdf = to.density * vertex.cosine(to.ray.dir);
+                    let next = vertex.scattering.reverse_pdf(-to.ray.dir);
+                    let fewer = self.ways.with_fewer_of_light(path, vertices, number, pdf, false);
+                    weight(fewer.sum(next))
                 }
             };
             let radiance = found.radiance * arriving * weight;
@@ -186,17 +186,18 @@ impl<'a> Sample<'a, '_> {
             return Some(PathEnd::DepthLimit);
         }
         camera.push(vertex);
-        if camera[number].is_smooth && self.techniques.camera_paths {
+        if camera[number].is_smooth && self.camera_paths {
             self.sample_light(camera, number, observer);
-            if let Some(path) = path {
+            if let Some(path) = path.filter(|_| self.ways.joins) {
                 self.join_one(path, light, camera, number, observer);
             }
+            self.merge(camera, number, observer);
         }
         let Some(sample) = sample else {
             return Some(PathEnd::Absorbed);
         };
         // Light tracing only follows what the camera sees directly.
-        if !self.techniques.camera_paths && sample.lobe != Lobe::Null {
+        if !self.camera_paths && sample.lobe != Lobe::Null {
             return Some(PathEnd::DepthLimit);
         }
         walk.throughput *= sample.weight;
@@ -301,7 +302,7 @@ impl<'a> Sample<'a, '_> {
         let others = match walk.before {
             // What the camera sees directly is found in no other way.
             None => 0.0,
-            Some(_) if !self.techniques.camera_paths => f32::INFINITY,
+            Some(_) if !self.camera_paths => f32::INFINITY,
             Some(before) => {
                 let vertex = &camera[before];
                 let by_sampling = match vertex.is_delta {
@@ -309,7 +310,9 @@ impl<'a> Sample<'a, '_> {
                     false => (seen.pdf_of_light / seen.pdf).powi(2),
                 };
                 let ratio = seen.emission.start / seen.pdf * (seen.pdf_before / vertex.pdf);
-                let joined = with_fewer_of_camera(camera, before, ratio, vertex.is_delta, None, self.techniques.splats);
+                let joined = self
+                    .ways
+                    .with_fewer_of_camera(camera, before, ratio, vertex.is_delta, None);
                 by_sampling + joined
             }
         };
@@ -395,11 +398,11 @@ impl<'a> Sample<'a, '_> {
         let of_light = start.density(vertex.point.position, light.pdf);
         let ratio = emission.start / of_light * (pdf / vertex.pdf);
         let next = self.next_of_camera(camera, number, light.wi);
-        by_bsdf + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats)
+        by_bsdf + self.ways.with_fewer_of_camera(camera, number, ratio, false, next)
     }
 
     /// The density of the vertex before a vertex of the camera's path, for light that comes to it from `wi`.
-    fn next_of_camera(&self, camera: &[Vertex<'a>], number: usize, wi: Vec3) -> Option<f32> {
+    pub(super) fn next_of_camera(&self, camera: &[Vertex<'a>], number: usize, wi: Vec3) -> Option<f32> {
         let vertex = &camera[number];
         let before = &camera[vertex.before?];
         Some(before.area_pdf(vertex.scattering.reverse_pdf(wi), vertex.point.position))
@@ -448,18 +451,21 @@ impl<'a> Sample<'a, '_> {
         if arriving == Rgb::ZERO {
             return;
         }
-        let ends = Ends {
-            last,
-            pdf: other.area_pdf(pdf, vertex.point.position),
-            next: other.scattering.reverse_pdf(-wi),
-        };
+        let other_density = other.area_pdf(pdf, vertex.point.position);
+        let fewer = self.ways.with_fewer_of_light(path, light, last, other_density, false);
         let (_, other_pdf) = other.scattering.eval_and_pdf(-wi);
         let ratio = vertex.area_pdf(other_pdf, other.point.position) / vertex.pdf;
         let next = self.next_of_camera(camera, number, wi);
-        let others = with_fewer_of_light(path, light, &ends)
-            + with_fewer_of_camera(camera, number, ratio, false, next, self.techniques.splats);
-        let contribution = carried * arriving * (count as f32 * weight(others));
+        let others = fewer.sum(other.scattering.reverse_pdf(-wi))
+            + self.ways.with_fewer_of_camera(camera, number, ratio, false, next);
+        let weight = weight(others);
+        let contribution = carried * arriving * (count as f32 * weight);
         self.radiance += contribution;
-        observer.joined(path.emitted.light, contribution);
+        observer.joined(&Joined {
+            light: path.emitted.light,
+            position: other.point.position,
+            weight,
+            contribution,
+        });
     }
 }

@@ -11,32 +11,67 @@
 //! Left out are s = t = 1, because what the camera sees directly is found without noise, and t = 0, because cameras are not hit. Each way has the weight of the
 //! power heuristic (`weights.rs`), so that a path counts once in all.
 //!
+//! Vertex connection and merging adds one more for each vertex that both paths come near, if a delta lobe has sent the light there ([`merge`], [`photons`]):
+//! the only ways to find light that goes through glass to a diffuse surface and is seen through glass. Merged light is blurred a little, by less and less.
+//!
 //! Media are not traced by it.
 
 mod connect;
+mod merge;
+mod photons;
 mod subpath;
 mod weights;
 
-use glam::UVec2;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::{UVec2, Vec3};
 
 use self::subpath::{LightPath, Vertex, Walk};
+use self::weights::{Merging, Ways};
 use super::dimensions::LightDraw;
 use super::observer::PathObserver;
 use super::path_state::{PathRecord, PathSample};
+use super::photon_map::PhotonMap;
 use super::scene::RenderScene;
 use super::splats::{Splat, TileSplats};
-use super::view::{PathSettings, View};
+use super::view::{Integrator, PathSettings, PhotonSettings, Shown, View};
 use crate::color::Rgb;
 use crate::light::emission::SceneSphere;
 use crate::sampling::Sampler;
 
 /// The ways of joining paths that are used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Techniques {
     /// Whether paths from lights are joined with the lens.
     pub splats: bool,
     /// Whether anything else is found but what the camera sees directly.
     pub camera_paths: bool,
+    /// Whether paths from the camera are merged with photons.
+    pub merging: Option<PhotonSettings>,
+}
+
+impl Techniques {
+    /// The settings of paths, and the ways, by which a view finds light; None if it has no paths from lights.
+    pub fn of(view: &View) -> Option<(PathSettings, Self)> {
+        // Splats are of no group and of no layer.
+        let splats = !view.film_layers().parts_light();
+        let (settings, splats, camera_paths, merging) = match view.integrator {
+            _ if view.shown != Shown::Radiance => return None,
+            Integrator::Path(_) => return None,
+            Integrator::Bidirectional(settings) => (settings, splats, true, None),
+            Integrator::Merging(settings, photons) => (settings, splats, true, Some(photons)),
+            Integrator::LightTracing(settings) => (settings, true, false, None),
+        };
+        Some((
+            settings,
+            Self {
+                splats,
+                camera_paths,
+                merging,
+            },
+        ))
+    }
 }
 
 /// Traces the samples of a tile, and keeps the memory for them.
@@ -46,6 +81,10 @@ pub(super) struct Tracer<'a> {
     settings: PathSettings,
     techniques: Techniques,
     sphere: SceneSphere,
+    /// The photons of all rounds that have some of the samples.
+    rounds: Vec<(u32, Merging, Arc<PhotonMap>)>,
+    /// The start of the last sample's path from a light.
+    start: Option<Vec3>,
     light: Vec<Vertex<'a>>,
     camera: Vec<Vertex<'a>>,
     splats: TileSplats,
@@ -55,43 +94,90 @@ pub(super) struct Tracer<'a> {
 const LIGHT_PIXEL: u32 = u32::MAX;
 
 impl<'a> Tracer<'a> {
-    pub fn new(scene: &'a RenderScene, view: &'a View, settings: PathSettings, techniques: Techniques) -> Self {
-        Self {
+    /// Begins, with the photons for the samples of these indices. None if cancelled.
+    pub fn new(
+        scene: &'a RenderScene,
+        view: &'a View,
+        settings: PathSettings,
+        techniques: Techniques,
+        indices: impl Iterator<Item = u32>,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
+        let mut tracer = Self {
             scene,
             view,
             settings,
-            techniques,
+            techniques: Techniques {
+                // Only delta lobes make photons.
+                merging: techniques.merging.filter(|_| scene.materials.has_delta_lobe()),
+                ..techniques
+            },
             sphere: SceneSphere::around(&scene.geometry.bounds()),
+            rounds: Vec::new(),
+            start: None,
             light: Vec::new(),
             camera: Vec::new(),
             splats: TileSplats::default(),
+        };
+        for number in indices {
+            if let Some(photons) = tracer.techniques.merging
+                && !tracer.rounds.iter().any(|round| round.0 == number)
+            {
+                let (merging, map) = tracer.photons(number, photons, cancel)?;
+                tracer.rounds.push((number, merging, map));
+            }
         }
+        Some(tracer)
     }
 
     /// Traces a sample of a pixel, and keeps the light that it brings to others. Returns it with what its light counts.
     pub fn sample(&mut self, pixel: UVec2, index: u32, observer: &mut impl PathObserver) -> (PathSample, f32) {
         let camera = self.view.camera_sample(pixel, index);
-        let mut sample = Sample {
+        let round = self.rounds.iter().find(|round| round.0 == index);
+        let ways = Ways {
+            to_lens: self.techniques.splats,
+            joins: true,
+            merging: round.map(|round| round.1),
+        };
+        let [mut light, mut vertices] = [&mut self.light, &mut self.camera].map(std::mem::take);
+        let mut splats = std::mem::take(&mut self.splats);
+        let mut sample = self.begin(ways, camera.sampler, self.light_sampler(pixel, index));
+        sample.photons = round.map(|round| &*round.2);
+        light.clear();
+        vertices.clear();
+        let start = sample.trace_light(&mut light);
+        if self.techniques.splats {
+            splats.paths += 1;
+            sample.join_lens(start.as_ref(), &light, &mut splats.list);
+        }
+        sample.trace_camera(camera.ray, &mut vertices, start.as_ref(), &light, observer);
+        let traced = sample.record.sample(sample.radiance, sample.rays);
+        self.start = start.map(|start| start.emitted.origin);
+        (self.light, self.camera, self.splats) = (light, vertices, splats);
+        (traced, camera.weight)
+    }
+
+    fn begin<'b>(&'b self, ways: Ways, camera_sampler: Sampler, light_sampler: Sampler) -> Sample<'a, 'b> {
+        Sample {
             scene: self.scene,
             view: self.view,
             settings: self.settings,
-            techniques: self.techniques,
+            camera_paths: self.techniques.camera_paths,
+            ways,
+            photons: None,
             sphere: &self.sphere,
-            camera_sampler: camera.sampler,
-            light_sampler: self.light_sampler(pixel, index),
+            camera_sampler,
+            light_sampler,
             radiance: Rgb::ZERO,
             record: PathRecord::default(),
             rays: 0,
-        };
-        self.light.clear();
-        self.camera.clear();
-        let start = sample.trace_light(&mut self.light);
-        if self.techniques.splats {
-            self.splats.paths += 1;
-            sample.join_lens(start.as_ref(), &self.light, &mut self.splats.list);
         }
-        sample.trace_camera(camera.ray, &mut self.camera, start.as_ref(), &self.light, observer);
-        (sample.record.sample(sample.radiance, sample.rays), camera.weight)
+    }
+
+    /// The last sample's path from a light: its start and its vertices. Empty if nothing was emitted.
+    pub fn light_path(&self) -> impl Iterator<Item = Vec3> {
+        let vertices = self.light.iter().map(|vertex| vertex.point.position);
+        self.start.into_iter().chain(vertices)
     }
 
     /// The splats since the last call.
@@ -113,7 +199,9 @@ struct Sample<'a, 'b> {
     scene: &'a RenderScene,
     view: &'b View,
     settings: PathSettings,
-    techniques: Techniques,
+    camera_paths: bool,
+    ways: Ways,
+    photons: Option<&'b PhotonMap>,
     sphere: &'b SceneSphere,
     camera_sampler: Sampler,
     light_sampler: Sampler,

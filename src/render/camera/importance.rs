@@ -55,6 +55,14 @@ impl Camera {
         })
     }
 
+    /// The middle of the lens; None for parallel rays.
+    pub fn eye(&self) -> Option<Vec3> {
+        match self.projection {
+            Projection::Orthographic => None,
+            Projection::Perspective { .. } => Some(self.world_from_camera.translation.into()),
+        }
+    }
+
     /// The density, per area perpendicular to a ray along `dir`, of the camera's rays from one point of its lens at this distance: their integral over
     /// the picture is 1.
     pub fn ray_density(&self, dir: Vec3, distance: f32) -> f32 {

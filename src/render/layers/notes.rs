@@ -7,7 +7,7 @@ use crate::light::LightId;
 use crate::material::Lobe;
 use crate::math::Ray;
 use crate::render::light_layers::LightGroups;
-use crate::render::observer::{Bounce, MetEmitter, PathObserver, SampledLight};
+use crate::render::observer::{Bounce, Joined, MetEmitter, PathObserver, SampledLight};
 use crate::render::view::View;
 
 /// The notes of some samples.
@@ -115,9 +115,9 @@ impl PathObserver for NoteTaker<'_> {
         self.add_sampled(sampled.light, sampled.contribution);
     }
 
-    fn joined(&mut self, light: LightId, contribution: Rgb) {
+    fn joined(&mut self, joined: &Joined) {
         // Both joined vertices scatter it.
-        self.add(light, contribution, self.sample.scatterings + 2);
+        self.add(joined.light, joined.contribution, self.sample.scatterings + 2);
     }
 
     fn bounced(&mut self, bounce: &Bounce) {

@@ -192,7 +192,11 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
         "max_depth",
         Value::Integer(depth),
     );
-    let object = with_integer(object, "rr_depth", settings.rr_depth);
+    let mut object = with_integer(object, "rr_depth", settings.rr_depth);
+    if settings.plugin.has_photons() {
+        object = with_integer(object, "photons", settings.photons.unwrap_or(0));
+        object = with(object, "merge_radius", Value::Float(settings.merge_radius));
+    }
     let path = with_flag(object, "hide_emitters", settings.hide_emitters);
     if settings.layers.is_empty() {
         return path;

@@ -1,4 +1,6 @@
-//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `ptracer`, and `aov` around them; every other one is taken for `path` or `volpath`.
+//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, and `aov` around them; every other one is taken for `path` or `volpath`.
+
+use std::ops::RangeInclusive;
 
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
@@ -9,6 +11,11 @@ use crate::scene::{AuthoredScene, IntegratorSettings, Keys, PathPlugin};
 
 /// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
+
+/// The most paths from the lights for one sample of all pixels: several rounds of photons are kept at a time.
+const MOST_PHOTONS: i64 = 1 << 20;
+/// Pixels.
+const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
 
 impl<'a> SceneReader<'a> {
     /// Whether the integrator became part of the description.
@@ -63,7 +70,16 @@ impl<'a> SceneReader<'a> {
             let message = format!("integrator `{plugin}` is not supported: `{stand_in}` takes its place");
             let help = did_you_mean(
                 plugin,
-                ["path", "direct", "aov", "volpath", "volpathmis", "bdpt", "ptracer"],
+                [
+                    "path",
+                    "direct",
+                    "aov",
+                    "volpath",
+                    "volpathmis",
+                    "bdpt",
+                    "vcm",
+                    "ptracer",
+                ],
             );
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
@@ -77,6 +93,13 @@ impl<'a> SceneReader<'a> {
         }
         if let Some(depth) = reader.integer_in("rr_depth", 1..=LARGEST_DEPTH) {
             settings.rr_depth = u32::try_from(depth).unwrap_or(u32::MAX);
+        }
+        if settings.plugin.has_photons() {
+            let photons = reader.integer_in("photons", 0..=MOST_PHOTONS).unwrap_or(0);
+            settings.photons = u32::try_from(photons).ok().filter(|&photons| photons > 0);
+            if let Some(radius) = reader.float_in("merge_radius", MERGE_RADII) {
+                settings.merge_radius = radius;
+            }
         }
         settings.hide_emitters = reader.boolean_or("hide_emitters", false);
         if known.is_some() {

@@ -10,7 +10,7 @@ use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::picture::paths::NamedPath;
 use crate::color::Rgb;
 use crate::material::Lobe;
-use crate::render::inspect::RecordedVertex;
+use crate::render::inspect::{RecordedPath, RecordedVertex};
 use crate::render::observer::{MetEmitter, PathEnd};
 use crate::render::tonemap::Display;
 
@@ -60,6 +60,7 @@ pub fn paths(
         });
         vertex_rows(ui, vertex);
     }
+    light_path_rows(ui, path);
     for met in &path.escaped_to {
         ui.add_space(4.0);
         ui.strong("Surroundings");
@@ -118,18 +119,16 @@ fn vertex_rows(ui: &mut Ui, vertex: &RecordedVertex) {
             density(sampled.bsdf_pdf),
             "Density with which the bsdf would have chosen the direction",
         );
+        weight_rows(ui, sampled.weight, sampled.contribution);
+    }
+    if let Some(joined) = &vertex.joined {
         row(
             ui,
-            "  MIS weight",
-            format!("{:.3}", sampled.weight),
-            "Power heuristic of the two densities",
+            "Joined",
+            "reached",
+            "A vertex of the path from a light was chosen, and can be seen from here",
         );
-        row(
-            ui,
-            "  contribution",
-            color(sampled.contribution),
-            "What it adds to the path's radiance",
-        );
+        weight_rows(ui, joined.weight, joined.contribution);
     }
     if let Some(bounce) = &vertex.bounce {
         let lobe = match bounce.lobe {
@@ -184,18 +183,46 @@ fn met_rows(ui: &mut Ui, met: &MetEmitter) {
             "Density with which sampling the lights would have chosen it",
         );
     }
+    weight_rows(ui, met.weight, met.contribution);
+}
+
+fn weight_rows(ui: &mut Ui, weight: f32, contribution: Rgb) {
     row(
         ui,
         "  MIS weight",
-        format!("{:.3}", met.weight),
-        "Power heuristic of the two densities",
+        format!("{weight:.3}"),
+        "Power heuristic of the densities of all ways to find this path",
     );
     row(
         ui,
         "  contribution",
-        color(met.contribution),
+        color(contribution),
         "What it adds to the path's radiance",
     );
+}
+
+/// The path from a light, and what it has sent to the lens.
+fn light_path_rows(ui: &mut Ui, path: &RecordedPath) {
+    if path.light_path.is_empty() {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.strong("Path from a light");
+    let vertices = path.light_path.len() - 1;
+    row(
+        ui,
+        "Vertices",
+        vertices.to_string(),
+        "Places on surfaces, behind the start at the light",
+    );
+    for splat in &path.splats {
+        row(
+            ui,
+            &format!("To {}, {}", splat.pixel.x, splat.pixel.y),
+            color(splat.radiance),
+            "Light that a vertex has sent through the lens to this pixel",
+        );
+    }
 }
 
 fn row(ui: &mut Ui, name: &str, value: impl Into<String>, help: &str) {

@@ -243,6 +243,7 @@ fn view_with(edge: u32, media: bool) -> View {
         before: None,
         sequence: SequenceKind::Sobol,
         seed: 0,
+        photons: Default::default(),
     }
 }
 

@@ -1,4 +1,5 @@
-//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex, and where they end.
+//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex, and where they end. And the paths
+//! from lights that they were joined with.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Color32, Shape, Stroke};
@@ -15,6 +16,7 @@ const CHOSEN: Color32 = Color32::from_rgb(90, 190, 255);
 const OTHER: Color32 = Color32::from_rgba_premultiplied(50, 80, 100, 110);
 const REACHED: Color32 = Color32::from_rgb(255, 220, 70);
 const BLOCKED: Color32 = Color32::from_rgb(230, 70, 60);
+const FROM_LIGHT: Color32 = Color32::from_rgb(255, 150, 40);
 
 /// Paints the paths. `chosen` is the one that is drawn in full, the others are faint. `scene_size` is in world units.
 pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chosen: usize, scene_size: f32) {
@@ -36,8 +38,27 @@ pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chos
             painter.line_segment(ends, Stroke::new(2.0, CHOSEN));
         }
     }
+    for pair in path.path.light_path.windows(2) {
+        if let Some(ends) = screen.segment(pair[0], pair[1]) {
+            painter.line_segment(ends, Stroke::new(2.0, FROM_LIGHT));
+        }
+    }
+    for at in path
+        .path
+        .light_path
+        .iter()
+        .skip(1)
+        .filter_map(|&place| screen.project(place))
+    {
+        painter.circle(at, 3.0, FROM_LIGHT, Stroke::new(1.0, Color32::BLACK));
+    }
     for (number, vertex) in (1..).zip(&path.path.vertices) {
         let place = vertex.place.position();
+        if let Some(joined) = &vertex.joined
+            && let Some(ends) = screen.segment(place, joined.position)
+        {
+            painter.extend(Shape::dashed_line(&ends, Stroke::new(1.5, FROM_LIGHT), 6.0, 4.0));
+        }
         if let Some(sampled) = &vertex.sampled {
             let target = match sampled.sample.target {
                 Target::Point(point) => point,
