@@ -76,6 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         before: None,
         sequence: SequenceKind::Sobol,
         seed: 0,
+        photons: Default::default(),
     };
     // A tile is a pure function of its arguments: tiles may be rendered in any order, on any threads.
     let mut film = Film::new(width, height);

@@ -134,7 +134,7 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
         }
     }
     let area: f64 = meshes.iter().map(UnwrapMesh::area).sum();
-    if !(area > 0.0) {
+    if area.is_nan() || area <= 0.0 {
         return Err(UnwrapError::Nothing);
     }
     let page = f64::from(atlas_size).powi(2);

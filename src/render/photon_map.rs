@@ -158,9 +158,9 @@ mod tests {
                 let place = Vec3::from(pcg3d([number, 7, 3]).map(|word| word as f32 / 2_f32.powi(32)));
                 let radius_squared = (0.003 * number as f32).powi(2);
                 let mut found = Vec::new();
-                map.near(place, radius_squared, |photon| found.push(photon.power.r));
+                map.near(place, radius_squared, |photon| found.push(photon.power.x));
                 let near = |photon: &&Photon| photon.position.distance_squared(place) < radius_squared;
-                let mut expected: Vec<f32> = all.iter().filter(near).map(|photon| photon.power.r).collect();
+                let mut expected: Vec<f32> = all.iter().filter(near).map(|photon| photon.power.x).collect();
                 found.sort_by(f32::total_cmp);
                 expected.sort_by(f32::total_cmp);
                 assert_eq!(found, expected, "{count} {number}");
