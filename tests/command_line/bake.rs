@@ -107,6 +107,22 @@ fn a_level_is_baked() {
 }
 
 #[test]
+fn a_level_is_not_baked_over_itself() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let folder = shop.path("baked");
+    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64"];
+    assert_code(&bake(&scene, &folder, &quick), 0);
+    let level = folder.join("level.glb");
+    let before = std::fs::read(&level).expect("written");
+    let output = bake(&level, &folder, &quick);
+    assert_code(&output, 1);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("level.glb: the scene is made of this file"), "{said}");
+    assert!(std::fs::read(&level).expect("still there") == before);
+}
+
+#[test]
 fn what_cannot_be_baked_is_said() {
     let workshop = Workshop::new();
     let scene = workshop.scene(SCENE);

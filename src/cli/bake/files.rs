@@ -1,7 +1,7 @@
 //! The files of a bake.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sunroom::bake::finish::LightmapPicture;
 use sunroom::bake::ktx2::ktx2;
@@ -32,6 +32,16 @@ pub fn prepare(folder: &Path) -> Result<(), Failure> {
     let fails = |error| format!("cannot write to {}: {error}", folder.display());
     fs::create_dir_all(folder).map_err(fails)?;
     Ok(check_writable(&folder.join(MANIFEST)).map_err(fails)?)
+}
+
+/// The files in the folder that a bake may replace.
+pub fn replaceable(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_ours = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name == LEVEL || name.starts_with("lightmap")
+    };
+    entries.map(|entry| entry.path()).filter(is_ours).collect()
 }
 
 /// Writes all files, each in one step.

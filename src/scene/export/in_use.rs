@@ -8,10 +8,7 @@ use crate::scene::description::SceneDescription;
 use crate::scene::pictures::pictures_of_lights;
 
 /// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
-pub(super) fn first_in_use<'f>(
-    scene: &SceneDescription,
-    mut files: impl Iterator<Item = &'f Path>,
-) -> Option<&'f Path> {
+pub fn first_in_use<'f>(scene: &SceneDescription, mut files: impl Iterator<Item = &'f Path>) -> Option<&'f Path> {
     let used = used_files(scene);
     let used: BTreeSet<PathBuf> = used.iter().filter_map(|path| path.canonicalize().ok()).collect();
     // A file that is not there yet is in no use.

@@ -21,7 +21,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
-use self::in_use::first_in_use;
+pub use self::in_use::first_in_use;
 use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
