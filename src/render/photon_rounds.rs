@@ -50,13 +50,15 @@ pub(super) struct RoundId {
 struct Round {
     scene: RenderScene,
     id: RoundId,
-    blocks: Vec<OnceLock<Vec<Photon>>>,
+    /// The photons of each block, until the map has them.
+    blocks: Vec<Mutex<Option<Vec<Photon>>>>,
     /// The next block that nobody has begun.
     next: AtomicUsize,
     /// The blocks that are done, or are not going to be.
     done: Mutex<usize>,
     progress: Condvar,
-    map: OnceLock<Arc<PhotonMap>>,
+    /// None if a block has failed.
+    map: OnceLock<Option<Arc<PhotonMap>>>,
 }
 
 impl PhotonRounds {
@@ -70,7 +72,7 @@ impl PhotonRounds {
     ) -> Option<Arc<PhotonMap>> {
         let round = self.round(scene, id);
         if let Some(map) = round.map.get() {
-            return Some(map.clone());
+            return map.clone();
         }
         while !cancel.load(Ordering::Relaxed) {
             let number = round.next.fetch_add(1, Ordering::Relaxed);
@@ -78,7 +80,8 @@ impl PhotonRounds {
                 return round.map();
             };
             let counted = Counted(&round);
-            let _ = block.set(trace(number as u32));
+            let photons = trace(number as u32);
+            *block.lock().unwrap_or_else(PoisonError::into_inner) = Some(photons);
             drop(counted);
         }
         None
@@ -106,7 +109,7 @@ impl Round {
         Self {
             scene,
             id,
-            blocks: std::iter::repeat_with(OnceLock::new).take(blocks).collect(),
+            blocks: std::iter::repeat_with(Mutex::default).take(blocks).collect(),
             next: AtomicUsize::new(0),
             done: Mutex::new(0),
             progress: Condvar::new(),
@@ -119,10 +122,12 @@ impl Round {
         let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         let waits = |done: &mut usize| *done < self.blocks.len();
         drop(self.progress.wait_while(done, waits));
-        let blocks: Option<Vec<&Vec<Photon>>> = self.blocks.iter().map(OnceLock::get).collect();
-        let blocks = blocks?;
-        let map = || Arc::new(PhotonMap::new(blocks.into_iter().flatten().copied().collect()));
-        Some(self.map.get_or_init(map).clone())
+        let photons = |block: &Mutex<Option<Vec<Photon>>>| block.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let map = || {
+            let blocks: Option<Vec<Vec<Photon>>> = self.blocks.iter().map(photons).collect();
+            blocks.map(|blocks| Arc::new(PhotonMap::new(blocks.concat())))
+        };
+        self.map.get_or_init(map).clone()
     }
 }
 
