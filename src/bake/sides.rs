@@ -1,4 +1,4 @@
-//! Which sides of a surface light comes to.
+//! Finds the sides of a surface that light comes to.
 
 use std::sync::atomic::AtomicBool;
 

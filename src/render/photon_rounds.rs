@@ -52,7 +52,7 @@ struct Round {
     id: RoundId,
     /// The photons of each block, until the map has them.
     blocks: Vec<Mutex<Option<Vec<Photon>>>>,
-    /// The next block that nobody has begun.
+    /// The number of the next block that no worker has begun.
     next: AtomicUsize,
     /// The blocks that are done, or are not going to be.
     done: Mutex<usize>,
@@ -131,7 +131,7 @@ impl Round {
     }
 }
 
-/// Counts a block when it is done, or when its worker panics, for which nobody shall wait.
+/// Counts a block when it is done, and also when its worker panics: the others must not wait for it.
 struct Counted<'a>(&'a Round);
 
 impl Drop for Counted<'_> {

@@ -1,5 +1,7 @@
 //! The settings of rendering: the file's `integrator` and `sampler`, and the switches for comparing methods.
 
+use std::ops::RangeInclusive;
+
 use bevy::prelude::*;
 
 use crate::layer::Layers;
@@ -84,6 +86,13 @@ pub struct IntegratorSettings {
     /// The layers that are kept and saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
     pub layers: Layers,
+}
+
+impl IntegratorSettings {
+    /// The most [`photons`](Self::photons): several rounds of them are kept at a time.
+    pub const MOST_PHOTONS: u32 = 1 << 20;
+    /// The range of [`merge_radius`](Self::merge_radius), in pixels.
+    pub const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
 }
 
 impl Default for IntegratorSettings {

@@ -104,7 +104,7 @@ pub(in crate::engine) fn pack_view(
                 path_settings,
                 PhotonSettings {
                     paths: integrator.photons,
-                    radius: check.number("merge_radius", integrator.merge_radius, 1e-2, 1e3, 3.0),
+                    radius: merge_radius(integrator, check),
                 },
             ),
             PathPlugin::Ptracer => Integrator::LightTracing(path_settings),
@@ -132,6 +132,20 @@ pub(in crate::engine) fn pack_view(
         seed: sampler.seed,
         photons: PhotonRounds::default(),
     })
+}
+
+fn merge_radius(integrator: &IntegratorSettings, check: &mut Checker) -> f32 {
+    let (radii, usual) = (
+        IntegratorSettings::MERGE_RADII,
+        IntegratorSettings::default().merge_radius,
+    );
+    check.number(
+        "merge_radius",
+        integrator.merge_radius,
+        *radii.start(),
+        *radii.end(),
+        usual,
+    )
 }
 
 /// The pose without scale and shear: forward stays, up is made perpendicular to it, and a mirrored pose stays mirrored.

@@ -1,7 +1,5 @@
 //! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, and `aov` around them; every other one is taken for `path` or `volpath`.
 
-use std::ops::RangeInclusive;
-
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
@@ -11,11 +9,6 @@ use crate::scene::{AuthoredScene, IntegratorSettings, Keys, PathPlugin};
 
 /// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
-
-/// The most paths from the lights for one sample of all pixels: several rounds of photons are kept at a time.
-const MOST_PHOTONS: i64 = 1 << 20;
-/// Pixels.
-const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
 
 impl<'a> SceneReader<'a> {
     /// Whether the integrator became part of the description.
@@ -95,9 +88,11 @@ impl<'a> SceneReader<'a> {
             settings.rr_depth = u32::try_from(depth).unwrap_or(u32::MAX);
         }
         if settings.plugin.has_photons() {
-            let photons = reader.integer_in("photons", 0..=MOST_PHOTONS).unwrap_or(0);
+            let photons = reader
+                .integer_in("photons", 0..=i64::from(IntegratorSettings::MOST_PHOTONS))
+                .unwrap_or(0);
             settings.photons = u32::try_from(photons).ok().filter(|&photons| photons > 0);
-            if let Some(radius) = reader.float_in("merge_radius", MERGE_RADII) {
+            if let Some(radius) = reader.float_in("merge_radius", IntegratorSettings::MERGE_RADII) {
                 settings.merge_radius = radius;
             }
         }

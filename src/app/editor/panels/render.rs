@@ -16,7 +16,7 @@ use crate::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use crate::app::editor::model::RenderModel;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
-use crate::scene::{AccelMethod, PathPlugin, Sequence, Strategy};
+use crate::scene::{AccelMethod, IntegratorSettings, PathPlugin, Sequence, Strategy};
 
 /// Shows the settings of how the scene is rendered and shown.
 pub fn render(
@@ -179,9 +179,8 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
     let mut integrator = model.integrator;
     let plugins = PathPlugin::ALL.map(|plugin| (plugin, plugin.name()));
     let about = "path follows light back from the camera, through empty space. volpath and volpathmis, which are the same here, scatter and absorb it in media \
-                 as well. bdpt joins paths from the camera with paths from the lights: for caustics, and for lamps that are hard to find. vcm has photons beside it, for caustics that are seen through glass and \
-                 water; it blurs them a little. ptracer has paths \
-                 from the lights alone.";
+                 as well. bdpt joins paths from the camera with paths from the lights: for caustics, and for lamps that are hard to find. vcm has \
+                 photons beside it, for caustics that are seen through glass and water; it blurs them a little. ptracer has paths from the lights alone.";
     let caption = Caption::from("Integrator").explained(about);
     let mut changed = fields::choice(ui, caption, &mut integrator.plugin, &plugins);
     let mut is_bounded = integrator.max_depth.is_some();
@@ -210,13 +209,14 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         let caption = Caption::from("Photons").explained(
             "Paths from the lights for each sample of all pixels together. More of them make caustics less noisy; 0 means a quarter of the number of pixels.",
         );
-        if fields::integer(ui, caption, &mut photons, 0..=1 << 20) {
+        if fields::integer(ui, caption, &mut photons, 0..=IntegratorSettings::MOST_PHOTONS) {
             changed = true;
             integrator.photons = (photons > 0).then_some(photons);
         }
         let caption = Caption::from("Merge radius")
             .explained("Photons within this distance, in pixels, count for a place. It shrinks with the samples. A larger one is smoother and blurs more.");
-        changed |= fields::quantity(ui, caption, &mut integrator.merge_radius, 0.05, 0.01..=1000.0, " px");
+        let radii = IntegratorSettings::MERGE_RADII;
+        changed |= fields::quantity(ui, caption, &mut integrator.merge_radius, 0.05, radii, " px");
     }
     changed |= fields::checkbox(ui, "Hide lights", &mut integrator.hide_emitters);
     changed |= fields::checkbox(ui, "Schlick", &mut integrator.schlick);
