@@ -1,6 +1,6 @@
 //! Gives the meshes of a glTF file that is being made a place in lightmaps.
 //!
-//! What moves, what is clear as glass, and what reflects nothing diffusely gets none. A surface that is seen from both sides is baked on the side that light
+//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that is seen from both sides is baked on the side that light
 //! comes to; if light comes to both, each side becomes a surface of its own. Nodes whose meshes have the same size in the world share a mesh and lie in
 //! rectangles of their own.
 
@@ -126,6 +126,7 @@ pub fn unwrap_level(
         groups[group].places.push(placed);
         groups[group].input.places += 1;
     }
+    groups.retain(|group| group.input.has_surface());
     let mut inputs: Vec<UnwrapMesh> = groups
         .iter_mut()
         .map(|group| std::mem::take(&mut group.input))

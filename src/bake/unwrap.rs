@@ -3,7 +3,7 @@
 //! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
 //! an atlas may be, and what becomes of meshes that have no surface or are broken.
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{DVec3, UVec2, Vec2, Vec3};
 use uvunwrap::{Density, MeshInput, Options};
 
 use crate::memory::{self, Reservation, Shortage};
@@ -16,7 +16,8 @@ pub const ATLAS_SIZES: std::ops::RangeInclusive<u32> = 16..=16384;
 pub struct UnwrapSettings {
     /// The width of a lightmap, and its largest height; in [`ATLAS_SIZES`].
     pub atlas_size: u32,
-    /// Texels per unit of length, above 0; None is as many as fit in one lightmap.
+    /// Texels per unit of length, above 0; None is as many as fit in one lightmap. If one has no room for all pieces of the level however small they are,
+    /// there are several.
     pub texels_per_unit: Option<f32>,
     /// Texels around each chart that hold nothing of another.
     pub padding: u32,
@@ -98,10 +99,16 @@ pub enum UnwrapError {
     TexelsPerUnit(f32),
     #[error("`{0}` has vertices that are no numbers")]
     Broken(String),
+    #[error("`{0}` has no surface that a lightmap could lie on")]
+    Flat(String),
     #[error(
         "a shape needs {width} x {height} texels, and a lightmap has {size} x {size}: fewer texels per unit, or larger lightmaps"
     )]
     TooLarge { width: u32, height: u32, size: u32 },
+    #[error(
+        "a shape has so many pieces that a lightmap of {size} x {size} texels has no room for them: take larger lightmaps"
+    )]
+    TooManyPieces { size: u32 },
     #[error("the level needs {0} texels: that is too many; take fewer texels per unit")]
     TooMany(u64),
     #[error("the lightmaps: {0}")]
@@ -112,10 +119,12 @@ pub enum UnwrapError {
 
 /// Bytes for each texel of a lightmap while it is made: its place, its sums, and the pictures of it.
 const TEXEL_BYTES: u64 = 224;
+/// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
+const LEAST_HEIGHT: f64 = 2e-6;
 /// The most texels of all lightmaps together.
 const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 
-/// Lays meshes out in lightmaps.
+/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]).
 pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout, UnwrapError> {
     let UnwrapSettings {
         atlas_size,
@@ -136,6 +145,9 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
     let area: f64 = meshes.iter().map(UnwrapMesh::area).sum();
     if area.is_nan() || area <= 0.0 {
         return Err(UnwrapError::Nothing);
+    }
+    if let Some(flat) = meshes.iter().find(|mesh| !mesh.has_surface()) {
+        return Err(UnwrapError::Flat(flat.name.clone()));
     }
     let page = f64::from(atlas_size).powi(2);
     let needed = texels_per_unit.map_or(page, |density| area * f64::from(density).powi(2));
@@ -158,6 +170,9 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
         ..Options::default()
     };
     let atlas = uvunwrap::generate(&inputs, &options).map_err(|error| match error {
+        uvunwrap::Error::ChartTooLarge { .. } if texels_per_unit.is_none() => {
+            UnwrapError::TooManyPieces { size: atlas_size }
+        }
         uvunwrap::Error::ChartTooLarge { width, height, .. } => UnwrapError::TooLarge {
             width,
             height,
@@ -196,6 +211,18 @@ fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
 }
 
 impl UnwrapMesh {
+    /// Whether a lightmap can lie on any of its triangles: not on those that are so thin that single precision takes them for lines.
+    pub fn has_surface(&self) -> bool {
+        let places = || self.positions.iter().map(|place| place.as_dvec3());
+        let extent = places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min);
+        let least = LEAST_HEIGHT * extent.length();
+        self.triangles.iter().any(|triangle| {
+            let [a, b, c] = triangle.map(|corner| self.positions[corner as usize].as_dvec3());
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            (b - a).cross(c - a).length() / longest > least
+        })
+    }
+
     /// The area of all its places.
     fn area(&self) -> f64 {
         let of = |triangle: &[u32; 3]| {
@@ -338,6 +365,42 @@ mod tests {
         assert_eq!(layout.meshes[0].triangles.len(), 6);
         let inside = |at: &Vec2| at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all();
         assert!(layout.meshes[0].coordinates.iter().all(inside));
+    }
+
+    #[test]
+    fn a_mesh_of_needles_has_no_surface() {
+        let mut needle = square(1.0);
+        needle.triangles = vec![[0, 1, 2], [0, 1, 1]];
+        needle.part_of_triangle = vec![0, 0];
+        for (height, has_surface) in [(1e-3, true), (1e-5, true), (1e-8, false), (0.0, false)] {
+            needle.positions[2] = Vec3::new(0.5, height, 0.0);
+            // The crate takes what it is said to take.
+            assert_eq!(needle.has_surface(), has_surface, "{height}");
+            let layout = unwrap(&[square(1.0), needle.clone()], &with_density(8.0));
+            assert_eq!(layout.is_ok(), has_surface, "{height}");
+        }
+    }
+
+    #[test]
+    fn more_pieces_than_a_lightmap_has_room_for_are_refused() {
+        let mut mesh = UnwrapMesh {
+            places: 1,
+            ..square(1.0)
+        };
+        for number in 1..200 {
+            let first = mesh.positions.len() as u32;
+            let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)];
+            let corners = corners.map(|(x, y)| Vec3::new(x, y, number as f32));
+            mesh.positions.extend(corners);
+            mesh.triangles.push([first, first + 1, first + 2]);
+            mesh.part_of_triangle.push(0);
+        }
+        let small = UnwrapSettings {
+            atlas_size: 32,
+            ..UnwrapSettings::default()
+        };
+        let error = unwrap(&[mesh], &small).map(drop).expect_err("no room");
+        assert_eq!(error, UnwrapError::TooManyPieces { size: 32 });
     }
 
     #[test]

@@ -92,6 +92,9 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles);
     let level = pool.install(|| unwrap_level(&mut writer, &settings, lit))?;
     let texels = covered_texels(&level.surfaces, level.size, level.pages);
+    if texels.texels.is_empty() {
+        return Err("no surface is large enough for a texel: take more texels per unit".into());
+    }
     if !args.quiet {
         report::line(format_args!(
             "{} in {} of {} x {}, {:.4} texels per unit, {}",

@@ -141,6 +141,7 @@ fn what_cannot_be_baked_is_said() {
         "fewer texels per unit",
     );
     fails(&["--texels-per-unit", "1e30"], 1, "too many");
+    fails(&["--texels-per-unit", "1e-30"], 1, "large enough for a texel");
     fails(&["--atlas-size", "8"], 2, "--atlas-size");
     fails(&["--spp", "0"], 2, "--spp");
     let nowhere = workshop.write("file", "");

@@ -466,16 +466,15 @@ fn no_two_places_share_a_texel() {
     }
 }
 
-#[test]
-fn a_mesh_without_triangles_has_no_place() {
-    let mut writer = GltfWriter::default();
-    let flat = MeshData {
+/// Adds a mesh whose triangle is a line, and gives its node.
+fn add_line(writer: &mut GltfWriter) -> usize {
+    let line = MeshData {
         positions: vec![Vec3::ZERO, Vec3::X, 2.0 * Vec3::X],
         triangles: vec![[0, 1, 2]],
         ..MeshData::default()
     };
-    let attributes = writer.add_vertices(&flat, None).expect("few vertices");
-    let indices = writer.add_triangles(&flat.triangles, 3).expect("a triangle");
+    let attributes = writer.add_vertices(&line, None).expect("few vertices");
+    let indices = writer.add_triangles(&line.triangles, 3).expect("a triangle");
     let primitives = vec![GltfPrimitive {
         attributes,
         indices,
@@ -489,12 +488,25 @@ fn a_mesh_without_triangles_has_no_place() {
         mesh: Some(mesh),
         ..Node::default()
     };
-    writer.add_node(node, None);
+    writer.add_node(node, None)
+}
+
+#[test]
+fn a_mesh_without_an_area_has_no_place() {
+    let mut writer = GltfWriter::default();
+    add_line(&mut writer);
     let error = unwrap_level(&mut writer, &UnwrapSettings::default(), |_| (true, true)).expect_err("no surface");
     assert!(
         error.to_string().contains("nothing in the level has a surface"),
         "{error}"
     );
+    // It does not keep others from theirs.
+    let mut writer = cubes();
+    let line = add_line(&mut writer);
+    let level = laid_out(&mut writer, (true, true));
+    let nodes: Vec<usize> = level.nodes.iter().map(|node| node.node).collect();
+    assert_eq!(nodes, [0, 1, 2, 3, 6]);
+    assert!(writer.placed_meshes().iter().any(|placed| placed.node == line));
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct BakeArgs {
     /// Folder for the level, its lightmaps and lightmaps.json; it is made if it is not there
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Texels per unit of length [default: as many as fit in one lightmap]
+    /// Texels per unit of length [default: as many as fit in one lightmap, if all shapes do]
     #[arg(long, value_name = "N")]
     pub texels_per_unit: Option<f32>,
     /// Width of a lightmap in texels, and its largest height
