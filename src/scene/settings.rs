@@ -89,8 +89,8 @@ pub struct IntegratorSettings {
 }
 
 impl IntegratorSettings {
-    /// The most [`photons`](Self::photons): several rounds of them are kept at a time.
-    pub const MOST_PHOTONS: u32 = 1 << 20;
+    /// The most [`photons`](Self::photons): 32 rounds of them are kept at a time.
+    pub const MOST_PHOTONS: u32 = 1 << 18;
     /// The range of [`merge_radius`](Self::merge_radius), in pixels.
     pub const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
 }
