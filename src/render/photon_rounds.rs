@@ -62,6 +62,11 @@ struct Round {
 }
 
 impl PhotonRounds {
+    /// The number of rounds that are kept at this moment.
+    pub fn kept(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
     /// The photons of a round of a scene. `trace` traces block number n of its paths; None if `cancel` was set in the meantime.
     pub(super) fn get(
         &self,

@@ -25,9 +25,14 @@ impl Shutter {
 
     /// The shutter over moments in the order of time; None if there are none.
     pub fn new(moments: &[Moment]) -> Option<Self> {
-        let order = spread_order(moments.len());
-        let moments: Arc<[Moment]> = order.into_iter().map(|place| moments[place].clone()).collect();
-        (!moments.is_empty()).then_some(Self(moments))
+        let photons = moments.first()?.1.photons.clone();
+        let moment = |place: usize| {
+            let (scene, view) = moments[place].clone();
+            // A store of its own for each moment would keep photons of many samples that are done.
+            let photons = photons.clone();
+            (scene, View { photons, ..view })
+        };
+        Some(Self(spread_order(moments.len()).into_iter().map(moment).collect()))
     }
 
     /// The number of moments.

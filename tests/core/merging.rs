@@ -12,6 +12,7 @@ use sunroom::layer::{Layer, Layers};
 use sunroom::light::{LightSource, Spot};
 use sunroom::render::photon_rounds::PhotonRounds;
 use sunroom::render::scene::RenderScene;
+use sunroom::render::shutter::{Moment, Shutter};
 use sunroom::render::tile::{TileSamples, render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, PhotonSettings, View};
 use sunroom::texture::Parameter;
@@ -125,6 +126,29 @@ fn the_light_of_a_spot_comes_through_water() {
 fn traced(scene: &RenderScene, view: &View, tile: usize, first: u32) -> TileSamples {
     let tile = tiles(view.width, view.height)[tile];
     render_tile(scene, view, tile, first..first + 4, &AtomicBool::new(false)).expect("not cancelled")
+}
+
+/// With a store for each moment, long pictures would keep some rounds of each.
+#[test]
+fn the_moments_of_a_blurred_picture_share_their_photons() {
+    let (scene, view) = (pool(), by(merging, &over_the_pool(4)));
+    let moments: Vec<Moment> = (0..3)
+        .map(|_| {
+            (
+                scene.clone(),
+                View {
+                    photons: PhotonRounds::default(),
+                    ..view.clone()
+                },
+            )
+        })
+        .collect();
+    let shutter = Shutter::new(&moments).expect("three moments");
+    let tile = tiles(view.width, view.height)[0];
+    let never = AtomicBool::new(false);
+    shutter.render_tile(tile, 0..48, &never).expect("not cancelled");
+    let kept: Vec<usize> = moments.iter().map(|(_, view)| view.photons.kept()).collect();
+    assert_eq!(kept, [32, 0, 0], "the first one is that of all");
 }
 
 #[test]
