@@ -9,6 +9,7 @@ mod animation;
 mod camera;
 mod error;
 pub mod files;
+mod folders;
 mod material;
 mod mesh;
 mod motion;

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f32::consts::PI;
+use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
@@ -65,6 +66,10 @@ pub(super) struct Builder<'a> {
     interiors: BTreeMap<usize, Option<String>>,
     media: Vec<Object>,
     emitters: Vec<Object>,
+    /// The groups of folders.
+    pub(super) groups: Vec<Object>,
+    /// The folder of the node at hand.
+    folder: Rc<str>,
     pub(super) shapes: Vec<Object>,
     has_area_light: bool,
     pub(super) bounds: Aabb,
@@ -99,6 +104,8 @@ impl Gltf {
             interiors: BTreeMap::new(),
             media: Vec::new(),
             emitters: Vec::new(),
+            groups: Vec::new(),
+            folder: "".into(),
             shapes: Vec::new(),
             has_area_light: false,
             bounds: Aabb::EMPTY,
@@ -112,11 +119,13 @@ impl Gltf {
         let warnings = passed_over.chain(placed.warnings.iter().cloned());
         warnings.for_each(|warning| builder.warn(warning));
         builder.warn_of_deformation(&placed);
+        let folders = builder.folders(&placed)?;
         let mut allowance = Allowance::default();
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;
             if about.places_something() {
                 let placement = self.placement(&placed, &animations, place, &mut allowance)?;
+                builder.folder = folders[place].path.clone();
                 builder.node(node.index, about, placement)?;
             }
         }
@@ -224,7 +233,7 @@ impl Builder<'_> {
         if let Some(camera) = node.camera {
             let camera = gltf.get("camera", &gltf.root.cameras, camera)?;
             let name = node.name.as_deref().or(camera.name.as_deref()).unwrap_or("camera");
-            let id = self.unique(name);
+            let id = self.unique_in_folder(name);
             self.camera(camera, id, &placement);
         }
         if let Some(light) = &node.extensions.light {
@@ -261,7 +270,7 @@ impl Builder<'_> {
                 self.warn(format!("material {missing} is not there: `{name}` has the default one"));
             }
             let mut shape = mesh.shape;
-            shape.id = Some(self.unique(name).into());
+            shape.id = Some(self.unique_in_folder(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
                 // If a transform mirrors, the front is the side from which the corners are seen clockwise (glTF 2.0, section 3.7.4), and normals of
@@ -387,12 +396,21 @@ impl Builder<'_> {
         };
         emitter.id = name
             .filter(|name| !name.trim().is_empty())
-            .map(|name| self.unique(name).into());
+            .map(|name| self.unique_in_folder(name).into());
         self.emitters.push(emitter);
     }
 
-    /// The name as an id that no other has, of the characters that ids may have.
     fn unique(&mut self, name: &str) -> String {
+        self.unique_in("", name, "")
+    }
+
+    fn unique_in_folder(&mut self, name: &str) -> String {
+        let folder = self.folder.clone();
+        self.unique_in(&folder, name, "")
+    }
+
+    /// The name as an id that no other has, of the characters that ids may have, between a folder and an end.
+    pub(super) fn unique_in(&mut self, folder: &str, name: &str, end: &str) -> String {
         let plain = |c: char| {
             if c.is_alphanumeric() || "-_. ".contains(c) {
                 c
@@ -401,16 +419,13 @@ impl Builder<'_> {
             }
         };
         let name: String = name.chars().map(plain).collect();
-        let name = if name.trim().is_empty() {
-            "unnamed".to_owned()
-        } else {
-            name
-        };
-        let next = self.next_numbers.entry(name.clone()).or_insert(1);
+        let name = if name.trim().is_empty() { "unnamed" } else { &name };
+        let base = format!("{folder}{name}");
+        let next = self.next_numbers.entry(format!("{base}{end}")).or_insert(1);
         loop {
             let id = match *next {
-                1 => name.clone(),
-                number => format!("{name}-{number}"),
+                1 => format!("{base}{end}"),
+                number => format!("{base}-{number}{end}"),
             };
             *next += 1;
             if self.ids.insert(id.clone()) {
@@ -441,6 +456,7 @@ impl Builder<'_> {
             .chain(self.emitters)
             .chain(self.media)
             .chain(self.bsdfs)
+            .chain(self.groups)
             .chain(self.shapes)
             .map(Child::from)
             .collect();

@@ -296,14 +296,23 @@ fn folders_become_nodes_with_their_transforms() {
     );
     assert_eq!(room.1["children"], serde_json::json!([table.0]));
     assert_eq!(table.1["translation"], serde_json::json!([1.0, 1.0, 0.0]));
+    // And nodes become folders.
     let after = shop.describe("level.gltf");
     assert_near(
-        shape(&after, "table").to_world.transform_point3(Vec3::ONE),
+        shape(&after, "house/room/table").to_world.transform_point3(Vec3::ONE),
         Vec3::new(13.0, 3.0, 1.0),
     );
     let EmitterDescription { to_world, identity, .. } = &after.emitters[0];
-    assert_eq!(identity.name, "lamp");
+    assert_eq!(identity.name, "house/lamp");
     assert_near(to_world.translation.into(), Vec3::new(10.0, 5.0, 0.0));
+    let frames: Vec<&ShapeDescription> = after
+        .shapes
+        .iter()
+        .filter(|shape| shape.shape.kind == ShapeKind::Frame)
+        .collect();
+    let [house] = frames[..] else { panic!("{frames:?}") };
+    assert_eq!(house.identity.id.as_deref(), Some("house/"));
+    assert_near(house.to_world.transform_point3(Vec3::ONE), Vec3::new(12.0, 2.0, 2.0));
 }
 
 #[test]
