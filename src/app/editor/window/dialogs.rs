@@ -14,7 +14,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
 use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension, noisy_beside};
-use crate::files::check_writable;
+use crate::files::{LARGEST_NOTE, check_writable, read_text};
 use crate::render::image_io::FileFormat;
 use crate::render::tonemap::ToneMap;
 
@@ -132,10 +132,23 @@ fn own_folder(model: DialogModel) -> Option<PathBuf> {
     let mut own = model.recent.iter().filter(|file| file.is_file() && !is_sample(file));
     let last = own.find_map(|file| beside(Some(file)));
     let home = std::env::home_dir().filter(|home| home.is_dir());
-    last.or_else(|| {
-        let documents = home.as_ref().map(|home| home.join("Documents"));
-        documents.filter(|folder| folder.is_dir()).or(home)
-    })
+    last.or_else(|| documents(home.as_deref()?).or(home))
+}
+
+/// The folder for documents in a home folder: the one that the desktop has noted (`user-dirs.dirs` of freedesktop.org), whose name depends on the language, or
+/// else `Documents`. None if neither is there.
+fn documents(home: &Path) -> Option<PathBuf> {
+    let notes = read_text(&home.join(".config/user-dirs.dirs"), LARGEST_NOTE).unwrap_or_default();
+    let noted = notes.lines().find_map(|line| {
+        let name = line.trim().strip_prefix("XDG_DOCUMENTS_DIR=")?.trim_matches('"');
+        // Without `$HOME` it is absolute. The home folder itself stands for no folder.
+        let folder = home.join(
+            name.strip_prefix("$HOME")
+                .map_or(name, |inside| inside.trim_start_matches('/')),
+        );
+        (folder.is_dir() && folder != home.join("")).then_some(folder)
+    });
+    noted.or_else(|| Some(home.join("Documents")).filter(|folder| folder.is_dir()))
 }
 
 /// The folder of the scene's file.
@@ -329,6 +342,24 @@ mod tests {
         assert_eq!(start(None, &recent), Some(folder.path().to_path_buf()));
         assert_eq!(start(Some(&own), &recent), None);
         assert_ne!(start(Some(&sample), &recent[..2]), beside(Some(&sample)));
+    }
+
+    #[test]
+    fn documents_lie_where_the_desktop_has_noted() {
+        let home = tempfile::tempdir().expect("a folder");
+        let note = |line: &str| std::fs::write(home.path().join(".config/user-dirs.dirs"), line).expect("a file");
+        let of = |name: &str| Some(home.path().join(name));
+        assert_eq!(documents(home.path()), None);
+        for name in [".config", "Documents", "Dokumente"] {
+            std::fs::create_dir(home.path().join(name)).expect("a folder");
+        }
+        assert_eq!(documents(home.path()), of("Documents"));
+        note("# Made by a program\nXDG_MUSIC_DIR=\"$HOME/Musik\"\nXDG_DOCUMENTS_DIR=\"$HOME/Dokumente\"\n");
+        assert_eq!(documents(home.path()), of("Dokumente"));
+        note("XDG_DOCUMENTS_DIR=\"$HOME/gone\"\n");
+        assert_eq!(documents(home.path()), of("Documents"));
+        note("XDG_DOCUMENTS_DIR=\"$HOME/\"\n");
+        assert_eq!(documents(home.path()), of("Documents"));
     }
 
     #[test]
