@@ -30,7 +30,7 @@ use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::View;
 use sunroom::scene::assets::scene_asset::load_document;
-use sunroom::scene::export::{ExportError, Hidden, collect, first_in_use};
+use sunroom::scene::export::{Collected, ExportError, Hidden, collect, first_in_use};
 use sunroom::scene::{OpenScene, SceneStatus, read};
 
 pub use self::args::BakeArgs;
@@ -182,12 +182,16 @@ fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
     let access = args.trust.trust(&args.scene.scene)?.access(&path);
     let mut document = load_document(&path, &args.scene.defines.defines, access)?;
     let scene = read::read(&mut document);
+    let Collected {
+        writer,
+        messages,
+        pictures_of_libraries,
+    } = collect(&scene, &Hidden::default(), &document.access)?;
     let replaced = files::replaceable(&args.output);
-    if let Some(path) = first_in_use(&scene, replaced.iter().map(PathBuf::as_path)) {
+    if let Some(path) = first_in_use(&scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {
         let path = path.to_owned();
         return Err(ExportError::InUse { path }.into());
     }
-    let (writer, messages) = collect(&scene, &Hidden::default(), &document.access)?;
     for message in &messages {
         report::line(format_args!("warning: {message}"));
     }

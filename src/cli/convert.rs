@@ -90,6 +90,9 @@ fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> E
     for message in &export.messages {
         report::line(format_args!("warning: {message}"));
     }
+    if let Some(note) = &export.note {
+        report::line(format_args!("note: {note}"));
+    }
     if args.strict && !export.messages.is_empty() {
         report::refused_for_warnings(&args.output);
         return ExitCode::FAILURE;

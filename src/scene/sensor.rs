@@ -167,6 +167,14 @@ pub struct Crop {
 }
 
 impl Film {
+    /// The film of a file that says nothing of it, and has no sampler.
+    pub fn of_format() -> Self {
+        Self {
+            sample_count: 4,
+            ..Self::default()
+        }
+    }
+
     /// The picture in pixels of the film: the crop within the film, and at least a pixel if there is one.
     pub fn window(&self) -> Crop {
         let Some(crop) = self.crop else {

@@ -15,9 +15,16 @@ use sunroom::scene::*;
 use crate::workshop::Workshop;
 
 impl Workshop {
-    /// What the program says when it exports a scene.
+    /// The warnings of the program when it exports a scene.
     #[track_caller]
     fn convert(&self, scene: &str, output: &str) -> Vec<String> {
+        let mut said = self.said_of_export(scene, output);
+        said.retain(|line| !line.starts_with("note: "));
+        said
+    }
+
+    #[track_caller]
+    fn said_of_export(&self, scene: &str, output: &str) -> Vec<String> {
         let output = self.sunroom(&["convert", scene, output]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{said}");
@@ -678,6 +685,114 @@ fn what_is_lost_is_said_with_its_name() {
     assert!(!shop.path("level.glb").exists());
 }
 
+/// Descriptions may hold what no file gives them.
+#[test]
+fn many_instances_in_one_stand_still() {
+    let shop = Workshop::new();
+    shop.put(
+        "scene.xml",
+        scene(&format!(
+            r#"{CAMERA}<emitter type="point"/><shape type="shapegroup" id="tree"><shape type="cube">{MATT}</shape></shape>
+            <shape type="instance" id="wood"><ref id="tree"/><animation name="to_world"><transform time="0"/>
+            <transform time="1"><translate x="3"/></transform></animation></shape>"#
+        )),
+    );
+    let mut scene = shop.describe("scene.xml");
+    let wood = scene.shapes.iter_mut().find(|shape| shape.identity.name == "wood");
+    let wood = wood.expect("it is there");
+    let places = [0.0, 5.0].map(|x| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)).into());
+    wood.placements = Some(Placements {
+        places: places.to_vec().into(),
+    });
+    let target = shop.path("level.glb");
+    let made = export(&scene, &Hidden::default(), &target, &Access::everywhere()).expect("it is made");
+    assert_eq!(
+        made.messages,
+        ["shape `wood`: nothing moves, because these are many instances in one"]
+    );
+}
+
+/// The settings of the film are lost by every export, so that they do not count as a loss of the scene.
+#[test]
+fn lost_settings_of_the_film_are_said_once() {
+    let shop = Workshop::new();
+    let film = |settings: &str| {
+        let film = format!("<film type='hdrfilm'>{settings}</film>");
+        let sensor = |name: &str| {
+            format!(
+                "<sensor type='perspective' id='{name}'>{film}<sampler type='independent'><integer name='sample_count' value='64'/></sampler></sensor>"
+            )
+        };
+        scene(&format!("{}{}<emitter type='point'/>", sensor("a"), sensor("b")))
+    };
+    shop.put(
+        "set.xml",
+        film("<integer name='width' value='320'/><rfilter type='box'/>"),
+    );
+    let note = "note: settings `width`, `rfilter`, `sample_count` are left out: glTF has no film";
+    assert_eq!(shop.said_of_export("set.xml", "level.glb"), [note]);
+    let output = shop.sunroom(&["convert", "--strict", "set.xml", "level.glb"]);
+    assert!(output.status.success(), "{output:?}");
+    shop.put(
+        "usual.xml",
+        scene("<sensor type='perspective'/><emitter type='point'/>"),
+    );
+    assert_eq!(shop.said_of_export("usual.xml", "level.glb"), [""; 0]);
+}
+
+/// An RGBA picture is opaque here: if a mask makes alpha count, the file may not bring any of its own.
+#[test]
+fn alpha_of_pictures_does_not_count_below_masks() {
+    let shop = Workshop::new();
+    let picture = image::RgbaImage::from_fn(4, 4, |x, y| image::Rgba([60 * x as u8, 60 * y as u8, 128, 77]));
+    picture.save(shop.path("tiles.png")).expect("a picture");
+    let matt = "<bsdf type='twosided'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>\
+                <string name='filename' value='tiles.png'/></texture></bsdf></bsdf>";
+    for (opacity, is_as_it_is) in [(1.0, true), (0.5, false)] {
+        let mask = format!("<bsdf type='mask' id='veil'><float name='opacity' value='{opacity}'/>{matt}</bsdf>");
+        let text = scene(&format!(
+            "{CAMERA}<emitter type='point'/>{mask}<shape type='cube'><ref id='veil'/></shape>"
+        ));
+        shop.put("scene.xml", text);
+        assert_eq!(shop.convert("scene.xml", "level.gltf"), [""; 0]);
+        let json: serde_json::Value = serde_json::from_slice(&shop.read("level.gltf")).expect("JSON");
+        let factor = json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3].as_f64();
+        assert_eq!(factor.unwrap_or(1.0), opacity);
+        let written = shop.read("level-picture-0.png");
+        assert_eq!(written == shop.read("tiles.png"), is_as_it_is);
+        let written = image::load_from_memory(&written).expect("a picture");
+        assert_eq!(written.color().has_alpha(), is_as_it_is);
+        assert_eq!(written.to_rgb8(), image::DynamicImage::from(picture.clone()).to_rgb8());
+    }
+}
+
+/// A mesh of two materials in a group, whose place in the group moves its vertices.
+#[test]
+fn moved_vertices_of_groups_are_written_once() {
+    let shop = Workshop::new();
+    shop.put("two.mtl", "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
+    shop.put(
+        "two.obj",
+        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl green\nf 2 4 3\n",
+    );
+    shop.put(
+        "scene.xml",
+        scene(&format!(
+            r#"{CAMERA}<emitter type="point"/><shape type="shapegroup" id="tree"><shape type="obj"><string name="filename" value="two.obj"/>
+            <transform name="to_world"><translate x="3"/></transform></shape></shape>
+            <shape type="instance" id="one"><ref id="tree"/></shape><shape type="instance" id="two"><ref id="tree"/></shape>"#
+        )),
+    );
+    shop.convert("scene.xml", "level.gltf");
+    let json: serde_json::Value = serde_json::from_slice(&shop.read("level.gltf")).expect("JSON");
+    let meshes = json["meshes"].as_array().expect("a list");
+    assert_eq!(meshes.len(), 1);
+    let parts = meshes[0]["primitives"].as_array().expect("a list");
+    assert_eq!(parts.len(), 2);
+    assert_eq!(parts[0]["attributes"], parts[1]["attributes"]);
+    assert_ne!(parts[0]["material"], parts[1]["material"]);
+}
+
 #[test]
 fn no_file_of_the_scene_is_overwritten() {
     let shop = Workshop::new();
@@ -690,9 +805,24 @@ fn no_file_of_the_scene_is_overwritten() {
     shop.put("mesh.glb", format!("{header}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     let mesh = format!("<shape type='ply'><string name='filename' value='mesh.glb'/>{MATT}</shape>");
     shop.put("mesh.xml", scene(&format!("{CAMERA}{mesh}")));
+    // Only the library of a mesh names the picture.
+    let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([9, 90, 200]));
+    picture.save(shop.path("tile-picture-0.png")).expect("a picture");
+    shop.put("tile.mtl", "newmtl tiled\nmap_Kd tile-picture-0.png\n");
+    shop.put(
+        "tile.obj",
+        "mtllib tile.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl tiled\nf 1 2 3\n",
+    );
+    let tiled = "<texture type='checkerboard' name='reflectance'/>";
+    let mesh = format!(
+        "<shape type='obj'><string name='filename' value='tile.obj'/></shape>\
+         <shape type='cube'><bsdf type='twosided'><bsdf type='diffuse'>{tiled}</bsdf></bsdf></shape>"
+    );
+    shop.put("tile.xml", scene(&format!("{CAMERA}{mesh}")));
     for (scene, file, kept) in [
         ("other.gltf", "level.gltf", "level.bin"),
         ("mesh.xml", "mesh.glb", "mesh.glb"),
+        ("tile.xml", "tile.gltf", "tile-picture-0.png"),
     ] {
         let before = shop.read(kept);
         let output = shop.sunroom(&["convert", scene, file]);

@@ -11,10 +11,10 @@ use crate::files::Access;
 use crate::geometry::attribute::AttributeDomain;
 use crate::geometry::mesh::MeshData;
 use crate::math::Frame;
-use crate::scene::ShapeKind;
 use crate::scene::assets::shape_mesh::shape_mesh;
 use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
 use crate::scene::description::ShapeDescription;
+use crate::scene::{MeshFormat, ShapeKind};
 
 /// The colours of a mesh: the name of its attribute, and a factor.
 pub(super) type Colors = Option<(String, f32)>;
@@ -113,6 +113,23 @@ impl<'a> Forms<'a> {
         });
         self.forms.insert(key, form.clone());
         form
+    }
+
+    /// The pictures that the materials of a shape's mesh file name.
+    pub fn pictures_of_file(&mut self, shape: &ShapeDescription) -> Vec<PathBuf> {
+        let ShapeKind::Mesh(file) = &shape.shape.kind else {
+            return Vec::new();
+        };
+        if file.format != MeshFormat::Obj {
+            return Vec::new();
+        }
+        let known = self.files.entry(file.path.clone());
+        let mesh = known.or_insert_with(|| load_mesh(&file.path, self.access).ok());
+        let data = mesh.iter().flat_map(|mesh| &mesh.shapes).map(|shape| &shape.data);
+        let maps = data
+            .flat_map(|data| &data.materials)
+            .flat_map(|material| material.maps.iter());
+        maps.map(|map| map.file.clone()).collect()
     }
 
     fn mesh_of_file(

@@ -7,10 +7,16 @@ use crate::scene::ShapeKind;
 use crate::scene::description::SceneDescription;
 use crate::scene::pictures::pictures_of_lights;
 
-/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
-pub fn first_in_use<'f>(scene: &SceneDescription, mut files: impl Iterator<Item = &'f Path>) -> Option<&'f Path> {
+/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture. `of_libraries`: the pictures that the materials
+/// of mesh files name.
+pub fn first_in_use<'f>(
+    scene: &SceneDescription,
+    of_libraries: &BTreeSet<PathBuf>,
+    mut files: impl Iterator<Item = &'f Path>,
+) -> Option<&'f Path> {
     let used = used_files(scene);
-    let used: BTreeSet<PathBuf> = used.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    let used = used.iter().chain(of_libraries);
+    let used: BTreeSet<PathBuf> = used.filter_map(|path| path.canonicalize().ok()).collect();
     // A file that is not there yet is in no use.
     files.find(|file| file.canonicalize().is_ok_and(|file| used.contains(&file)))
 }

@@ -262,7 +262,8 @@ impl MaterialWriter<'_, '_> {
             color: base,
             channels: [None, None, None, opacity],
             srgb: true,
-            is_light: false,
+            counts_alpha: material.alpha_mode.is_some(),
+            ..Planes::default()
         };
         let texture = self.texture(planes);
         let pbr = &mut material.pbr_metallic_roughness;

@@ -17,7 +17,7 @@ mod pictures;
 mod poses;
 mod shapes;
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
@@ -26,7 +26,8 @@ use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
 use self::shapes::Shapes;
-use super::description::SceneDescription;
+use super::Film;
+use super::description::{SceneDescription, SensorDescription};
 use crate::files::{Access, write_atomically};
 use crate::gltf::write::GltfWriter;
 
@@ -37,6 +38,8 @@ pub struct Export {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// One sentence for each thing that the files do not say as the scene does.
     pub messages: Vec<String>,
+    /// A sentence about the settings of the film, which change no light and are lost in every export.
+    pub note: Option<String>,
 }
 
 /// Whether a file of this name is one that a scene is exported to.
@@ -72,7 +75,13 @@ pub fn export(
         let path = target.to_owned();
         return Err(ExportError::Ending { path });
     };
-    let (writer, messages) = collect(scene, hidden, access)?;
+    let mut settings = Messages::default();
+    report_settings(scene, &mut settings);
+    let Collected {
+        writer,
+        messages,
+        pictures_of_libraries,
+    } = collect(scene, hidden, access)?;
     let files: Vec<(PathBuf, Vec<u8>)> = match kind {
         Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
         Kind::Text => {
@@ -84,20 +93,31 @@ pub fn export(
             beside.chain([(target.to_owned(), text)]).collect()
         }
     };
-    if let Some(path) = first_in_use(scene, files.iter().map(|(path, _)| path.as_path())) {
+    let names = files.iter().map(|(path, _)| path.as_path());
+    if let Some(path) = first_in_use(scene, &pictures_of_libraries, names) {
         let path = path.to_owned();
         return Err(ExportError::InUse { path });
     }
-    Ok(Export { files, messages })
+    Ok(Export {
+        files,
+        messages: [settings.sentences(), messages].concat(),
+        note: lost_film(scene),
+    })
 }
 
-/// Collects the content of the files of a scene, which may still be changed, with one sentence for each thing that they do not say as the scene does. `hidden` and
-/// `access` as for [`export`].
-pub fn collect(
-    scene: &SceneDescription,
-    hidden: &Hidden,
-    access: &Access,
-) -> Result<(GltfWriter, Vec<String>), ExportError> {
+/// The content of the files of a scene, which may still be changed.
+#[derive(Debug)]
+pub struct Collected {
+    /// The content.
+    pub writer: GltfWriter,
+    /// One sentence for each thing of the level that it does not say as the scene does; nothing about the settings of pictures.
+    pub messages: Vec<String>,
+    /// The pictures that materials of mesh files name, for [`first_in_use`].
+    pub pictures_of_libraries: BTreeSet<PathBuf>,
+}
+
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`].
+pub fn collect(scene: &SceneDescription, hidden: &Hidden, access: &Access) -> Result<Collected, ExportError> {
     let mut writer = GltfWriter::default();
     let mut messages = Messages::default();
     let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
@@ -107,7 +127,7 @@ pub fn collect(
         Some((folder.to_owned(), frame.to_world))
     });
     let mut folders = Folders::new(frames);
-    report_settings(scene, &mut messages);
+    report_media_around(scene, &mut messages);
     let mut stage = Stage {
         writer: &mut writer,
         folders: &mut folders,
@@ -132,7 +152,11 @@ pub fn collect(
             false => shapes.write(shape, &mut writer, &mut folders, &mut messages)?,
         }
     }
-    Ok((writer, messages.sentences()))
+    Ok(Collected {
+        pictures_of_libraries: shapes.pictures_of_libraries(),
+        messages: messages.sentences(),
+        writer,
+    })
 }
 
 const HIDDEN: &str = "hidden in the window";
@@ -159,6 +183,31 @@ fn report_settings(scene: &SceneDescription, messages: &mut Messages) {
     if integrator.hide_emitters {
         messages.left_out("setting", "hide_emitters", "cameras see lamps");
     }
+}
+
+/// The settings of films that are not the usual ones, none of which glTF has.
+fn lost_film(scene: &SceneDescription) -> Option<String> {
+    let usual = Film::of_format();
+    let mut messages = Messages::default();
+    for SensorDescription { film, .. } in &scene.sensors {
+        let settings = [
+            ("width", film.width != usual.width),
+            ("height", film.height != usual.height),
+            ("rfilter", film.filter != usual.filter),
+            ("sample_count", film.sample_count != usual.sample_count),
+            ("noise_target", film.noise_target != usual.noise_target),
+            ("adaptive", film.adaptive != usual.adaptive),
+        ];
+        for (name, _) in settings.iter().filter(|(_, is_set)| *is_set) {
+            messages.left_out("setting", name, "glTF has no film");
+        }
+    }
+    messages.sentences().pop()
+}
+
+/// Says which cameras and lights leave the medium that they are in.
+fn report_media_around(scene: &SceneDescription, messages: &mut Messages) {
+    let integrator = &scene.integrator;
     let sensors = scene
         .sensors
         .iter()

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::math::{Affine2, Vec2};
-use image::{DynamicImage, ImageBuffer, ImageFormat};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat};
 
 use super::level::{Map, Varying};
 use super::messages::Messages;
@@ -34,6 +35,8 @@ pub(super) struct Planes {
     pub srgb: bool,
     /// Whether values may be above 1: they are divided by the largest then.
     pub is_light: bool,
+    /// Whether the alpha of the picture would count.
+    pub counts_alpha: bool,
 }
 
 /// How a texture lies over uv, and how many texels it has.
@@ -167,7 +170,13 @@ impl<'a> Pictures<'a> {
         }
         let bytes = memory::read_data(&bitmap.path, self.access).ok()?;
         let format = image::guess_format(&bytes).ok()?;
-        matches!(format, ImageFormat::Png | ImageFormat::Jpeg).then_some(bytes)
+        // Here alpha means nothing: opacity is a mask of its own.
+        let is_right = match format {
+            ImageFormat::Png => !(planes.counts_alpha && has_alpha(&bytes)),
+            ImageFormat::Jpeg => true,
+            _ => false,
+        };
+        is_right.then_some(bytes)
     }
 
     /// A PNG file of the planes' values, and the number by which they were divided. `lies_alike`: whether all textures lie as the picture will.
@@ -313,6 +322,12 @@ impl Planes {
     fn all(&self) -> impl Iterator<Item = &Varying> {
         self.color.iter().chain(self.channels.iter().flatten())
     }
+}
+
+/// Whether a PNG file has alpha.
+fn has_alpha(file: &[u8]) -> bool {
+    let decoder = PngDecoder::new(Cursor::new(file));
+    decoder.is_ok_and(|decoder| decoder.color_type().has_alpha())
 }
 
 /// The value at a place, without the factor.

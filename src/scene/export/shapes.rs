@@ -1,6 +1,7 @@
 //! Shapes as nodes with meshes. Shapes of one form and material share a mesh, and all of one form share its vertices.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 
@@ -53,6 +54,12 @@ impl<'a> Shapes<'a> {
         }
     }
 
+    /// The pictures that the materials of mesh files name, also those of shapes that were not written.
+    pub fn pictures_of_libraries(&mut self) -> BTreeSet<PathBuf> {
+        let shapes = self.scene.shapes.iter();
+        shapes.flat_map(|shape| self.forms.pictures_of_file(shape)).collect()
+    }
+
     /// Adds a shape of the world.
     pub fn write(
         &mut self,
@@ -83,7 +90,7 @@ impl<'a> Shapes<'a> {
             messages.left_out("shape", name, "light passes it as if there was nothing");
             return Ok(());
         }
-        let mesh = self.mesh(&form.key, baked.is_some(), primitives, &branch.leaf, writer);
+        let mesh = self.mesh(primitives, &branch.leaf, writer);
         let node = Node {
             name: branch.leaf,
             pose,
@@ -121,6 +128,10 @@ impl<'a> Shapes<'a> {
             None => vec![shape.to_world],
         };
         let is_crowd = shape.placements.is_some();
+        let keys = shape.identity.keys.as_ref().filter(|_| !is_crowd);
+        if is_crowd && shape.identity.keys.is_some() {
+            messages.note("shape", name, "nothing moves, because these are many instances in one");
+        }
         let mut parent = branch.parent;
         if is_crowd {
             let node = Node {
@@ -151,8 +162,8 @@ impl<'a> Shapes<'a> {
                 ..Node::default()
             };
             let node = writer.add_node(node, parent);
-            match &shape.identity.keys {
-                Some(keys) if !is_crowd && baked.is_none() => {
+            match keys {
+                Some(keys) if baked.is_none() => {
                     let local = |value: &crate::document::Value| Some(parent_from_world * placed(value)?);
                     let motion = Motion { keys, local: &local };
                     motion.write(node, "shape", name, writer, messages);
@@ -204,17 +215,10 @@ impl<'a> Shapes<'a> {
         Ok(mesh)
     }
 
-    /// A mesh of these primitives, unless there is an equal one. `is_own`: whether its vertices are its own, so that there is none.
-    fn mesh(
-        &mut self,
-        key: &str,
-        is_own: bool,
-        primitives: Vec<Primitive>,
-        name: &str,
-        writer: &mut GltfWriter,
-    ) -> usize {
-        let key = format!("{key} {primitives:?}");
-        if let Some(known) = self.meshes.get(&key).filter(|_| !is_own) {
+    /// The mesh of these primitives.
+    fn mesh(&mut self, primitives: Vec<Primitive>, name: &str, writer: &mut GltfWriter) -> usize {
+        let key = format!("{primitives:?}");
+        if let Some(known) = self.meshes.get(&key) {
             return *known;
         }
         let name = name.to_owned();
@@ -298,19 +302,16 @@ impl<'a> Shapes<'a> {
             let Some(indices) = indices.map_err(fails)? else {
                 continue;
             };
-            let key = format!("{} {} {is_turned} {colors:?}", form.key, form.is_flat);
-            let known = self.vertices.get(&key).filter(|_| baked.is_none()).cloned();
-            let attributes = match known {
-                Some(known) => known,
+            let key = format!("{} {} {is_turned} {colors:?} {baked:?}", form.key, form.is_flat);
+            let attributes = match self.vertices.get(&key) {
+                Some(known) => known.clone(),
                 None => {
                     let mesh = shown(form, baked, is_turned, is_unwelded);
                     let values = colors
                         .as_ref()
                         .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
                     let attributes = writer.add_vertices(&mesh, values.as_deref()).map_err(fails)?;
-                    if baked.is_none() {
-                        self.vertices.insert(key.clone(), attributes.clone());
-                    }
+                    self.vertices.insert(key, attributes.clone());
                     attributes
                 }
             };

@@ -69,11 +69,7 @@ impl<'a> SceneReader<'a> {
         let media = reader.children(Category::Medium);
         reader.finish();
 
-        let mut read_film = Film {
-            // The format's default; a sampler says more.
-            sample_count: 4,
-            ..Film::default()
-        };
+        let mut read_film = Film::of_format();
         if let Some((_, film)) = film.first() {
             self.read_film(film, &mut read_film);
         }

@@ -58,7 +58,7 @@ fn start(world: &mut World, path: &Path) -> Result<Task<Exported>, CommandError>
     Ok(pool.spawn(async move {
         let made = export(&scene, &hidden, &target, &access)?;
         made.write()?;
-        Ok(made.messages)
+        Ok(made.messages.into_iter().chain(made.note).collect())
     }))
 }
 
