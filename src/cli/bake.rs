@@ -182,11 +182,13 @@ fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
     let access = args.trust.trust(&args.scene.scene)?.access(&path);
     let mut document = load_document(&path, &args.scene.defines.defines, access)?;
     let scene = read::read(&mut document);
+    // Its light is in the lightmaps with that of its sky, also without direct light: it has an extent.
+    let exports_suns = false;
     let Collected {
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(&scene, &Hidden::default(), &document.access)?;
+    } = collect(&scene, &Hidden::default(), exports_suns, &document.access)?;
     let replaced = files::replaceable(&args.output);
     if let Some(path) = first_in_use(&scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {
         let path = path.to_owned();

@@ -69,6 +69,13 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     }
 });
 
+impl Atmosphere {
+    /// The irradiance by the sun on a surface that faces it, in W/m^2; zero while it is below the horizon.
+    pub fn sun_irradiance(&self) -> Rgb {
+        SkyModel::new(*self).sun_irradiance()
+    }
+}
+
 /// The model with everything that does not depend on the direction worked out.
 #[derive(Clone, Debug)]
 pub(super) struct SkyModel {

@@ -5,6 +5,7 @@
 pub mod access;
 pub mod aperture;
 pub mod assets;
+mod atmosphere;
 pub mod authored;
 pub mod carry_over;
 pub(crate) mod changes;

@@ -662,7 +662,7 @@ fn what_is_lost_is_said_with_its_name() {
         "camera `lens`: the lens is lost",
         "setting `max_depth` is left out",
         "light `sky` is left out: glTF has no counterpart of light from all directions",
-        "light `noon` is left out",
+        "light `noon`: only the sun is kept",
         "light `fly`: only the place moves, `intensity` does not",
         "light `fly`: the keys before 0 s are left out",
         "medium `fog` is left out",
@@ -683,6 +683,34 @@ fn what_is_lost_is_said_with_its_name() {
     let output = shop.sunroom(&["convert", "--strict", "scene.xml", "level.glb"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(!shop.path("level.glb").exists());
+}
+
+/// The irradiance on surfaces that face the sun, and its direction, as the path tracer sees them: a white floor in the sun of a black sky.
+#[test]
+fn the_sun_becomes_a_light_from_one_direction() {
+    let shop = Workshop::new();
+    let floor = r#"<sensor type="orthographic"><transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform></sensor>
+        <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="3"/></transform>
+        <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></bsdf></shape>"#;
+    let sun = |direction: &str| {
+        format!(
+            r#"<emitter type="sunsky" id="noon"><float name="sky_scale" value="0"/><vector name="sun_direction" value="{direction}"/>
+            <transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>"#
+        )
+    };
+    shop.put("scene.xml", scene(&format!("{floor}{}", sun("1, 2, 0.5"))));
+    let said = shop.convert("scene.xml", "level.glb").join("\n");
+    assert!(said.contains("light `noon`: only the sun is kept"), "{said}");
+    let after = shop.describe("level.glb");
+    let EmitterKind::Directional { .. } = after.emitters[0].emitter.kind else {
+        panic!("{:?}", after.emitters[0])
+    };
+    let brightness = |scene: &str| mean(&shop.render(scene, &["--size", "8x8", "--spp", "256"]));
+    let (before, after) = (brightness("scene.xml"), brightness("level.glb"));
+    assert!((after / before - 1.0).abs() < 0.01, "{after} for {before}");
+    shop.put("night.xml", scene(&format!("{floor}{}", sun("1, -2, 0.5"))));
+    let said = shop.convert("night.xml", "night.glb").join("\n");
+    assert!(said.contains("light `noon` is left out"), "{said}");
 }
 
 /// Descriptions may hold what no file gives them.

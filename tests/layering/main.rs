@@ -49,6 +49,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         ],
         true,
     ),
+    ("scene/atmosphere", &["light"], true),
     (
         "scene/export",
         &[

@@ -7,7 +7,6 @@ use super::environment::Environments;
 use super::texture::TexturePacker;
 use super::view::rigid;
 use crate::color::Rgb;
-use crate::light;
 use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
 use crate::scene::{Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
 use crate::texture::Parameter;
@@ -121,40 +120,14 @@ fn half_size(fov: f32, axis: FovAxis, aspect: f32) -> glam::Vec2 {
 
 /// Packs the atmosphere. None, with a report, for a sun that stands nowhere.
 fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -> Option<Atmosphere> {
-    let sun_direction = match sky.sun {
-        SunPosition::Direction(direction) => {
-            let Some(direction) = direction.try_normalize() else {
-                check.report("`sun_direction` has no length, the light is left out");
-                return None;
-            };
-            world_from_local.transpose() * direction
-        }
-        SunPosition::PlaceAndTime(at) => light::PlaceAndTime {
-            latitude: at.latitude.into(),
-            longitude: at.longitude.into(),
-            timezone: at.timezone.into(),
-            year: at.year,
-            month: at.month,
-            day: at.day,
-            hour: at.hour.into(),
-            minute: at.minute.into(),
-            second: at.second.into(),
-        }
-        .sun_direction(),
-    };
-    if !sun_direction.is_finite() {
-        check.report("the sun stands nowhere at such a place and time, the light is left out");
-        return None;
+    let atmosphere = sky.atmosphere(world_from_local);
+    if atmosphere.is_none() {
+        check.report(match sky.sun {
+            SunPosition::Direction(_) => "`sun_direction` has no length, the light is left out",
+            SunPosition::PlaceAndTime(_) => "the sun stands nowhere at such a place and time, the light is left out",
+        });
     }
-    Some(Atmosphere {
-        turbidity: sky.turbidity,
-        albedo: sky.albedo,
-        sun_direction,
-        sky_scale: sky.sky_scale,
-        sun_scale: sky.sun_scale,
-        sun_aperture: sky.sun_aperture.to_radians(),
-        limb_darkening: sky.complex_sun,
-    })
+    atmosphere
 }
 
 /// The most that a map may differ from one that only turns and scales evenly, relative to its scale.

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Mat3, Quat, Vec3};
 
 use super::messages::Messages;
 use super::motion::{Motion, placed};
@@ -11,13 +11,29 @@ use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
 use crate::scene::description::{EmitterDescription, Identity, SensorDescription};
-use crate::scene::{EmitterKind, FovAxis, Lens};
+use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 
 /// Parts of an export that lights and cameras need.
 pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
+    /// Whether the suns of skies become lights.
+    pub exports_suns: bool,
+}
+
+/// A light without a name. `power` is its intensity or irradiance.
+fn light_of(kind: &'static str, power: Rgb, spot: Option<Spot>) -> Light {
+    let power = power.max(Rgb::ZERO);
+    let most = power.max_element();
+    let color = if most > 0.0 { power / most } else { Rgb::ONE };
+    Light {
+        name: String::new(),
+        kind,
+        color: color.to_array(),
+        intensity: most,
+        spot,
+    }
 }
 
 impl Stage<'_> {
@@ -46,22 +62,10 @@ impl Stage<'_> {
             }
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
-            EmitterKind::SunSky(_) => return self.leave_out(name, "a sky with its sun"),
+            EmitterKind::SunSky(sky) => return self.sun(about, sky),
             EmitterKind::Projector { .. } => return self.leave_out(name, "a projector"),
         };
-        let power = power.max(Rgb::ZERO);
-        let most = power.max_element();
-        let light = Light {
-            name: String::new(),
-            kind,
-            color: if most > 0.0 {
-                (power / most).to_array()
-            } else {
-                [1.0; 3]
-            },
-            intensity: most,
-            spot,
-        };
+        let light = light_of(kind, power, spot);
         // Lights of glTF shine along -z.
         let turned = |map: &Affine3A| Some(rigid(map)? * Affine3A::from_rotation_y(PI));
         self.stand(
@@ -69,6 +73,42 @@ impl Stage<'_> {
             &about.identity,
             &about.to_world,
             &turned,
+            |writer, node, leaf, parent| {
+                let name = leaf.to_owned();
+                writer.add_light(node, Light { name, ..light }, parent)
+            },
+        );
+    }
+
+    /// Adds the sun of a sky as light from one direction.
+    fn sun(&mut self, about: &EmitterDescription, sky: &SunSky) {
+        let name = &*about.identity.name;
+        let atmosphere = rigid(&about.to_world).and_then(|turn| {
+            let turn = Mat3::from(turn.matrix3);
+            let atmosphere = sky.atmosphere(turn)?;
+            Some((turn * atmosphere.sun_direction, atmosphere.sun_irradiance()))
+        });
+        let shines = |(_, power): &(Vec3, Rgb)| self.exports_suns && power.max_element() > 0.0;
+        let Some((direction, power)) = atmosphere.filter(shines) else {
+            return self.leave_out(name, "a sky with its sun");
+        };
+        let what = "only the sun is kept, as light from one direction, without the light of the sky";
+        self.messages.note("light", name, what);
+        if about.identity.keys.is_some() {
+            self.messages.note("light", name, "the sun stands still");
+        }
+        let identity = Identity {
+            keys: None,
+            ..about.identity.clone()
+        };
+        // Lights of glTF shine along -z.
+        let from_sun = Affine3A::from_quat(Quat::from_rotation_arc(Vec3::Z, direction));
+        let light = light_of("directional", power, None);
+        self.stand(
+            "light",
+            &identity,
+            &from_sun,
+            &|map| Some(*map),
             |writer, node, leaf, parent| {
                 let name = leaf.to_owned();
                 writer.add_light(node, Light { name, ..light }, parent)

@@ -81,7 +81,7 @@ pub fn export(
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(scene, hidden, access)?;
+    } = collect(scene, hidden, true, access)?;
     let files: Vec<(PathBuf, Vec<u8>)> = match kind {
         Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
         Kind::Text => {
@@ -116,8 +116,13 @@ pub struct Collected {
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`].
-pub fn collect(scene: &SceneDescription, hidden: &Hidden, access: &Access) -> Result<Collected, ExportError> {
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `exports_suns` says whether the sun of a `sunsky` becomes a light.
+pub fn collect(
+    scene: &SceneDescription,
+    hidden: &Hidden,
+    exports_suns: bool,
+    access: &Access,
+) -> Result<Collected, ExportError> {
     let mut writer = GltfWriter::default();
     let mut messages = Messages::default();
     let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
@@ -132,6 +137,7 @@ pub fn collect(scene: &SceneDescription, hidden: &Hidden, access: &Access) -> Re
         writer: &mut writer,
         folders: &mut folders,
         messages: &mut messages,
+        exports_suns,
     };
     for sensor in &scene.sensors {
         stage.camera(sensor);
