@@ -1,12 +1,13 @@
 //! Gives the meshes of a glTF file that is being made a place in lightmaps.
 //!
-//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that is seen from both sides is baked on the side that light
-//! comes to; if light comes to both, each side becomes a surface of its own. Nodes whose meshes have the same size in the world share a mesh and lie in
-//! rectangles of their own.
+//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that is seen from both sides is baked on the
+//! side that light comes to; if light comes to both, each side becomes a surface of its own. Nodes whose meshes have the same size in the world share a mesh
+//! and lie in rectangles of their own.
 
 use std::collections::HashMap;
 
 use glam::{Affine3A, Mat3A, UVec2, Vec2, Vec3};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::texels::BakeSurface;
@@ -100,24 +101,21 @@ struct Sheet {
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,
-    lit: impl Fn(&[[Vec3; 3]]) -> (bool, bool),
+    lit: impl Fn(&[[Vec3; 3]]) -> (bool, bool) + Sync,
 ) -> Result<BakeLevel, LevelError> {
     let mut groups: Vec<Group> = Vec::new();
     let mut known: HashMap<Key, usize> = HashMap::new();
-    for placed in writer.placed_meshes() {
-        if placed.moves
-            || !writer
-                .mesh(placed.mesh)
-                .primitives
-                .iter()
-                .any(|part| takes_light(writer, part))
-        {
-            continue;
-        }
+    let is_baked = |placed: &PlacedMesh| {
+        let parts = &writer.mesh(placed.mesh).primitives;
+        !placed.moves && parts.iter().any(|part| takes_light(writer, part))
+    };
+    let placed: Vec<PlacedMesh> = writer.placed_meshes().into_iter().filter(is_baked).collect();
+    let sides: Vec<Sides> = placed.par_iter().map(|placed| sides(writer, placed, &lit)).collect();
+    for (placed, sides) in placed.into_iter().zip(sides) {
         let key = Key {
             mesh: placed.mesh,
             shape: shape(&placed.world_from_mesh.matrix3),
-            sides: sides(writer, &placed, &lit),
+            sides,
         };
         let group = *known.entry(key).or_insert_with(|| {
             groups.push(Group::new(writer, &placed, key.sides));
