@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bevy_egui::egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
@@ -142,6 +143,11 @@ fn an_open_menu_gives_way_to_the_one_that_is_pointed_at() {
     click(&mut harness, "Edit");
     assert!(!shows(&harness, "Undo"));
     harness.get_by_label("File").hover();
+    harness.run_steps(3);
+    assert!(!shows(&harness, "Reload"));
+    // Escape shuts it as well, under the pointer.
+    click(&mut harness, "File");
+    harness.key_press(Key::Escape);
     harness.run_steps(3);
     assert!(!shows(&harness, "Reload"));
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::containers::menu::MenuButton;
-use bevy_egui::egui::{self, Atom, Button, Id, Popup, RichText, Ui, vec2};
+use bevy_egui::egui::{self, Atom, Button, Id, Key, Popup, RichText, Ui, vec2};
 
 use super::medium_section::fill_menu;
 use super::outliner::marks;
@@ -41,7 +41,9 @@ fn top_menu(ui: &mut Ui, title: &str, is_one_open: bool, content: &mut dyn FnMut
     let (button, _) = MenuButton::new(title).ui(ui, content);
     let popup = Popup::default_response_id(&button);
     let is_open = Popup::is_id_open(ui.ctx(), popup);
-    if is_one_open && !is_open && button.hovered() && !button.clicked() {
+    // What closes a menu at the pointer must not open it again.
+    let is_closed = button.clicked() || ui.input(|input| input.key_pressed(Key::Escape));
+    if is_one_open && !is_open && button.hovered() && !is_closed {
         Popup::open_id(ui.ctx(), popup);
         return true;
     }
