@@ -14,6 +14,8 @@ use crate::app::editor::model::timeline::{TickTime, TimelineModel};
 use crate::document::Interpolation;
 use crate::scene::{KeyEdit, KeyPath};
 
+/// Half the width in points of the marker of the time, which must not hide the number of its line.
+const HALF_MARKER: f32 = 5.0;
 /// The heights in points of the ruler, on which the time is dragged, and of the track of the keys below it.
 const RULER: f32 = 22.0;
 const TRACK: f32 = 22.0;
@@ -289,8 +291,9 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
         );
         let number = painter.layout_no_wrap(format!("{frame:.0}"), font.clone(), color);
         // Where the number behind a line would be cut off, it stands before it.
-        let is_cut = x + 3.0 + number.size().x > rect.right();
-        let left = if is_cut { x - 3.0 - number.size().x } else { x + 3.0 };
+        let gap = HALF_MARKER + 2.0;
+        let is_cut = x + gap + number.size().x > rect.right();
+        let left = if is_cut { x - gap - number.size().x } else { x + gap };
         painter.galley(pos2(left, rect.top() + 1.0), number, color);
     }
     painter.hline(
@@ -304,8 +307,8 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
     painter.vline(now, rect.y_range(), Stroke::new(2.0, accent));
     painter.add(Shape::convex_polygon(
         vec![
-            pos2(now - 5.0, rect.top()),
-            pos2(now + 5.0, rect.top()),
+            pos2(now - HALF_MARKER, rect.top()),
+            pos2(now + HALF_MARKER, rect.top()),
             pos2(now, rect.top() + 7.0),
         ],
         accent,
