@@ -1,0 +1,263 @@
+//! Loads levels that `sunroom bake` has written into Bevy games.
+//!
+//! ```no_run
+//! # use bevy::prelude::*;
+//! # use sunroom_game::{SunroomLevel, SunroomLevelPlugin, exposure};
+//! fn main() {
+//!     App::new().add_plugins((DefaultPlugins, SunroomLevelPlugin)).add_systems(Startup, setup).run();
+//! }
+//!
+//! fn setup(mut commands: Commands) {
+//!     // The folder lies in `assets`.
+//!     commands.spawn(SunroomLevel::new("level"));
+//!     // As bright as the picture that Sunroom shows.
+//!     commands.spawn((Camera3d::default(), exposure(0.0)));
+//! }
+//! ```
+//!
+//! The entity gets the scene of `level.glb` as its children, and [`LevelReady`] when everything is there:
+//!
+//! * Every mesh with a place in a lightmap has a [`Lightmap`].
+//! * Lights whose direct light is in the lightmaps do not light these meshes a second time. After `sunroom bake --indirect-only` they light them, with shadows.
+//! * Surfaces that shine follow the exposure of the camera, as everything else does.
+//!
+//! The light of a level is in the units of its scene, for which Bevy's ambient light of 80 cd/m² is far too bright: the plugin sets [`GlobalAmbientLight`] to
+//! none.
+
+mod manifest;
+
+use bevy::camera::Exposure;
+use bevy::gltf::{GltfExtras, GltfLoaderSettings};
+use bevy::image::{ImageLoaderSettings, ImageSampler};
+use bevy::light::GlobalAmbientLight;
+use bevy::pbr::Lightmap;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldInstanceReady;
+use serde::Deserialize;
+
+pub use manifest::{LevelManifest, LightmapFiles, ManifestError};
+
+/// Loads [`SunroomLevel`]s.
+pub struct SunroomLevelPlugin;
+
+impl Plugin for SunroomLevelPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_asset::<LevelManifest>()
+            .register_asset_loader(manifest::ManifestLoader)
+            .insert_resource(GlobalAmbientLight::NONE)
+            .add_observer(begin)
+            .add_observer(note_scene)
+            .add_systems(Update, (settle, finish).chain());
+    }
+}
+
+/// A level; the entity is the parent of everything in it.
+#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[require(Transform, Visibility)]
+pub struct SunroomLevel {
+    /// The folder that `sunroom bake -o` wrote, as a path of assets.
+    pub folder: String,
+    /// Whether lightmaps are filtered bicubically, which is smoother and slower.
+    pub bicubic: bool,
+    /// Whether the cameras of the level come along, the first of them active. They have the exposure of 0 stops.
+    pub cameras: bool,
+}
+
+impl SunroomLevel {
+    /// The level in this folder, filtered bilinearly, without its cameras.
+    pub fn new(folder: impl Into<String>) -> Self {
+        Self {
+            folder: folder.into(),
+            bicubic: false,
+            cameras: false,
+        }
+    }
+}
+
+/// A level has this once its meshes and its lightmaps are loaded and in their places.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LevelReady;
+
+/// The exposure with which Bevy's picture is as bright as Sunroom's at an exposure of so many stops.
+pub fn exposure(stops: f32) -> Exposure {
+    // Bevy's factor is 2^-ev100 / 1.2.
+    Exposure {
+        ev100: -stops - 1.2f32.log2(),
+    }
+}
+
+/// The manifest of a level that is being loaded.
+#[derive(Component)]
+struct Manifest(Handle<LevelManifest>);
+
+/// A level whose scene has been spawned.
+#[derive(Component)]
+struct Spawned;
+
+/// A level that waits for its lightmaps alone.
+#[derive(Component)]
+struct Waiting(Vec<Handle<Image>>);
+
+/// What a node says of its lightmap.
+#[derive(Deserialize)]
+struct Extras {
+    sunroom_lightmap: Place,
+}
+
+#[derive(Deserialize)]
+struct Place {
+    lightmap: usize,
+    rect: [f32; 4],
+}
+
+fn begin(level: On<Add, SunroomLevel>, mut commands: Commands, levels: Query<&SunroomLevel>, assets: Res<AssetServer>) {
+    let Ok(SunroomLevel { folder, cameras, .. }) = levels.get(level.entity) else {
+        return;
+    };
+    let cameras = *cameras;
+    let scene = assets
+        .load_builder()
+        .with_settings(move |settings: &mut GltfLoaderSettings| settings.load_cameras = cameras)
+        .load(GltfAssetLabel::Scene(0).from_asset(format!("{folder}/level.glb")));
+    let manifest = assets.load(format!("{folder}/lightmaps.json"));
+    commands
+        .entity(level.entity)
+        .insert((WorldAssetRoot(scene), Manifest(manifest)));
+}
+
+fn note_scene(scene: On<WorldInstanceReady>, mut commands: Commands, levels: Query<(), With<SunroomLevel>>) {
+    if levels.contains(scene.entity) {
+        commands.entity(scene.entity).insert(Spawned);
+    }
+}
+
+/// Adapts what has been spawned, once the manifest is there as well.
+fn settle(
+    mut commands: Commands,
+    levels: Query<(Entity, &SunroomLevel, &Manifest), With<Spawned>>,
+    manifests: Res<Assets<LevelManifest>>,
+    assets: Res<AssetServer>,
+    children: Query<&Children>,
+    mut parts: Parts,
+) {
+    for (entity, level, manifest) in &levels {
+        let Some(manifest) = manifests.get(&manifest.0) else {
+            continue;
+        };
+        let load = |files: &LightmapFiles| {
+            assets
+                .load_builder()
+                // Whatever the game's pictures have: texels of lightmaps are means, which are filtered.
+                .with_settings(|settings: &mut ImageLoaderSettings| settings.sampler = ImageSampler::linear())
+                .load(format!("{}/{}", level.folder, files.ktx2))
+        };
+        let lightmaps: Vec<Handle<Image>> = manifest.lightmaps.iter().map(load).collect();
+        for part in children.iter_descendants(entity) {
+            parts.settle_light(part, manifest.has_direct_light());
+            parts.settle_material(part);
+            if parts.cameras.contains(part) {
+                commands.entity(part).insert(exposure(0.0));
+            }
+            let Some(Place { lightmap, rect }) = parts.place(part) else {
+                continue;
+            };
+            let Some(image) = lightmaps.get(lightmap) else {
+                warn!("{}: there is no lightmap {lightmap}", level.folder);
+                continue;
+            };
+            let [left, top, right, bottom] = rect;
+            let meshes = children.get(part).into_iter().flatten();
+            for mesh in meshes.filter(|mesh| parts.has_coordinates(**mesh)) {
+                commands.entity(*mesh).insert(Lightmap {
+                    image: image.clone(),
+                    uv_rect: Rect::new(left, top, right, bottom),
+                    bicubic_sampling: level.bicubic,
+                });
+            }
+        }
+        commands
+            .entity(entity)
+            .insert(Waiting(lightmaps))
+            .remove::<(Manifest, Spawned)>();
+    }
+}
+
+fn finish(mut commands: Commands, levels: Query<(Entity, &Waiting)>, assets: Res<AssetServer>) {
+    for (entity, Waiting(lightmaps)) in &levels {
+        if lightmaps.iter().all(|lightmap| assets.is_loaded(lightmap)) {
+            commands.entity(entity).insert(LevelReady).remove::<Waiting>();
+        }
+    }
+}
+
+/// What a level consists of.
+#[derive(bevy::ecs::system::SystemParam)]
+struct Parts<'w, 's> {
+    extras: Query<'w, 's, &'static GltfExtras>,
+    meshes: Query<'w, 's, &'static Mesh3d>,
+    mesh_assets: Res<'w, Assets<Mesh>>,
+    materials: Query<'w, 's, &'static MeshMaterial3d<StandardMaterial>>,
+    material_assets: ResMut<'w, Assets<StandardMaterial>>,
+    cameras: Query<'w, 's, (), With<Camera3d>>,
+    points: Query<'w, 's, &'static mut PointLight>,
+    spots: Query<'w, 's, &'static mut SpotLight>,
+    suns: Query<'w, 's, &'static mut DirectionalLight>,
+}
+
+impl Parts<'_, '_> {
+    /// The place of a node in the lightmaps.
+    fn place(&self, node: Entity) -> Option<Place> {
+        let extras = self.extras.get(node).ok()?;
+        let Extras { sunroom_lightmap } = serde_json::from_str(&extras.value).ok()?;
+        Some(sunroom_lightmap)
+    }
+
+    /// Whether a mesh has coordinates for lightmaps. A part of glass has none.
+    fn has_coordinates(&self, mesh: Entity) -> bool {
+        let asset = self.meshes.get(mesh).ok().and_then(|mesh| self.mesh_assets.get(mesh));
+        asset.is_some_and(|mesh| mesh.contains_attribute(Mesh::ATTRIBUTE_UV_1))
+    }
+
+    /// Makes a surface that shines follow the exposure.
+    fn settle_material(&mut self, mesh: Entity) {
+        let material = self.materials.get(mesh).ok();
+        if let Some(mut material) = material.and_then(|material| self.material_assets.get_mut(material)) {
+            material.emissive_exposure_weight = 1.0;
+        }
+    }
+
+    /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light.
+    fn settle_light(&mut self, light: Entity, is_baked: bool) {
+        // Its light ends nowhere; that of Bevy's loader ends after 20 units.
+        let range = 1e4;
+        if let Ok(mut light) = self.points.get_mut(light) {
+            light.color = linear(light.color);
+            light.range = range;
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+        } else if let Ok(mut light) = self.spots.get_mut(light) {
+            light.color = linear(light.color);
+            light.range = range;
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+        } else if let Ok(mut light) = self.suns.get_mut(light) {
+            light.color = linear(light.color);
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+        }
+    }
+}
+
+/// The colour of a light in the file, which is linear; Bevy's loader takes it for sRGB.
+fn linear(color: Color) -> Color {
+    let Srgba { red, green, blue, .. } = color.to_srgba();
+    Color::linear_rgb(red, green, blue)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exposure_of_no_stops_changes_nothing() {
+        assert!((exposure(0.0).exposure() - 1.0).abs() < 1e-6);
+        assert!((exposure(2.0).exposure() - 4.0).abs() < 1e-5);
+    }
+}

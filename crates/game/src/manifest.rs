@@ -1,0 +1,101 @@
+//! The file `lightmaps.json` as an asset.
+
+use bevy::asset::io::Reader;
+use bevy::asset::{Asset, AssetLoader, LoadContext};
+use bevy::reflect::TypePath;
+use serde::Deserialize;
+use thiserror::Error;
+
+/// What a game needs of the file. docs/baking.md of Sunroom describes all of it.
+#[derive(Asset, TypePath, Clone, Debug, PartialEq, Deserialize)]
+pub struct LevelManifest {
+    format: String,
+    version: u32,
+    light: String,
+    /// The files of each lightmap.
+    pub lightmaps: Vec<LightmapFiles>,
+}
+
+/// The files of a lightmap, beside the manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct LightmapFiles {
+    /// OpenEXR.
+    pub exr: String,
+    /// KTX 2.
+    pub ktx2: String,
+}
+
+impl LevelManifest {
+    /// Whether the direct light of points, spots and directional lights is in the lightmaps.
+    pub fn has_direct_light(&self) -> bool {
+        self.light == "all"
+    }
+
+    fn read(bytes: &[u8]) -> Result<Self, ManifestError> {
+        let manifest: Self = serde_json::from_slice(bytes)?;
+        match (&*manifest.format, manifest.version) {
+            ("sunroom-lightmaps", 1) => Ok(manifest),
+            (format, version) => Err(ManifestError::Version(format!("{format} {version}"))),
+        }
+    }
+}
+
+/// The reason why a manifest cannot be read.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum ManifestError {
+    #[error("the file cannot be read: {0}")]
+    File(#[from] std::io::Error),
+    #[error("the file is no manifest of lightmaps: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("a manifest of the format {0}; this version reads sunroom-lightmaps 1")]
+    Version(String),
+}
+
+#[derive(TypePath)]
+pub(crate) struct ManifestLoader;
+
+impl AssetLoader for ManifestLoader {
+    type Asset = LevelManifest;
+    type Settings = ();
+    type Error = ManifestError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        (): &(),
+        _: &mut LoadContext<'_>,
+    ) -> Result<LevelManifest, ManifestError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        LevelManifest::read(&bytes)
+    }
+
+    // Asked by the type of the asset, so that it takes no other `.json` file.
+    fn extensions(&self) -> &[&str] {
+        &[]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_manifests_of_this_version_are_read() {
+        let text = |version: u32| {
+            format!(
+                r#"{{"format":"sunroom-lightmaps","version":{version},"light":"all","samples":3,
+                "lightmaps":[{{"exr":"a.exr","ktx2":"a.ktx2","width":8,"height":8}}]}}"#
+            )
+        };
+        let manifest = LevelManifest::read(text(1).as_bytes()).expect("a manifest");
+        assert!(manifest.has_direct_light());
+        assert_eq!(manifest.lightmaps[0].ktx2, "a.ktx2");
+        assert!(matches!(
+            LevelManifest::read(text(2).as_bytes()),
+            Err(ManifestError::Version(_))
+        ));
+        assert!(matches!(LevelManifest::read(b"{}"), Err(ManifestError::Json(_))));
+    }
+}

@@ -1,0 +1,152 @@
+//! Loads a level that `sunroom bake tests/level.xml -o tests/level --texels-per-unit 4 --atlas-size 64` has written, without a graphics card.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use bevy::app::PluginsState;
+use bevy::asset::AssetPlugin;
+use bevy::light::GlobalAmbientLight;
+use bevy::pbr::Lightmap;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::settings::{RenderCreation, WgpuSettings};
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use sunroom_game::{LevelReady, SunroomLevel, SunroomLevelPlugin};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
+
+/// An app that has loaded the level in a folder of assets.
+fn app_with(assets: &Path, level: SunroomLevel) -> App {
+    let no_graphics_card = WgpuSettings {
+        backends: None,
+        ..default()
+    };
+    let plugins = DefaultPlugins
+        .set(AssetPlugin {
+            file_path: assets.to_string_lossy().into_owned(),
+            ..default()
+        })
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            render_creation: RenderCreation::Automatic(Box::new(no_graphics_card)),
+            ..default()
+        });
+    let mut app = App::new();
+    app.add_plugins((
+        plugins.disable::<WinitPlugin>().disable::<bevy::log::LogPlugin>(),
+        SunroomLevelPlugin,
+    ));
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn(level);
+    let begin = Instant::now();
+    while app.world_mut().query::<&LevelReady>().iter(app.world()).count() == 0 {
+        assert!(begin.elapsed() < Duration::from_secs(60), "the level is not there");
+        app.update();
+    }
+    app
+}
+
+/// The lightmap of the one mesh of a node.
+fn lightmap(app: &mut App, node: &str) -> Option<Lightmap> {
+    let world = app.world_mut();
+    let mut nodes = world.query::<(&Name, &Children)>();
+    let (_, children) = nodes
+        .iter(world)
+        .find(|(name, _)| name.as_str() == node)
+        .expect("the level has the node");
+    let mesh = children
+        .iter()
+        .find(|child| world.get::<Mesh3d>(*child).is_some())
+        .expect("a node with a mesh");
+    world.get::<Lightmap>(mesh).cloned()
+}
+
+fn bulb(app: &mut App) -> PointLight {
+    let world = app.world_mut();
+    *world.query::<&PointLight>().single(world).expect("a light")
+}
+
+#[test]
+fn meshes_get_their_places_in_the_lightmap() {
+    let mut app = app_with(Path::new(FOLDER), SunroomLevel::new("level"));
+    let [floor, left, right] =
+        ["floor", "left crate", "right crate"].map(|node| lightmap(&mut app, node).expect("a lightmap"));
+    assert_eq!(floor.uv_rect, Rect::new(0.0, 0.0, 1.0, 1.0));
+    assert_eq!(left.image, right.image);
+    assert_eq!(left.uv_rect.size(), right.uv_rect.size());
+    assert!(left.uv_rect.intersect(right.uv_rect).is_empty());
+    let images = app.world().resource::<Assets<Image>>();
+    let image = images.get(&floor.image).expect("the picture is loaded");
+    assert_eq!(image.width(), 64);
+    assert!(lightmap(&mut app, "glass").is_none());
+    assert!(lightmap(&mut app, "lamp").is_none());
+}
+
+#[test]
+fn lights_that_are_baked_do_not_light_twice() {
+    let mut app = app_with(Path::new(FOLDER), SunroomLevel::new("level"));
+    let bulb = bulb(&mut app);
+    assert!(!bulb.affects_lightmapped_mesh_diffuse && !bulb.shadow_maps_enabled);
+    assert_eq!(app.world().resource::<GlobalAmbientLight>().brightness, 0.0);
+}
+
+#[test]
+fn lights_that_are_left_to_the_game_are_what_the_scene_has() {
+    let copy = tempfile::tempdir().expect("a folder");
+    fs::create_dir(copy.path().join("level")).expect("a folder");
+    for file in ["level.glb", "lightmap-0.ktx2", "lightmaps.json"] {
+        let mut bytes = fs::read(Path::new(FOLDER).join("level").join(file)).expect("a file of the level");
+        if file == "lightmaps.json" {
+            let text = String::from_utf8(bytes).expect("text");
+            assert!(text.contains(r#""light": "all""#));
+            bytes = text
+                .replace(r#""light": "all""#, r#""light": "without_direct_punctual""#)
+                .into();
+        }
+        fs::write(copy.path().join("level").join(file), bytes).expect("a copy");
+    }
+    let mut app = app_with(copy.path(), SunroomLevel::new("level"));
+    let bulb = bulb(&mut app);
+    assert!(bulb.affects_lightmapped_mesh_diffuse && bulb.shadow_maps_enabled);
+    // 8, 2, 0 W/sr in the scene.
+    let intensity = bulb.intensity / (4.0 * std::f32::consts::PI);
+    let color = bulb.color.to_linear() * intensity;
+    let difference = [color.red - 8.0, color.green - 2.0, color.blue];
+    assert!(difference.iter().all(|part| part.abs() < 1e-3), "{color:?}");
+}
+
+#[test]
+fn surfaces_that_shine_follow_the_exposure() {
+    let app = app_with(Path::new(FOLDER), SunroomLevel::new("level"));
+    let materials = app.world().resource::<Assets<StandardMaterial>>();
+    let shining: Vec<_> = materials
+        .iter()
+        .filter(|(_, material)| material.emissive != LinearRgba::BLACK)
+        .collect();
+    let [(_, lamp)] = &shining[..] else {
+        panic!("{} materials shine", shining.len());
+    };
+    assert_eq!((lamp.emissive.red, lamp.emissive_exposure_weight), (4.0, 1.0));
+}
+
+#[test]
+fn cameras_come_along_if_they_are_wanted() {
+    let cameras = |app: &mut App| {
+        let world = app.world_mut();
+        world.query::<&Camera3d>().iter(world).count()
+    };
+    let level = SunroomLevel::new("level");
+    assert_eq!(cameras(&mut app_with(Path::new(FOLDER), level.clone())), 0);
+    let mut app = app_with(Path::new(FOLDER), SunroomLevel { cameras: true, ..level });
+    assert_eq!(cameras(&mut app), 1);
+}
