@@ -30,7 +30,7 @@ use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::View;
 use sunroom::scene::assets::scene_asset::load_document;
-use sunroom::scene::export::{Collected, ExportError, Hidden, collect, first_in_use};
+use sunroom::scene::export::{Baked, Collected, ExportError, Hidden, collect, first_in_use};
 use sunroom::scene::{OpenScene, SceneStatus, read};
 
 pub use self::args::BakeArgs;
@@ -63,7 +63,18 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
             DenoiseError::NotBuilt
         )));
     }
+    let is_new = !args.output.exists();
     files::prepare(&args.output)?;
+    let result = bake_into(args);
+    // Nothing is left of a bake that has failed.
+    if is_new && !matches!(result, Ok(ExitCode::SUCCESS)) {
+        let _ = std::fs::remove_dir(&args.output);
+    }
+    result
+}
+
+/// Bakes into a folder that is there.
+fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let cancel = cancel_on_interrupt()?;
     let Some((scene, mut view)) = packed(args, &cancel)? else {
         return Ok(ExitCode::FAILURE);
@@ -182,13 +193,15 @@ fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
     let access = args.trust.trust(&args.scene.scene)?.access(&path);
     let mut document = load_document(&path, &args.scene.defines.defines, access)?;
     let scene = read::read(&mut document);
-    // Its light is in the lightmaps with that of its sky, also without direct light: it has an extent.
-    let exports_suns = false;
+    let baked = match args.indirect_only {
+        true => Baked::Skies,
+        false => Baked::All,
+    };
     let Collected {
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(&scene, &Hidden::default(), exports_suns, &document.access)?;
+    } = collect(&scene, &Hidden::default(), baked, &document.access)?;
     let replaced = files::replaceable(&args.output);
     if let Some(path) = first_in_use(&scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {
         let path = path.to_owned();

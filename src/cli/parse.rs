@@ -120,6 +120,14 @@ pub fn noise(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "expected a noise above 0 and up to 1, such as 0.01 or 1%".to_owned())
 }
 
+/// A number above 0.
+pub fn density(text: &str) -> Result<f32, String> {
+    let number = text.trim().parse::<f32>().ok();
+    number
+        .filter(|number| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "expected a number above 0, such as 16".to_owned())
+}
+
 /// `HOST:PORT`
 pub fn address(text: &str) -> Result<String, String> {
     let parts = text.rsplit_once(':');

@@ -106,6 +106,78 @@ fn a_level_is_baked() {
     assert!(indirect > 0.0 && indirect < 0.5 * light, "{indirect} of {light}");
 }
 
+/// The JSON of a `.glb` file.
+fn level(folder: &Path) -> serde_json::Value {
+    let bytes = std::fs::read(folder.join("level.glb")).expect("the level");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).expect("JSON")
+}
+
+#[test]
+fn a_lamp_shines_from_its_front_and_skies_are_not_missed() {
+    let shop = Workshop::new();
+    let lamp = r#"<shape type="rectangle" id="lamp">
+    <transform name="to_world"><scale value="0.5"/><rotate x="1" angle="90"/><translate y="1.5"/></transform>
+    <bsdf type="twosided"><bsdf type="diffuse"/></bsdf>
+    <emitter type="area"><rgb name="radiance" value="2, 2, 2"/></emitter>
+  </shape>
+  <emitter type="constant"/>
+</scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", lamp));
+    let folder = shop.path("level");
+    let output = bake(&scene, &folder, &["--spp", "4", "--no-denoise"]);
+    assert_code(&output, 0);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains("left out"), "{said}");
+    let level = level(&folder);
+    let shines = |part: &serde_json::Value| {
+        let material = &level["materials"][part["material"].as_u64().expect("a material") as usize];
+        material.get("emissiveFactor").is_some_and(|factor| factor[0] != 0.0)
+    };
+    let meshes = level["meshes"].as_array().expect("meshes").iter();
+    let lit: Vec<Vec<bool>> = meshes
+        .map(|mesh| {
+            mesh["primitives"]
+                .as_array()
+                .expect("parts")
+                .iter()
+                .map(shines)
+                .collect()
+        })
+        .filter(|parts: &Vec<bool>| parts.contains(&true))
+        .collect();
+    assert_eq!(lit, [[true, false]]);
+}
+
+#[test]
+fn a_bake_removes_the_lightmaps_of_the_one_before() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let folder = shop.path("level");
+    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64"];
+    assert_code(&bake(&scene, &folder, &quick), 0);
+    let mut before = manifest(&folder);
+    let more = serde_json::json!({ "exr": "lightmap-9.exr", "ktx2": "lightmap-9.ktx2", "width": 1, "height": 1 });
+    before["lightmaps"].as_array_mut().expect("a list").push(more);
+    for (name, text) in [
+        ("lightmaps.json", before.to_string()),
+        ("lightmap-9.exr", String::new()),
+        ("lightmap-9.ktx2", String::new()),
+        ("lightmap-of-mine.exr", String::new()),
+    ] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    assert_code(&bake(&scene, &folder, &quick), 0);
+    let is_there = [
+        "lightmap-0.exr",
+        "lightmap-9.exr",
+        "lightmap-9.ktx2",
+        "lightmap-of-mine.exr",
+    ]
+    .map(|name| folder.join(name).exists());
+    assert_eq!(is_there, [true, false, false, true]);
+}
+
 #[test]
 fn a_level_is_not_baked_over_itself() {
     let shop = Workshop::new();
@@ -134,7 +206,9 @@ fn what_cannot_be_baked_is_said() {
         assert!(said.contains(word), "{said}");
         assert!(!folder.join("level.glb").exists());
     };
-    fails(&["--texels-per-unit", "0"], 1, "has to be above 0");
+    fails(&["--texels-per-unit", "0"], 2, "a number above 0");
+    fails(&["--texels-per-unit", "-3"], 2, "a number above 0");
+    fails(&["--texels-per-unit", "nan"], 2, "a number above 0");
     fails(
         &["--texels-per-unit", "100", "--atlas-size", "128"],
         1,
@@ -144,6 +218,7 @@ fn what_cannot_be_baked_is_said() {
     fails(&["--texels-per-unit", "1e-30"], 1, "large enough for a texel");
     fails(&["--atlas-size", "8"], 2, "--atlas-size");
     fails(&["--spp", "0"], 2, "--spp");
+    assert!(!folder.exists(), "a bake that has failed leaves nothing");
     let nowhere = workshop.write("file", "");
     assert_code(&bake(&scene, &nowhere.join("folder"), &[]), 1);
     assert_code(&bake(&workshop.path("missing.xml"), &folder, &[]), 1);

@@ -742,6 +742,7 @@ fn a_portable_scene_has_no_parameters_of_ours() {
     let folder = tempfile::tempdir().unwrap();
     let text = "<scene version='3.0.0'>
         <sensor type='thinlens'><float name='aperture_radius' value='0.1'/><integer name='blades' value='6'/></sensor>
+        <integrator type='vcm'><integer name='photons' value='5000'/></integrator>
         <shape type='sphere'><bsdf type='roughconductor'><boolean name='multiple_scattering' value='true'/></bsdf></shape></scene>";
     let mut document = document::parse_str(text, &folder.path().join("old.xml"), &[]);
     let scene = read(&mut document);
@@ -761,6 +762,9 @@ fn a_portable_scene_has_no_parameters_of_ours() {
         !portable.contains("blade") && !portable.contains("multiple_scattering"),
         "{portable}"
     );
+    assert!(kept.contains("\"vcm\"") && kept.contains("photons"), "{kept}");
+    let of_mitsuba = portable.contains("<integrator type=\"path\"") && !portable.contains("photons");
+    assert!(of_mitsuba && !portable.contains("merge_radius"), "{portable}");
 }
 
 #[test]

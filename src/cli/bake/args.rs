@@ -17,7 +17,7 @@ pub struct BakeArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Texels per unit of length [default: as many as fit in one lightmap, if all shapes do]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse::density, allow_negative_numbers = true)]
     pub texels_per_unit: Option<f32>,
     /// Width of a lightmap in texels, and its largest height
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = atlas_size())]

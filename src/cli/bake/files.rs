@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
 use sunroom::bake::finish::LightmapPicture;
 use sunroom::bake::ktx2::ktx2;
 use sunroom::bake::level::BakeLevel;
@@ -76,6 +77,9 @@ pub fn write(
         write(&files.ktx2, &ktx2(picture.size, white))?;
         lightmaps.push(files);
     }
+    let before = lightmaps_of(folder);
+    let is_kept = |name: &String| lightmaps.iter().any(|files| files.exr == *name || files.ktx2 == *name);
+    let outdated: Vec<String> = before.into_iter().filter(|name| !is_kept(name)).collect();
     let manifest = Manifest {
         format: Manifest::FORMAT,
         version: Manifest::VERSION,
@@ -91,5 +95,25 @@ pub fn write(
         lightmaps,
         nodes: level.nodes.clone(),
     };
-    Ok(write(MANIFEST, &manifest.text()?)?)
+    write(MANIFEST, &manifest.text()?)?;
+    // What is there no longer needs no removal.
+    outdated
+        .iter()
+        .for_each(|name| drop(fs::remove_file(folder.join(name))));
+    Ok(())
+}
+
+/// The names of the lightmaps of the bake that is in the folder.
+fn lightmaps_of(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
+    if manifest["format"] != Manifest::FORMAT {
+        return Vec::new();
+    }
+    let lightmaps = manifest["lightmaps"].as_array().into_iter().flatten();
+    let names = lightmaps
+        .flat_map(|files| [&files["exr"], &files["ktx2"]])
+        .filter_map(Value::as_str);
+    let is_ours = |name: &&str| name.starts_with("lightmap-") && !name.contains(['/', '\\']);
+    names.filter(is_ours).map(str::to_owned).collect()
 }

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{Affine3A, Mat3, Quat, Vec3};
 
+use super::Baked;
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of, rigid};
@@ -18,8 +19,8 @@ pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
-    /// Whether the suns of skies become lights.
-    pub exports_suns: bool,
+    /// The light that is not missed.
+    pub baked: Baked,
 }
 
 /// A light without a name. `power` is its intensity or irradiance.
@@ -60,6 +61,12 @@ impl Stage<'_> {
                 };
                 ("spot", *intensity, Some(spot))
             }
+            EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_)
+                if self.baked != Baked::Nothing =>
+            {
+                return;
+            }
+            EmitterKind::Projector { .. } if self.baked == Baked::All => return,
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),
@@ -88,7 +95,7 @@ impl Stage<'_> {
             let atmosphere = sky.atmosphere(turn)?;
             Some((turn * atmosphere.sun_direction, atmosphere.sun_irradiance()))
         });
-        let shines = |(_, power): &(Vec3, Rgb)| self.exports_suns && power.max_element() > 0.0;
+        let shines = |(_, power): &(Vec3, Rgb)| power.max_element() > 0.0;
         let Some((direction, power)) = atmosphere.filter(shines) else {
             return self.leave_out(name, "a sky with its sun");
         };

@@ -81,7 +81,7 @@ pub fn export(
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(scene, hidden, true, access)?;
+    } = collect(scene, hidden, Baked::Nothing, access)?;
     let files: Vec<(PathBuf, Vec<u8>)> = match kind {
         Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
         Kind::Text => {
@@ -116,11 +116,22 @@ pub struct Collected {
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `exports_suns` says whether the sun of a `sunsky` becomes a light.
+/// The light that lightmaps beside the file have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Baked {
+    /// None: there are no lightmaps.
+    Nothing,
+    /// That of skies, which light from more than one direction.
+    Skies,
+    /// That of all lights.
+    All,
+}
+
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `baked` is not missed in the file.
 pub fn collect(
     scene: &SceneDescription,
     hidden: &Hidden,
-    exports_suns: bool,
+    baked: Baked,
     access: &Access,
 ) -> Result<Collected, ExportError> {
     let mut writer = GltfWriter::default();
@@ -137,7 +148,7 @@ pub fn collect(
         writer: &mut writer,
         folders: &mut folders,
         messages: &mut messages,
-        exports_suns,
+        baked,
     };
     for sensor in &scene.sensors {
         stage.camera(sensor);

@@ -96,7 +96,12 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     .properties
                     .retain(|property| property.name != "multiple_scattering");
             }
-            (Category::Integrator, "bdpt") if extensions == Extensions::Approximate => inner.plugin = "path".into(),
+            (Category::Integrator, "bdpt" | "vcm") if extensions == Extensions::Approximate => {
+                inner.plugin = "path".into();
+                inner
+                    .properties
+                    .retain(|property| !matches!(property.name.as_str(), "photons" | "merge_radius"));
+            }
             (Category::Integrator, "aov") if extensions == Extensions::Approximate => keep_layers_of_mitsuba(inner),
             (Category::Sensor, "thinlens") if extensions == Extensions::Approximate => inner
                 .properties
