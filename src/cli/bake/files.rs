@@ -9,7 +9,7 @@ use sunroom::bake::ktx2::ktx2;
 use sunroom::bake::level::BakeLevel;
 use sunroom::bake::manifest::{BakedLight, LightmapFiles, Manifest};
 use sunroom::color::Rgb;
-use sunroom::files::{check_writable, write_atomically};
+use sunroom::files::{LARGEST_DATA, check_writable, read_text, write_atomically};
 use sunroom::gltf::write::GltfWriter;
 use sunroom::render::image_io::{FileOptions, write_layered};
 use sunroom::render::layered_image::LayeredImage;
@@ -105,7 +105,7 @@ pub fn write(
 
 /// The names of the lightmaps of the bake that is in the folder.
 fn lightmaps_of(folder: &Path) -> Vec<String> {
-    let text = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).unwrap_or_default();
     let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
     if manifest["format"] != Manifest::FORMAT {
         return Vec::new();

@@ -4,7 +4,6 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{Affine3A, Mat3, Quat, Vec3};
 
-use super::Baked;
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of, rigid};
@@ -13,6 +12,17 @@ use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
 use crate::scene::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
+
+/// The light that lightmaps beside the file have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Baked {
+    /// None: there are no lightmaps.
+    Nothing,
+    /// That of skies, which light from more than one direction.
+    Skies,
+    /// That of all lights.
+    All,
+}
 
 /// Parts of an export that lights and cameras need.
 pub(super) struct Stage<'s> {

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
 pub use self::in_use::first_in_use;
+pub use self::lights::Baked;
 use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
@@ -114,17 +115,6 @@ pub struct Collected {
     pub messages: Vec<String>,
     /// The pictures that materials of mesh files name, for [`first_in_use`].
     pub pictures_of_libraries: BTreeSet<PathBuf>,
-}
-
-/// The light that lightmaps beside the file have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Baked {
-    /// None: there are no lightmaps.
-    Nothing,
-    /// That of skies, which light from more than one direction.
-    Skies,
-    /// That of all lights.
-    All,
 }
 
 /// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `baked` is not missed in the file.
