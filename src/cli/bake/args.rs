@@ -25,7 +25,7 @@ pub struct BakeArgs {
     /// Samples per texel [default: 64, or as many as --time and --noise allow]
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
+    /// Stop after this time, such as 500ms, 60s, 5m, at the end of a round of samples; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
     /// Stop at this noise, such as 0.01 or 1%: the root mean square error of texels relative to their luminance, as estimated
