@@ -113,7 +113,8 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 /// A relative noise: `0.01` or `1%`.
 pub fn noise(text: &str) -> Result<f32, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
-    let noise = number.trim().parse::<f32>().map(|number| unit * number);
+    // In f64, so that 5% is what 0.05 is.
+    let noise = number.trim().parse::<f64>().map(|number| (unit * number) as f32);
     noise
         .ok()
         .filter(|noise| *noise > 0.0 && *noise <= 1.0)
@@ -160,6 +161,7 @@ mod tests {
     #[test]
     fn noise_is_a_share_or_percents() {
         assert_eq!([noise("0.02"), noise("2%"), noise("2 %")], [const { Ok(0.02) }; 3]);
+        assert_eq!(noise("5%"), Ok(0.05));
         for wrong in ["", "%", "0", "-1%", "nan", "inf", "1e-60", "quiet", "0,01", "5", "101%"] {
             assert!(noise(wrong).is_err(), "{wrong}");
         }

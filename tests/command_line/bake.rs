@@ -221,6 +221,9 @@ fn what_cannot_be_baked_is_said() {
     assert!(!folder.exists(), "a bake that has failed leaves nothing");
     let nowhere = workshop.write("file", "");
     assert_code(&bake(&scene, &nowhere.join("folder"), &[]), 1);
+    let output = bake(&scene, &nowhere, &[]);
+    assert_code(&output, 1);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("is a file"));
     assert_code(&bake(&workshop.path("missing.xml"), &folder, &[]), 1);
     let empty = workshop.write(
         "empty.xml",

@@ -31,6 +31,9 @@ pub struct About {
 /// Makes the folder, and tries whether files can be written there.
 pub fn prepare(folder: &Path) -> Result<(), Failure> {
     let fails = |error| format!("cannot write to {}: {error}", folder.display());
+    if folder.is_file() {
+        return Err(format!("{} is a file: a bake needs a folder", folder.display()).into());
+    }
     fs::create_dir_all(folder).map_err(fails)?;
     Ok(check_writable(&folder.join(MANIFEST)).map_err(fails)?)
 }
