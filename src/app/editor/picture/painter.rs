@@ -120,7 +120,8 @@ impl<'a> Painter<'a> {
         for tile in tiles {
             bands[(tile.y / TILE) as usize].push(*tile);
         }
-        let bytes = 4 * self.film.width() as usize * TILE as usize;
+        // An empty film has no bytes.
+        let bytes = (4 * self.film.width() as usize * TILE as usize).max(1);
         rgba.par_chunks_mut(bytes)
             .zip(bands)
             .for_each(|(rgba, tiles)| self.paint_band(&tiles, rgba));
