@@ -1,7 +1,5 @@
 //! Paints the film as bytes of the screen, in every display mode. It knows neither rendering nor Bevy.
 
-use rayon::prelude::*;
-
 use super::compare::PixelComparison;
 use crate::app::editor::command::display::{
     DisplayMode, DisplaySettings, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat,
@@ -9,7 +7,7 @@ use crate::app::editor::command::display::{
 use crate::color::{Rgb, luminance};
 use crate::render::film::Film;
 use crate::render::noise::DARK;
-use crate::render::tile::{PixelSum, TILE, Tile};
+use crate::render::tile::{PixelSum, Tile};
 use crate::render::tonemap::{Display, Encoder};
 
 /// The data that colours depend on besides the film and the settings. When they change, all pixels do.
@@ -113,29 +111,16 @@ impl<'a> Painter<'a> {
         Self { comparison, ..self }
     }
 
-    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film), on the threads of the current pool. Pixels the film has
-    /// nothing for stay as they are.
+    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
+    /// are.
     pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
-        let mut bands = vec![Vec::new(); self.film.height().div_ceil(TILE) as usize];
-        for tile in tiles {
-            bands[(tile.y / TILE) as usize].push(*tile);
-        }
-        // An empty film has no bytes.
-        let bytes = (4 * self.film.width() as usize * TILE as usize).max(1);
-        rgba.par_chunks_mut(bytes)
-            .zip(bands)
-            .for_each(|(rgba, tiles)| self.paint_band(&tiles, rgba));
-    }
-
-    /// Writes `tiles`, which are all in the same row of tiles, into the `rgba` of that row.
-    fn paint_band(&self, tiles: &[Tile], rgba: &mut [u8]) {
         let width = self.film.width() as usize;
         // Neighbours within a preview's block are equal, so that most of its pixels need no tone mapping.
         let mut last = (Rgb::ZERO, self.tone.encode(Rgb::ZERO));
         for tile in tiles {
             for y in tile.y..tile.y + tile.height {
                 for x in tile.x..tile.x + tile.width {
-                    let start = 4 * ((y % TILE) as usize * width + x as usize);
+                    let start = 4 * (y as usize * width + x as usize);
                     let Some(color) = self.color(x, y, &mut last) else {
                         continue;
                     };
@@ -194,13 +179,6 @@ impl<'a> Painter<'a> {
             DisplayMode::OpticalDepth => heat(luminance(pixel.radiance) / HOTTEST_DEPTH).map(quantized),
         }
     }
-}
-
-/// Writes a picture of the film's size into `rgba`, on the threads of the current pool.
-pub(crate) fn paint_picture(tone: &Display, radiance: &[Rgb], rgba: &mut [u8]) {
-    const BAND: usize = 1 << 14;
-    let bands = radiance.par_chunks(BAND).zip(rgba.par_chunks_mut(4 * BAND));
-    bands.for_each(|(radiance, rgba)| tone.encode_rgba(radiance, rgba));
 }
 
 fn mean_luminance(film: &Film) -> f32 {

@@ -1,14 +1,11 @@
 //! The texture that shows the picture. There is only one, which is resized in place, and written only where tiles arrived or when it is to be shown
 //! differently.
 
-use std::num::NonZeroUsize;
-
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::compare::{Comparison, PixelComparison};
 use super::denoiser::Denoiser;
@@ -25,13 +22,8 @@ use crate::render::tile::tiles;
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
 const LARGEST_TEXTURE: u32 = 8192;
 
-/// The most threads that paint the picture. More would be woken for little: a screen full of pixels takes eight of them some milliseconds.
-const MOST_PAINTERS: usize = 8;
-
 #[derive(Resource)]
 pub struct Picture {
-    /// Threads that do nothing else, so that the window never waits for long; None if the system refuses to start them.
-    painters: Option<ThreadPool>,
     handle: Handle<Image>,
     texture: egui::TextureId,
     /// Pixels of the picture; (0, 0) before the first.
@@ -96,13 +88,7 @@ pub fn create_picture(
     );
     image.sampler = sampler(Enlarging::default());
     let handle = images.add(image);
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let painters = ThreadPoolBuilder::new()
-        .num_threads(cores.min(MOST_PAINTERS))
-        .thread_name(|index| format!("paint {index}"))
-        .build();
     commands.insert_resource(Picture {
-        painters: painters.ok(),
         texture: textures.add_image(EguiTextureHandle::Strong(handle.clone())),
         handle,
         size: UVec2::ZERO,
@@ -180,19 +166,13 @@ pub fn update_picture(
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
     let compared = compared.or(beside_noisy);
     picture.compared = compared.as_ref().map_or(CompareView::Off, PixelComparison::view);
-    let paint = || match (denoised.filter(|_| noisy_left.is_none()), compared) {
-        (Some(denoised), Some(compared)) => {
-            painter::paint_picture(&tone, &compared.picture(&denoised.radiance), &mut pixels);
-        }
-        (Some(denoised), None) => painter::paint_picture(&tone, &denoised.radiance, &mut pixels),
+    match (denoised.filter(|_| noisy_left.is_none()), compared) {
+        (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
+        (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
         (None, compared) => {
             let painter = Painter::new(&film.film, &settings, &scales).compared(compared);
             painter.paint(&dirty, &mut pixels);
         }
-    };
-    match &picture.painters {
-        Some(painters) => painters.install(paint),
-        None => paint(),
     }
     image.sampler = sampler(view.enlarging);
     let shown_size = texture_size(size);
