@@ -16,11 +16,11 @@ use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 /// The light that lightmaps beside the file have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Baked {
-    /// None: there are no lightmaps.
+    /// No light: there are no lightmaps.
     Nothing,
-    /// That of skies, which light from more than one direction.
+    /// The light of skies, which comes from more than one direction.
     Skies,
-    /// That of all lights.
+    /// The light of all lamps and skies.
     All,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
-    /// The light that is not missed.
+    /// The light that lightmaps have, so that its absence from the file is not reported.
     pub baked: Baked,
 }
 

@@ -117,7 +117,7 @@ pub struct Collected {
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `baked` is not missed in the file.
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; The light that is `baked` is not reported as left out.
 pub fn collect(
     scene: &SceneDescription,
     hidden: &Hidden,
