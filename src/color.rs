@@ -7,9 +7,12 @@ use glam::Vec3;
 /// Linear Rec. 709 RGB: a radiance, a reflectance or a weight, by context.
 pub type Rgb = Vec3;
 
+/// The share of each component of a linear colour in its luminance.
+pub const LUMINANCE: Vec3 = Vec3::new(0.212_671, 0.715_160, 0.072_169);
+
 /// Relative luminance (CIE Y) of a linear colour.
 pub fn luminance(rgb: Rgb) -> f32 {
-    rgb.dot(Vec3::new(0.212_671, 0.715_160, 0.072_169))
+    rgb.dot(LUMINANCE)
 }
 
 /// CIE XYZ of a linear colour; Y is its [`luminance`].

@@ -309,6 +309,30 @@ impl Film {
         Some(sum / count as f32 + splats)
     }
 
+    /// The radiance of [`Self::mixed_pixel`] for a row of pixels of a tile, in the first of `row`.
+    pub fn mixed_row(&self, tile: Tile, y: u32, factors: &[Rgb], row: &mut [Option<Rgb>; TILE as usize]) {
+        let is_mixed = self.kept.groups > 0 && !factors.is_empty();
+        if is_mixed || self.has_splats() || self.previews[self.tile_index(tile.x, y)].is_some() {
+            for (x, pixel) in (tile.x..tile.x + tile.width).zip(row) {
+                *pixel = self.mixed_pixel(x, y, factors);
+            }
+            return;
+        }
+        // The same without looking up the tile of each pixel.
+        let places = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
+        let begun = self.begun_at(tile.x, y);
+        let begun = begun.map(|(chunk, start, _)| (&chunk.pixels[start..], chunk.samples.len() as u32));
+        let pixels = self.sums[places.clone()].iter().zip(&self.counts[places]);
+        for (i, (pixel, (sum, &count))) in row.iter_mut().zip(pixels).enumerate() {
+            let sum = match begun {
+                Some((new, samples)) if count == samples => new[i].radiance,
+                Some((new, _)) => sum.radiance + new[i].radiance,
+                None => sum.radiance,
+            };
+            *pixel = (count > 0).then(|| sum * (1.0 / count as f32));
+        }
+    }
+
     /// The radiance of [`Self::mixed_pixel`] for the whole picture; black where there is none yet.
     pub fn mixed(&self, factors: &[Rgb]) -> Vec<Rgb> {
         (0..self.height)

@@ -48,19 +48,19 @@ impl PictureNoise {
     /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
     /// dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
-        let pixels = || film.mean_errors(tile);
-        let mut new = TileNoise::default();
-        for (mean, _) in pixels() {
-            new.pixels += 1;
-            new.light += f64::from(mean.abs());
-        }
+        let pixels: Vec<(f32, f32)> = film.mean_errors(tile).collect();
+        let mut new = TileNoise {
+            pixels: pixels.len() as u64,
+            light: pixels.iter().map(|(mean, _)| f64::from(mean.abs())).sum(),
+            squares: 0.0,
+        };
         let old = &mut self.tiles[index];
         self.whole.pixels += new.pixels - old.pixels;
         self.whole.light += new.light - old.light;
         if self.whole.light > 0.0 {
             let least = DARK * (self.whole.light / self.whole.pixels as f64) as f32;
-            let relative = |(mean, squared_error): (f32, f32)| squared_error / mean.abs().max(least).powi(2);
-            new.squares = pixels().map(|pixel| f64::from(relative(pixel))).sum();
+            let relative = |&(mean, squared_error): &(f32, f32)| squared_error / mean.abs().max(least).powi(2);
+            new.squares = pixels.iter().map(|pixel| f64::from(relative(pixel))).sum();
         }
         *old = new;
     }

@@ -67,7 +67,7 @@ impl Film {
     }
 
     /// The chunk of a pixel that is not whole, the place of the pixel in it, and whether the film's sums have samples before it.
-    fn begun_at(&self, x: u32, y: u32) -> Option<(&TileSamples, usize, bool)> {
+    pub(super) fn begun_at(&self, x: u32, y: u32) -> Option<(&TileSamples, usize, bool)> {
         let chunk = self.begun[self.tile_index(x, y)].as_deref()?;
         let place = (y - chunk.tile.y) * chunk.tile.width + (x - chunk.tile.x);
         Some((chunk, place as usize, self.samples(x, y) > chunk.count(x, y)))

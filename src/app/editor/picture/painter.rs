@@ -7,7 +7,7 @@ use crate::app::editor::command::display::{
 use crate::color::{Rgb, luminance};
 use crate::render::film::Film;
 use crate::render::noise::DARK;
-use crate::render::tile::{PixelSum, Tile};
+use crate::render::tile::{PixelSum, TILE, Tile};
 use crate::render::tonemap::{Display, Encoder};
 
 /// The data that colours depend on besides the film and the settings. When they change, all pixels do.
@@ -115,37 +115,46 @@ impl<'a> Painter<'a> {
     /// are.
     pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
         let width = self.film.width() as usize;
-        // Neighbours within a preview's block are equal, so that most of its pixels need no tone mapping.
-        let mut last = (Rgb::ZERO, self.tone.encode(Rgb::ZERO));
         for tile in tiles {
             for y in tile.y..tile.y + tile.height {
-                for x in tile.x..tile.x + tile.width {
-                    let start = 4 * (y as usize * width + x as usize);
-                    let Some(color) = self.color(x, y, &mut last) else {
-                        continue;
-                    };
-                    let Some(target) = rgba.get_mut(start..start + 4) else {
-                        continue;
-                    };
-                    let [r, g, b] = color;
-                    target.copy_from_slice(&[r, g, b, u8::MAX]);
+                let start = y as usize * width + tile.x as usize;
+                let row = rgba.get_mut(4 * start..4 * (start + tile.width as usize));
+                match row {
+                    Some(row) if self.mode.is_light() => self.paint_light(*tile, y, row),
+                    Some(row) => self.paint_other(*tile, y, row),
+                    None => {}
                 }
             }
         }
     }
 
-    /// The colour of a pixel; None where the film has nothing yet. `last` is the light that was encoded before, and its colour.
-    fn color(&self, x: u32, y: u32, last: &mut (Rgb, [u8; 3])) -> Option<[u8; 3]> {
-        if !self.mode.is_light() {
-            return Some(self.encode(x, y, &self.film.pixel(x, y)?));
+    /// Paints a row of a tile in modes that show light.
+    fn paint_light(&self, tile: Tile, y: u32, rgba: &mut [u8]) {
+        let mut pixels = [None; TILE as usize];
+        self.film.mixed_row(tile, y, &self.scales.mix, &mut pixels);
+        let pixels = &pixels[..tile.width as usize];
+        let mut light = [Rgb::ZERO; TILE as usize];
+        for ((x, light), pixel) in (tile.x..).zip(&mut light).zip(pixels) {
+            let radiance = pixel.unwrap_or_default();
+            let comparison = self.comparison.as_ref();
+            *light = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
         }
-        let radiance = self.film.mixed_pixel(x, y, &self.scales.mix)?;
-        let comparison = self.comparison.as_ref();
-        let radiance = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
-        if radiance != last.0 {
-            *last = (radiance, self.tone.encode(radiance));
+        let mut targets = pixels.iter().zip(rgba.chunks_exact_mut(4));
+        self.tone.encode_each(&light[..pixels.len()], |[r, g, b]| {
+            if let Some((Some(_), target)) = targets.next() {
+                target.copy_from_slice(&[r, g, b, u8::MAX]);
+            }
+        });
+    }
+
+    /// Paints a row of a tile in modes that show no light.
+    fn paint_other(&self, tile: Tile, y: u32, rgba: &mut [u8]) {
+        for (x, target) in (tile.x..).zip(rgba.chunks_exact_mut(4)) {
+            if let Some(pixel) = self.film.pixel(x, y) {
+                let [r, g, b] = self.encode(x, y, &pixel);
+                target.copy_from_slice(&[r, g, b, u8::MAX]);
+            }
         }
-        Some(last.1)
     }
 
     /// The colour of a pixel in modes that show no light.
