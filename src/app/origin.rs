@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use crate::document::paths::file_name;
-use crate::engine::PackedScene;
+use crate::engine::{PackedScene, RenderStatus, set_choice};
 use crate::files;
+use crate::render::auto::Choice;
 use crate::render::part::{FileDigest, Origin};
 use crate::scene::assets::parts_cache::is_cached_part;
 use crate::scene::{IntegratorSettings, SceneWatch};
@@ -41,6 +42,22 @@ pub fn origin_of_open(world: &World, scene: &Path, others: Vec<(String, String)>
     let files = world.resource::<SceneWatch>().files().filter(|file| file.is_file());
     let digests: Result<Vec<_>, String> = files.map(|file| digest_within(&folder, file)).collect();
     Ok(assemble(world, digests?.into_iter().flatten().collect(), others))
+}
+
+/// The name of the setting that is there where `auto` has chosen another integrator than `path`.
+const CHOICE: &str = "the choice of the integrator auto";
+
+/// Has `auto` stand for what it has stood for in a picture of this origin, so that the picture can go on. Returns false where `auto` is not asked for.
+pub fn take_choice(world: &mut World, then: &Origin) -> bool {
+    if world.resource::<RenderStatus>().auto.is_none() {
+        return false;
+    }
+    let choice = Choice {
+        is_bidirectional: then.settings.iter().any(|(name, _)| name == CHOICE),
+        ..Choice::UNTRIED
+    };
+    set_choice(world, choice);
+    true
 }
 
 fn folder_of(scene: &Path) -> PathBuf {
@@ -84,6 +101,10 @@ fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, St
                 .join(","),
         );
         add("the grouping of lights", short(format!("{:?}", view.light_groups)));
+    }
+    let auto = world.get_resource::<RenderStatus>().and_then(|status| status.auto);
+    if let Some(auto) = auto.filter(|auto| auto.choice.is_bidirectional) {
+        settings.push((CHOICE.to_owned(), auto.integrator.to_owned()));
     }
     settings.extend(others.into_iter().map(|(name, value)| (name, short(value))));
     Origin {

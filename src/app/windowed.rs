@@ -99,6 +99,7 @@ pub fn windowed(options: WindowOptions) -> App {
         .insert_resource(ClearColor(Color::srgb_u8(18, 18, 18)))
         .insert_resource(RenderControl {
             interactive: true,
+            path_is_auto: true,
             threads: worker_count(options.threads, true),
             ..default()
         })

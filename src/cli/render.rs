@@ -15,7 +15,7 @@ use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::signals::{is_terminated, note_show, note_termination};
 use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::engine::{layered_picture, load_to_completion, open_shutter, render_watched};
+use sunroom::engine::{choose_integrator, layered_picture, load_to_completion, open_shutter, render_watched};
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
@@ -38,7 +38,7 @@ use super::progress::{InSequence, Progress};
 use super::report::Failure;
 use super::sequence::{TurningCamera, frame_path};
 use super::share::{self, Settings};
-use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
+use super::stats::{Auto, Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
 use super::watch::{Last, Watch, event};
 use super::{outputs, report};
 
@@ -196,6 +196,30 @@ fn samples_of_film(world: &World) -> u32 {
     film.map_or(1, |film| film.sample_count)
 }
 
+/// The samples per pixel of the whole picture, for every share of it.
+fn samples_of_whole(args: &RenderArgs, limits: &Limits, world: &World) -> u32 {
+    let of_film = samples_of_film(world);
+    match &args.shares.samples {
+        // How far other shares go beyond the film's number is not known.
+        Some(share) => args.spp.unwrap_or(if share.end > of_film { u32::MAX } else { of_film }),
+        None => limits.samples.unwrap_or(of_film),
+    }
+}
+
+/// Says what `auto` has chosen.
+fn report_choice(status: &RenderStatus) {
+    let Some(auto) = status.auto else {
+        return;
+    };
+    let name = auto.integrator;
+    match auto.choice.gain {
+        Some(gain) => report::line(format_args!(
+            "auto takes `{name}`: by the pilot, the variance of `path` is {gain:.2} times that of `bdpt` for the same cost"
+        )),
+        None => report::line(format_args!("auto takes `{name}`, without a pilot")),
+    }
+}
+
 /// Renders the scene as it is and writes the picture.
 fn picture(
     app: &mut App,
@@ -209,6 +233,15 @@ fn picture(
     let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
     let settings = settings(args, of_frame);
     let (scene, checkpoints) = (&args.scene.scene, &args.checkpoints);
+    if !share::take_choice(app.world_mut(), checkpoints)? {
+        let samples = samples_of_whole(args, limits, app.world());
+        choose_integrator(app, Some(samples), limits)?;
+    }
+    // The status tells of the choice.
+    load_to_completion(app, limits)?;
+    if !args.quiet {
+        report_choice(app.world().resource());
+    }
     let share = share::begin(app.world_mut(), scene, &args.shares, checkpoints, samples, settings)?;
     // Standard output has place for one picture, the finished one.
     let files: Vec<PathBuf> = outputs
@@ -306,6 +339,7 @@ fn picture(
             height: image.height,
             spp: samples,
             noise: status.noise,
+            auto: status.auto.map(Auto::from),
             seed: app.world().resource::<SamplerSettings>().seed,
             threads,
             denoised: is_denoised,
@@ -385,6 +419,9 @@ fn describe(picture: &mut LayeredImage, world: &World, args: &RenderArgs) {
     let camera = world.resource::<ActiveSensor>().0;
     if let Some(name) = camera.and_then(|camera| world.get::<Name>(camera)) {
         text("sunroom:camera", name.as_str().to_owned());
+    }
+    if let Some(auto) = status.auto {
+        text("sunroom:auto", auto.integrator.to_owned());
     }
     let mut int = |name: &str, value: u32| {
         picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));

@@ -7,7 +7,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::app::checkpoint::Piece;
-use sunroom::app::origin::origin;
+use sunroom::app::origin::{self, origin};
 use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
 use sunroom::render::film::Film;
 use sunroom::render::part::{Crop, PartFile};
@@ -94,6 +94,15 @@ impl ShareArgs {
             None => Ok(()),
         }
     }
+}
+
+/// Lets `auto` stand for what it has stood for in the checkpoint that the picture goes on with. False if there is none.
+pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bool, Failure> {
+    let Some(path) = checkpoints.resume.as_ref().filter(|path| path.exists()) else {
+        return Ok(false);
+    };
+    let file = PartFile::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok(origin::take_choice(world, &file.header().origin))
 }
 
 /// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is packed. `samples`: the number of samples

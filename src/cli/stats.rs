@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
-use sunroom::engine::RenderStatus;
+use sunroom::engine::{AutoStatus, RenderStatus};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StatsFormat {
@@ -23,6 +23,8 @@ pub struct Stats {
     pub spp: u32,
     /// The estimated relative noise; None where all is black or pixels have a single sample.
     pub noise: Option<f32>,
+    /// What the integrator `auto` stands for; None where another one is asked for.
+    pub auto: Option<Auto>,
     pub seed: u32,
     pub threads: usize,
     pub denoised: bool,
@@ -39,6 +41,26 @@ pub struct Stats {
     /// The most memory the process has held; None where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     pub outputs: Vec<PathBuf>,
+}
+
+/// The choice of the integrator `auto`.
+#[derive(Serialize)]
+pub struct Auto {
+    pub integrator: &'static str,
+    /// The variance of `path` over that of `bdpt` for the same cost, by the pilot; None without a pilot.
+    pub gain: Option<f32>,
+    /// The share of the light that `path` never finds.
+    pub missed: f32,
+}
+
+impl From<AutoStatus> for Auto {
+    fn from(status: AutoStatus) -> Self {
+        Self {
+            integrator: status.integrator,
+            gain: status.choice.gain,
+            missed: status.choice.missed,
+        }
+    }
 }
 
 #[derive(Serialize)]

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use bevy::app::PluginsState;
 use bevy::prelude::*;
 
+use super::choosing::{Cancelled, find_choice, set_choice};
 use super::control::{RenderControl, WakeUp};
 use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
@@ -99,6 +100,24 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
     result
 }
 
+/// Chooses the integrator `auto` of the scene that is packed, for a picture with so many samples per pixel, before it is rendered; None takes those of the film. It
+/// is the same on any number of threads, and for every share of the picture. A choice that there is stays, and where another integrator is asked for, nothing
+/// happens. Returns false if it was cancelled.
+pub fn choose_integrator(app: &mut App, samples: Option<u32>, limits: &Limits) -> Result<bool, RenderError> {
+    if !load_to_completion(app, limits)? {
+        return Ok(false);
+    }
+    match find_choice(app.world(), samples, &limits.cancel) {
+        Ok(choice) => {
+            choice
+                .into_iter()
+                .for_each(|choice| set_choice(app.world_mut(), choice));
+            Ok(true)
+        }
+        Err(Cancelled) => Ok(false),
+    }
+}
+
 /// Loads, renders and returns when a limit is reached; `progress` is called after every update of the app.
 pub fn render_to_completion(
     app: &mut App,
@@ -119,7 +138,9 @@ pub fn render_watched(app: &mut App, limits: &Limits, watch: impl FnMut(&World))
 }
 
 fn render_until(app: &mut App, limits: &Limits, mut watch: impl FnMut(&World)) -> Result<Outcome, RenderError> {
-    if !load_to_completion(app, limits)? {
+    let control = app.world().resource::<RenderControl>();
+    let (asked, is_interactive) = (limits.samples.or(control.target_samples), control.interactive);
+    if !load_to_completion(app, limits)? || !is_interactive && !choose_integrator(app, asked, limits)? {
         return Ok(Outcome::Cancelled);
     }
     let mut control = app.world_mut().resource_mut::<RenderControl>();

@@ -53,6 +53,8 @@ pub struct RenderControl {
     pub sight: SightControl,
     /// Whether the picture compares ways of finding light: the left third has bsdf sampling alone, the middle light sampling alone, the right both.
     pub strategy_split: bool,
+    /// Whether `path` in a file stands for `auto`, as in a window. The file stays as it is.
+    pub path_is_auto: bool,
     /// Whether the film keeps the light of each group of lights in a layer, for mixing.
     pub light_layers: bool,
     /// The number of worker threads that trace rays; `app::threads` decides it.
@@ -84,6 +86,7 @@ impl Default for RenderControl {
             view_mode: ViewMode::Path,
             sight: SightControl::default(),
             strategy_split: false,
+            path_is_auto: false,
             light_layers: false,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
             interactive: false,

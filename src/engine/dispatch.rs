@@ -73,7 +73,7 @@ pub(super) fn dispatch_job(
         let begins = match (control.interactive, &*job) {
             (false, _) => Beginning::Whole,
             // The picture from there stays until there are pixels of the other size.
-            (true, Some(old)) if old.samples > 0 && old.is_of_other_size(&demand.extracted.scene, &view) => {
+            (true, Some(old)) if old.samples > 0 && old.sees_the_same(&demand.extracted.scene, &view) => {
                 Beginning::Whole
             }
             (true, _) => Beginning::preview(control.motion_scale),

@@ -10,6 +10,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::authored::{Authored, name_of};
+use super::auto::{AutoIntegrator, before_choice, is_auto};
 use super::blas_cache::{BlasCache, BuildPolicy};
 use super::clipping::clipping_warning;
 use super::control::{RenderControl, SightControl, WakeUp};
@@ -43,7 +44,7 @@ use crate::render::borders::medium_at;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
-use crate::render::view::View;
+use crate::render::view::{Integrator, View};
 use crate::scene::{AccelMethod, DocumentOrder, Film, Sensor};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
@@ -213,6 +214,7 @@ pub(super) fn extract_scene(
     mut control: ResMut<RenderControl>,
     wake_up: Res<WakeUp>,
     deferred: Res<DeferredDrop>,
+    auto: Res<AutoIntegrator>,
     authored: Authored,
 ) {
     let is_other_scene = authored.status.is_opening || extracted.packs_revision != authored.status.revision;
@@ -272,13 +274,30 @@ pub(super) fn extract_scene(
     extracted.update_medium_of_view();
     extracted.update_sight(&control.sight);
     let same_scene = old.is_same(&extracted.scene);
+    let is_auto = is_auto(&authored.integrator, &control);
+    extracted.forget_choice(is_auto);
     let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
-    if has_size_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
+    let mut as_chosen = old_view.clone();
+    if let Some(view) = as_chosen.as_mut().filter(|_| is_auto) {
+        // A choice is no change of what is seen.
+        view.integrator = Integrator::Path(view.integrator.settings());
+    }
+    if has_size_until_change && !(same_scene && extracted.sees_as(as_chosen.as_ref())) {
         control.forget_size_until_change();
         extracted.update_view(&authored, &control);
         extracted.update_layers(keeps_groups);
         extracted.update_medium_of_view();
         extracted.update_sight(&control.sight);
+    }
+    extracted.forget_choice(is_auto);
+    if is_auto
+        && let Extracted {
+            scene,
+            view: Some(view),
+            ..
+        } = &mut *extracted
+    {
+        view.integrator = auto.integrator(scene, view);
     }
     extracted.update_clipping();
     if !same_scene || old_view != extracted.view {
@@ -432,6 +451,13 @@ impl Extracted {
                 cut: control.cut,
                 only,
             };
+        }
+    }
+
+    /// The integrator `auto` is as before its choice.
+    fn forget_choice(&mut self, is_auto: bool) {
+        if let Some(view) = self.view.as_mut().filter(|_| is_auto) {
+            view.integrator = before_choice(&self.scene, view);
         }
     }
 

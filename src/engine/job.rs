@@ -181,9 +181,13 @@ impl Job {
         self.scene.is_same(scene)
     }
 
-    /// Whether it makes the same picture with another number of pixels.
-    pub fn is_of_other_size(&self, scene: &RenderScene, view: &View) -> bool {
-        self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&self.view, view)
+    /// Whether it makes the same picture with another number of pixels, or by another integrator.
+    pub fn sees_the_same(&self, scene: &RenderScene, view: &View) -> bool {
+        let own = View {
+            integrator: view.integrator,
+            ..self.view.clone()
+        };
+        self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&own, view)
     }
 
     pub fn is_running(&self) -> bool {

@@ -4,9 +4,11 @@
 mod adaptation;
 mod all_shapes;
 mod authored;
+mod auto;
 mod backend;
 mod blas_cache;
 pub mod blocking;
+mod choosing;
 mod clipping;
 mod collect;
 pub mod control;
@@ -42,7 +44,10 @@ mod stop_condition;
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 
-pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion, render_watched};
+pub use blocking::{
+    Limits, Outcome, RenderError, choose_integrator, load_to_completion, render_to_completion, render_watched,
+};
+pub use choosing::set_choice;
 pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
 pub use layers::{PictureNames, file_options, layered_picture};
@@ -54,7 +59,7 @@ pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
-pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
+pub use status::{AutoStatus, BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 
 /// The steps of a frame, in this order, in `PostUpdate`.
@@ -93,6 +98,8 @@ impl Plugin for EnginePlugin {
             .init_resource::<blas_cache::BlasCache>()
             .init_resource::<renderer::Renderer>()
             .init_resource::<saved::Resumed>()
+            .init_resource::<auto::AutoIntegrator>()
+            .init_resource::<choosing::PilotSearch>()
             .configure_sets(
                 PostUpdate,
                 (
@@ -112,7 +119,9 @@ impl Plugin for EnginePlugin {
                     collect::collect_results.in_set(EngineSystems::Collect),
                     detect::detect_changes.in_set(EngineSystems::Detect),
                     extract::extract_scene.in_set(EngineSystems::Extract),
-                    dispatch::dispatch_job.in_set(EngineSystems::Dispatch),
+                    (choosing::seek_choice, dispatch::dispatch_job)
+                        .chain()
+                        .in_set(EngineSystems::Dispatch),
                     report::report_status.in_set(EngineSystems::Report),
                 ),
             );

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 
+use super::auto::AutoIntegrator;
 use super::blas_cache::BlasCache;
+use super::choosing::{self, PilotSearch};
 use super::control::RenderControl;
 use super::detect::Dirty;
 use super::extract::Extracted;
@@ -10,7 +12,7 @@ use super::job::Job;
 use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
 use super::stop_condition::StopCondition;
-use crate::scene::{SceneState, SceneStatus};
+use crate::scene::{IntegratorSettings, SceneState, SceneStatus};
 
 /// Messages shown at most; a scene of a thousand broken spheres has said it by then.
 const MOST_ERRORS: usize = 50;
@@ -23,6 +25,7 @@ pub(super) fn report_status(
     cache: Res<BlasCache>,
     dirty: Res<Dirty>,
     scene: Res<SceneStatus>,
+    (auto, search, integrator): (Res<AutoIntegrator>, Res<PilotSearch>, Res<IntegratorSettings>),
 ) {
     let job = renderer.job();
     let stop = StopCondition::new(&control, extracted.film_limits());
@@ -65,6 +68,7 @@ pub(super) fn report_status(
     status.samples = samples;
     status.first = job.and_then(|job| job.share).unwrap_or(0);
     status.target = stop.samples;
+    choosing::report(&mut status, (&auto, &search), &extracted, &integrator, &control);
     status.time_limit = stop.seconds;
     status.noise_target = stop.noise;
     status.stopped_by = reached;

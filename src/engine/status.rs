@@ -6,6 +6,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 
 use super::stop_condition::StopReason;
+use crate::render::auto::Choice;
 
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]
@@ -28,6 +29,8 @@ pub struct RenderStatus {
     pub stopped_by: Option<StopReason>,
     /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there is none.
     pub noise: Option<f32>,
+    /// What the integrator `auto` stands for; None where another one is asked for.
+    pub auto: Option<AutoStatus>,
     /// The size of the picture in pixels.
     pub size: UVec2,
     /// The pixels that the picture has when it is traced in full: those of the film, see [`RenderControl`](super::RenderControl::view_size).
@@ -74,6 +77,7 @@ impl Default for RenderStatus {
             noise_target: None,
             stopped_by: None,
             noise: None,
+            auto: None,
             size: UVec2::ZERO,
             full_size: UVec2::ZERO,
             seconds: 0.0,
@@ -114,6 +118,17 @@ impl RenderStatus {
         let is_known = self.state == RenderState::Rendering && done > 0.0 && self.samples > 0;
         is_known.then(|| self.seconds * (1.0 / done - 1.0))
     }
+}
+
+/// What the integrator `auto` stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AutoStatus {
+    /// The name of the integrator, as in files.
+    pub integrator: &'static str,
+    /// Whether its pilot is under way.
+    pub is_searching: bool,
+    /// The choice. Before there is one it is path tracing, without a gain.
+    pub choice: Choice,
 }
 
 /// The state of the engine.

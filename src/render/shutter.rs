@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::scene::RenderScene;
 use super::tile::{Tile, TileSamples, render_tile};
-use super::view::View;
+use super::view::{Integrator, View};
 
 /// The scene and the view at one moment.
 pub type Moment = (RenderScene, View);
@@ -33,6 +33,18 @@ impl Shutter {
             (scene, View { photons, ..view })
         };
         Some(Self(spread_order(moments.len()).into_iter().map(moment).collect()))
+    }
+
+    /// The same moments by another integrator.
+    pub fn with_integrator(&self, integrator: Integrator) -> Self {
+        let moment = |(scene, view): &Moment| {
+            let view = View {
+                integrator,
+                ..view.clone()
+            };
+            (scene.clone(), view)
+        };
+        Self(self.0.iter().map(moment).collect())
     }
 
     /// The number of moments.

@@ -22,17 +22,20 @@ pub enum PathPlugin {
     Vcm,
     /// `ptracer`: paths from the lights alone. Space is empty.
     Ptracer,
+    /// `auto`: `path` or `bdpt`, whichever pays for the scene, and `volpath` where there are media. Mitsuba 3 has none.
+    Auto,
 }
 
 impl PathPlugin {
     /// All plugins.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Path,
         Self::VolPath,
         Self::VolPathMis,
         Self::Bdpt,
         Self::Vcm,
         Self::Ptracer,
+        Self::Auto,
     ];
 
     /// The name in the file.
@@ -44,12 +47,13 @@ impl PathPlugin {
             Self::Bdpt => "bdpt",
             Self::Vcm => "vcm",
             Self::Ptracer => "ptracer",
+            Self::Auto => "auto",
         }
     }
 
     /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their ways.
     pub fn has_strategy(self) -> bool {
-        matches!(self, Self::Path | Self::VolPath | Self::VolPathMis)
+        matches!(self, Self::Path | Self::VolPath | Self::VolPathMis | Self::Auto)
     }
 
     /// Whether it has photons.
@@ -59,7 +63,7 @@ impl PathPlugin {
 
     /// Whether light meets media.
     pub fn traces_media(self) -> bool {
-        matches!(self, Self::VolPath | Self::VolPathMis)
+        matches!(self, Self::VolPath | Self::VolPathMis | Self::Auto)
     }
 }
 

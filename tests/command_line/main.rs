@@ -1,5 +1,6 @@
 //! The program as a user of the command line meets it. What is measured of a process is measured of the program's own.
 
+mod auto;
 mod bake;
 mod bench;
 mod commands;

@@ -30,6 +30,7 @@ mod accel;
 mod accel_surface;
 mod accel_together;
 mod animation;
+mod auto;
 mod bake;
 mod bidirectional;
 mod bsdf;

@@ -6,6 +6,7 @@ mod split_mix;
 mod support;
 
 mod adaptive;
+mod auto;
 mod flying;
 mod large;
 mod light_mixing;

@@ -383,6 +383,8 @@ fn path_says_that_it_leaves_media_out() {
             "{lines:?}"
         );
     }
+    let (settings, lines) = with("<integrator type='auto'/>");
+    assert_eq!((settings.plugin, lines.len()), (PathPlugin::Auto, 0));
     let around =
         "<integrator type='aov'><string name='aovs' value='dd:depth'/><integrator type='volpath'/></integrator>";
     assert_eq!(with(around).0.plugin, PathPlugin::VolPath);

@@ -768,6 +768,25 @@ fn a_portable_scene_has_no_parameters_of_ours() {
 }
 
 #[test]
+fn a_portable_scene_has_the_integrator_that_traces_its_media() {
+    let folder = tempfile::tempdir().unwrap();
+    let medium = "<shape type='sphere'><medium name='interior' type='homogeneous'/></shape>";
+    for (inside, expected) in [("", "path"), (medium, "volpath")] {
+        let integrator =
+            "<integrator type='aov'><string name='aovs' value='dd:depth'/><integrator type='auto'/></integrator>";
+        let text = format!("<scene version='3.0.0'>{integrator}{inside}</scene>");
+        let mut document = document::parse_str(&*text, &folder.path().join("old.xml"), &[]);
+        let target = folder.path().join("new.xml");
+        let scene = read(&mut document);
+        for (extensions, name) in [(Extensions::Keep, "auto"), (Extensions::Approximate, expected)] {
+            write_anew(&scene, &target, extensions).unwrap();
+            let written = std::fs::read_to_string(&target).unwrap();
+            assert!(written.contains(&format!("<integrator type=\"{name}\"")), "{written}");
+        }
+    }
+}
+
+#[test]
 fn spectra_stay_as_they_are_until_their_colour_is_edited() {
     let body = "  <emitter type=\"constant\">\n    <spectrum type=\"blackbody\" name=\"radiance\">\n      <float name=\"temperature\" value=\"3000\"/>\n    </spectrum>\n  </emitter>\n  \
         <bsdf type=\"roughconductor\" id=\"a\">\n    <spectrum type=\"d65\" name=\"specular_reflectance\"><float name=\"scale\" value=\"0.5\"/></spectrum>\n    <float name=\"alpha\" value=\"0.2\"/>\n  </bsdf>";

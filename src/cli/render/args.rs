@@ -85,8 +85,8 @@ pub struct RenderArgs {
     /// Acceleration structure
     #[arg(long, value_enum, default_value_t = Accel::Sah)]
     pub accel: Accel,
-    /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside these) or ptracer (paths from the
-    /// lights alone)
+    /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside these), ptracer (paths from the
+    /// lights alone) or auto (path or bdpt, whichever pays for the scene)
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     pub integrator: Option<PathPlugin>,
     /// How light is looked for by path, volpath and volpathmis

@@ -98,7 +98,10 @@ pub(in crate::engine) fn pack_view(
         medium,
         filter: pixel_filter(film.filter, check),
         integrator: match integrator.plugin {
-            PathPlugin::Path | PathPlugin::VolPath | PathPlugin::VolPathMis => Integrator::Path(path_settings),
+            // Until there is a choice, `auto` is path tracing.
+            PathPlugin::Path | PathPlugin::VolPath | PathPlugin::VolPathMis | PathPlugin::Auto => {
+                Integrator::Path(path_settings)
+            }
             PathPlugin::Bdpt => Integrator::Bidirectional(path_settings),
             PathPlugin::Vcm => Integrator::Merging(
                 path_settings,

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::subpath::{LightPath, Measure, Vertex, Walk, reverse_pdf};
-use super::weights::weight;
+use super::weights::{Ways, weight};
 use super::{Sample, splat};
 use crate::accel::Hit;
 use crate::color::Rgb;
@@ -74,6 +74,11 @@ impl<'a> Sample<'a, '_> {
             let radiance = found.radiance * arriving * weight;
             if radiance != Rgb::ZERO {
                 splats.push(Splat { radiance, ..found });
+                self.note(Some(found.pixel), radiance, found.radiance * arriving, || {
+                    let pdf = to.density * vertex.cosine(to.ray.dir);
+                    let fewer = Ways::OF_PATHS.with_fewer_of_light(path, vertices, number, pdf, false);
+                    fewer.sum(vertex.scattering.reverse_pdf(-to.ray.dir))
+                });
             }
         }
     }
@@ -299,16 +304,16 @@ impl<'a> Sample<'a, '_> {
     }
 
     fn add_seen(&mut self, walk: &Walk, seen: &Seen, camera: &[Vertex<'a>], observer: &mut impl PathObserver) {
+        let by_sampling = match walk.before.map(|before| &camera[before]) {
+            Some(vertex) if !vertex.is_delta => (seen.pdf_of_light / seen.pdf).powi(2),
+            _ => 0.0,
+        };
         let others = match walk.before {
             // What the camera sees directly is found in no other way.
             None => 0.0,
             Some(_) if !self.camera_paths => f32::INFINITY,
             Some(before) => {
                 let vertex = &camera[before];
-                let by_sampling = match vertex.is_delta {
-                    true => 0.0,
-                    false => (seen.pdf_of_light / seen.pdf).powi(2),
-                };
                 let ratio = seen.emission.start / seen.pdf * (seen.pdf_before / vertex.pdf);
                 let joined = self
                     .ways
@@ -319,6 +324,11 @@ impl<'a> Sample<'a, '_> {
         let weight = weight(others);
         let contribution = walk.throughput * seen.radiance * weight;
         self.radiance += contribution;
+        if walk.before.is_some() {
+            self.note(None, contribution, walk.throughput * seen.radiance, || {
+                1.0 + by_sampling
+            });
+        }
         observer.emitter_met(&MetEmitter {
             light: seen.light,
             radiance: seen.radiance,
@@ -363,8 +373,10 @@ impl<'a> Sample<'a, '_> {
             }
             _ => 0.0,
         };
+        let whole = carried * light.radiance * arriving.unwrap_or(Rgb::ZERO) / light.pdf;
         let contribution = carried * light.radiance * arriving.unwrap_or(Rgb::ZERO) * (weight / light.pdf);
         self.radiance += contribution;
+        self.note(None, contribution, whole, || 1.0 + by_bsdf(&start, &light, bsdf_pdf));
         observer.light_sampled(&SampledLight {
             light: id,
             sample: light,
@@ -386,10 +398,6 @@ impl<'a> Sample<'a, '_> {
         bsdf_pdf: f32,
     ) -> f32 {
         let vertex = &camera[number];
-        let by_bsdf = match start.is_delta() {
-            true => 0.0,
-            false => (bsdf_pdf / light.pdf).powi(2),
-        };
         let pdf = match start {
             Start::Surface(hit) => vertex.area_pdf(emission.next, hit.position),
             Start::Point(position) => vertex.area_pdf(emission.next, *position),
@@ -398,7 +406,7 @@ impl<'a> Sample<'a, '_> {
         let of_light = start.density(vertex.point.position, light.pdf);
         let ratio = emission.start / of_light * (pdf / vertex.pdf);
         let next = self.next_of_camera(camera, number, light.wi);
-        by_bsdf + self.ways.with_fewer_of_camera(camera, number, ratio, false, next)
+        by_bsdf(start, light, bsdf_pdf) + self.ways.with_fewer_of_camera(camera, number, ratio, false, next)
     }
 
     /// The density of the vertex before a vertex of the camera's path, for light that comes to it from `wi`.
@@ -461,11 +469,23 @@ impl<'a> Sample<'a, '_> {
         let weight = weight(others);
         let contribution = carried * arriving * (count as f32 * weight);
         self.radiance += contribution;
+        self.note(None, contribution, carried * arriving, || {
+            let fewer = Ways::OF_PATHS.with_fewer_of_light(path, light, last, other_density, false);
+            fewer.sum(other.scattering.reverse_pdf(-wi))
+        });
         observer.joined(&Joined {
             light: path.emitted.light,
             position: other.point.position,
             weight,
             contribution,
         });
+    }
+}
+
+/// The squared ratio of coming upon a light to sampling it, which has found it with this density.
+fn by_bsdf(start: &Start, light: &LightSample, bsdf_pdf: f32) -> f32 {
+    match start.is_delta() {
+        true => 0.0,
+        false => (bsdf_pdf / light.pdf).powi(2),
     }
 }

@@ -17,6 +17,7 @@
 //! Media are not traced by it.
 
 mod connect;
+mod finds;
 mod merge;
 mod photons;
 mod subpath;
@@ -27,6 +28,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
+pub(super) use self::finds::Find;
 use self::subpath::{LightPath, Vertex, Walk};
 use self::weights::{Merging, Ways};
 use super::dimensions::LightDraw;
@@ -88,6 +90,8 @@ pub(super) struct Tracer<'a> {
     light: Vec<Vertex<'a>>,
     camera: Vec<Vertex<'a>>,
     splats: TileSplats,
+    /// What samples find, if it is asked for.
+    finds: Option<Vec<Find>>,
 }
 
 /// The pixel whose random numbers paths from the lights have: one that no film has.
@@ -118,6 +122,7 @@ impl<'a> Tracer<'a> {
             light: Vec::new(),
             camera: Vec::new(),
             splats: TileSplats::default(),
+            finds: None,
         };
         for number in indices {
             if let Some(photons) = tracer.techniques.merging
@@ -141,8 +146,10 @@ impl<'a> Tracer<'a> {
         };
         let [mut light, mut vertices] = [&mut self.light, &mut self.camera].map(std::mem::take);
         let mut splats = std::mem::take(&mut self.splats);
+        let finds = self.finds.take();
         let mut sample = self.begin(ways, camera.sampler, self.light_sampler(pixel, index));
         sample.photons = round.map(|round| &*round.2);
+        sample.finds = finds;
         light.clear();
         vertices.clear();
         let start = sample.trace_light(&mut light);
@@ -152,8 +159,10 @@ impl<'a> Tracer<'a> {
         }
         sample.trace_camera(camera.ray, &mut vertices, start.as_ref(), &light, observer);
         let traced = sample.record.sample(sample.radiance, sample.rays);
+        let finds = sample.finds.take();
+        drop(sample);
         self.start = start.map(|start| start.emitted.origin);
-        (self.light, self.camera, self.splats) = (light, vertices, splats);
+        (self.light, self.camera, self.splats, self.finds) = (light, vertices, splats, finds);
         (traced, camera.weight)
     }
 
@@ -171,6 +180,7 @@ impl<'a> Tracer<'a> {
             radiance: Rgb::ZERO,
             record: PathRecord::default(),
             rays: 0,
+            finds: None,
         }
     }
 
@@ -183,6 +193,16 @@ impl<'a> Tracer<'a> {
     /// The splats since the last call.
     pub fn take_splats(&mut self) -> TileSplats {
         std::mem::take(&mut self.splats)
+    }
+
+    /// Has the next samples note what they find.
+    pub fn note_finds(&mut self) {
+        self.finds = Some(Vec::new());
+    }
+
+    /// What was found since the last call.
+    pub fn take_finds(&mut self) -> Vec<Find> {
+        self.finds.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// The random numbers of the path from a light. All paths of a picture have points of one sequence, so that together they cover the lights evenly.
@@ -208,6 +228,7 @@ struct Sample<'a, 'b> {
     radiance: Rgb,
     record: PathRecord,
     rays: u32,
+    finds: Option<Vec<Find>>,
 }
 
 impl<'a> Sample<'a, '_> {

@@ -1,4 +1,4 @@
-//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, and `aov` around them; every other one is taken for `path` or `volpath`.
+//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; every other one is taken for `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
@@ -72,6 +72,7 @@ impl<'a> SceneReader<'a> {
                     "bdpt",
                     "vcm",
                     "ptracer",
+                    "auto",
                 ],
             );
             let span = Some(object.span);

@@ -38,6 +38,8 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
         // The members of a group have poses in the world, so that they stay where they are without the transform of the folder.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
         root.children.retain(|child| !is_frame(child));
+        let plugin = if has_media(root) { "volpath" } else { "path" };
+        replace_auto(root, plugin);
     }
     translate_inside(root, &mut files, extensions);
     root.children.splice(0..0, std::mem::take(&mut files.materials));
@@ -63,6 +65,25 @@ impl BesideFiles<'_> {
         let name = format!("{}.{}", self.stem, kind(self.list.len() + 1));
         self.list.push((name.clone(), text));
         name
+    }
+}
+
+fn has_media(object: &Object) -> bool {
+    let is_medium = |child: &Child| matches!(child, Child::Object(inner) if has_media(inner));
+    object.category == Category::Medium || object.children.iter().any(is_medium)
+}
+
+/// Gives integrators `auto` this plugin.
+fn replace_auto(object: &mut Object, plugin: &str) {
+    if object.category == Category::Integrator && object.plugin == "auto" {
+        object.plugin = plugin.into();
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child
+            && inner.category == Category::Integrator
+        {
+            replace_auto(Arc::make_mut(inner), plugin);
+        }
     }
 }
 

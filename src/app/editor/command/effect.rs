@@ -92,6 +92,7 @@ impl Command {
             | Self::RenderFull(_)
             | Self::StopFull
             | Self::SetStrategySplit(_)
+            | Self::SetPathIsAuto(_)
             | Self::SetSeeing(_)
             | Self::CutOpen
             | Self::Isolate(_)

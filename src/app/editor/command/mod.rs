@@ -381,6 +381,8 @@ pub enum Command {
     StopFull,
     /// Splits the picture into thirds by bsdf sampling, by light sampling, and by both.
     SetStrategySplit(bool),
+    /// Lets the integrator `path` stand for `auto`, or for itself.
+    SetPathIsAuto(bool),
     /// Sets how the film becomes a picture.
     SetDisplay(DisplaySettings),
     /// Sets the exposure so that the picture is middle grey on average.

@@ -21,7 +21,7 @@ use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
-use crate::app::origin::origin_of_open;
+use crate::app::origin::{origin_of_open, take_choice};
 use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
 use crate::render::layered_image::{Attribute, LayeredImage};
 use crate::render::part::{Crop, FileDigest, Origin, PartFile};
@@ -352,6 +352,7 @@ fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<u
         return Err("the view was changed meanwhile, and the picture begins anew".to_owned());
     }
     let header = returning.file.header();
+    take_choice(world, &header.origin);
     let origin = origin(world, &returning.scene)?;
     let differences = origin.differences(&header.origin);
     if !differences.is_empty() {

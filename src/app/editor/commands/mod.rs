@@ -264,6 +264,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
             let region = region.map(|region| Rect::from_corners(region.min, region.max));
             control(world, |control| control.region = region);
         }
+        Command::SetPathIsAuto(is_auto) => control(world, |control| control.path_is_auto = is_auto),
         Command::SetStrategySplit(split) => control(world, |control| control.strategy_split = split),
         Command::SetLightLayers(kept) => {
             control(world, |control| control.light_layers = kept);

@@ -189,6 +189,8 @@ pub fn gather_status(
     model.render.noise = status.noise;
     model.render.region = settings.control.region;
     model.render.strategy_split = settings.control.strategy_split;
+    model.render.path_is_auto = settings.control.path_is_auto;
+    model.render.auto = status.auto;
     let mixing = &mut model.render.mixing;
     mixing.is_on = settings.control.light_layers;
     if picture.mix.is_changed() {

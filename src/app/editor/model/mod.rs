@@ -35,7 +35,7 @@ use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::document::Severity;
-use crate::engine::RenderStatus;
+use crate::engine::{AutoStatus, RenderStatus};
 use crate::math::Aabb;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, Medium, SamplerSettings, Sensor,
@@ -322,6 +322,10 @@ pub struct RenderModel {
     pub region: Option<Rect>,
     /// Whether the picture is three thirds by different strategies.
     pub strategy_split: bool,
+    /// Whether the integrator `path` stands for `auto`.
+    pub path_is_auto: bool,
+    /// What the integrator `auto` stands for, where it is asked for.
+    pub auto: Option<AutoStatus>,
     /// The section for light mixing.
     pub mixing: MixingModel,
     /// The section for comparison with a snapshot.

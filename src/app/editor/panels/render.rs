@@ -7,7 +7,7 @@ use bevy_egui::egui::Ui;
 
 use super::caption::Caption;
 use super::section::{section, section_with};
-use super::status::percent;
+use super::status::{auto_words, percent};
 use super::{comparison, fields, layers, light_mixing, look};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
@@ -175,14 +175,33 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
     }
 }
 
+/// What `auto` stands for, and whether `path` stands for it.
+fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
+    if model.integrator.plugin == PathPlugin::Path {
+        let mut is_auto = model.path_is_auto;
+        let caption = Caption::from("Choose by scene").explained(
+            "In this window path stands for auto: bdpt takes its place where it pays. The scene keeps path, and so does the command line. Without it the window \
+             traces by path, whatever the scene.",
+        );
+        if fields::checkbox(ui, caption, &mut is_auto) {
+            commands.push(Command::SetPathIsAuto(is_auto));
+        }
+    }
+    if let Some(auto) = model.auto {
+        fields::note(ui, "Chosen", auto_words(&auto));
+    }
+}
+
 fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut integrator = model.integrator;
     let plugins = PathPlugin::ALL.map(|plugin| (plugin, plugin.name()));
     let about = "path follows light back from the camera, through empty space. volpath and volpathmis, which are the same here, scatter and absorb it in media \
                  as well. bdpt joins paths from the camera with paths from the lights: for caustics, and for lamps that are hard to find. vcm has \
-                 photons beside it, for caustics that are seen through glass and water; it blurs them a little. ptracer has paths from the lights alone.";
+                 photons beside it, for caustics that are seen through glass and water; it blurs them a little. ptracer has paths from the lights alone. auto is path or \
+                 bdpt, whichever pays for the scene, as a pilot finds out.";
     let caption = Caption::from("Integrator").explained(about);
     let mut changed = fields::choice(ui, caption, &mut integrator.plugin, &plugins);
+    auto_rows(ui, model, commands);
     let mut is_bounded = integrator.max_depth.is_some();
     if fields::checkbox(ui, "Limit depth", &mut is_bounded) {
         changed = true;

@@ -8,7 +8,7 @@ use super::typed;
 use crate::app::editor::model::StatusModel;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::words::figures::counted;
-use crate::engine::{RenderState, RenderStatus};
+use crate::engine::{AutoStatus, RenderState, RenderStatus};
 
 /// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
@@ -77,6 +77,7 @@ fn parts(model: &StatusModel) -> Vec<Part> {
         Part::new(time(status), "Time spent on the picture, and left"),
     ];
     parts.extend(noise(model));
+    parts.extend(status.auto.as_ref().map(auto));
     parts.push(Part::new(
         format!("{:.2} Mrays/s", status.mrays_per_s),
         "Millions of rays traced in a second",
@@ -140,6 +141,24 @@ fn size(status: &RenderStatus) -> Part {
         format!("{traced} of {} × {}", full.x, full.y),
         "Pixels of the picture, which are those that the window shows, and pixels of the film; Render full film traces all of them",
     )
+}
+
+/// What the integrator `auto` stands for.
+fn auto(auto: &AutoStatus) -> Part {
+    let hint =
+        "What the integrator auto stands for; Light transport in the panel Render says why, and can name another one";
+    Part::new(format!("auto: {}", auto.integrator), hint)
+}
+
+/// The choice of the integrator `auto`, and what it goes by.
+pub fn auto_words(auto: &AutoStatus) -> String {
+    let name = auto.integrator;
+    match auto.choice.gain {
+        _ if auto.is_searching => format!("{name}, while a pilot is traced"),
+        Some(gain) if auto.choice.is_bidirectional => format!("{name}: {gain:.1} times less variance for its cost"),
+        Some(gain) => format!("{name}: bdpt has {:.1} times its variance for the cost", gain.recip()),
+        None => name.to_owned(),
+    }
 }
 
 /// The noise, and how it has fallen.

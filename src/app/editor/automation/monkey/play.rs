@@ -203,6 +203,7 @@ impl Monkey {
             Command::SetPaused(false),
             Command::SetRegion(None),
             Command::SetStrategySplit(false),
+            Command::SetPathIsAuto(true),
             Command::SetLightLayers(false),
             Command::SetLightMix(LightMix::default()),
             Command::SetTimeLimit(None),

@@ -34,6 +34,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
         .add_plugins((ScenePlugin, EnginePlugin))
         .insert_resource(RenderControl {
             interactive: true,
+            path_is_auto: true,
             threads: worker_count(threads, false),
             ..default()
         })

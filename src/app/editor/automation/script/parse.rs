@@ -289,6 +289,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
         ("region", corners) => Command::SetRegion(rendering::region(corners)?),
         ("layers", names) => rendering::layers(world, names)?,
+        ("choose-integrator", [switch]) => Command::SetPathIsAuto(rendering::switch(switch)?),
         ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
         ("measure-between", [from, to]) => Command::AddRuler(Ruler {
             from: parse_vec3(from)?,

@@ -1,7 +1,7 @@
 //! The verbs of scripts, with the words that follow them.
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 76] = [
+pub const VERBS: [(&str, &str); 77] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("export-to", "FILE"),
@@ -77,6 +77,7 @@ pub const VERBS: [(&str, &str); 76] = [
     ("enlarge", "smooth|sharp"),
     ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
     ("layers", "none | LAYER... (saved with EXR images)"),
+    ("choose-integrator", "on|off"),
     ("split-strategies", "on|off"),
     ("show-grid", "on|off"),
     ("measure-between", "FROM TO (each X,Y,Z)"),

@@ -1,0 +1,168 @@
+//! Makes the choice of the integrator `auto`.
+//!
+//! Without a window it is there before the first sample ([`choose_integrator`](super::choose_integrator)). In a window the first samples are path tracing's, so that a
+//! change is seen at once. The pilot begins when the picture has some samples, on a thread of its own; where it chooses otherwise, the picture begins anew.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use bevy::prelude::*;
+
+use super::auto::{AutoIntegrator, Seen, is_auto, samples_of};
+use super::control::{RenderControl, WakeUp};
+use super::extract::Extracted;
+use super::packed_scene::PackedScene;
+use super::renderer::Renderer;
+use super::status::{AutoStatus, RenderState, RenderStatus};
+use super::stop_condition::StopCondition;
+use crate::render::auto::{Choice, choose};
+use crate::scene::IntegratorSettings;
+
+/// The samples of every pixel before which a window seeks no choice.
+const FIRST: u32 = 16;
+
+/// The pilot that is under way in a window.
+#[derive(Resource, Default)]
+pub(super) struct PilotSearch(Option<Search>);
+
+/// A pilot under way.
+struct Search {
+    seen: Seen,
+    cancel: Arc<AtomicBool>,
+    found: Arc<OnceLock<Option<Choice>>>,
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Begins the pilot in a window when the picture is ready for it, and takes up what it has found.
+pub(super) fn seek_choice(
+    mut auto: ResMut<AutoIntegrator>,
+    mut search: ResMut<PilotSearch>,
+    mut extracted: ResMut<Extracted>,
+    mut packed: ResMut<PackedScene>,
+    settings: Res<IntegratorSettings>,
+    control: Res<RenderControl>,
+    renderer: Res<Renderer>,
+    wake_up: Res<WakeUp>,
+) {
+    let Some(view) = extracted
+        .view
+        .clone()
+        .filter(|_| control.interactive && is_auto(&settings, &control))
+    else {
+        search.0 = None;
+        return;
+    };
+    let stop = StopCondition::new(&control, extracted.film_limits());
+    if !auto.is_awaited(&extracted.scene, &view, stop.samples) {
+        search.0 = None;
+        return;
+    }
+    let seen = Seen::of(&extracted.scene, &view);
+    if let Some(under_way) = search.0.as_ref().filter(|search| search.seen.is_same(&seen)) {
+        let Some(found) = under_way.found.get() else { return };
+        auto.0 = found.map(|choice| (seen, choice));
+        search.0 = None;
+        apply(&auto, &mut extracted, &mut packed);
+        return;
+    }
+    search.0 = None;
+    let is_ready = |samples: u32| control.motion_scale >= 1.0 && samples >= FIRST.min(stop.samples);
+    let job = renderer.job().filter(|job| job.view.integrator == view.integrator);
+    if control.paused || !job.is_some_and(|job| is_ready(job.least_samples())) {
+        return;
+    }
+    let cancel = Arc::new(AtomicBool::new(false));
+    let found = Arc::new(OnceLock::new());
+    let samples = samples_of(&view, stop.samples);
+    let (of_thread, result, stopped) = (seen.clone(), found.clone(), cancel.clone());
+    let wake_up = wake_up.clone();
+    let thread = std::thread::Builder::new()
+        .name("pilot of auto".to_owned())
+        .spawn(move || {
+            let choice = choose(&of_thread.scene, &of_thread.pilot, samples, 1, &stopped);
+            // Without one it would be sought for ever.
+            let _ = result.set(choice.or(Some(Choice::UNTRIED)));
+            if let Some(wake) = &wake_up.0 {
+                wake();
+            }
+        });
+    match thread {
+        Ok(_) => search.0 = Some(Search { seen, cancel, found }),
+        Err(_) => auto.0 = Some((seen, Choice::UNTRIED)),
+    }
+}
+
+/// Gives the view that is rendered the integrator of the choice.
+fn apply(auto: &AutoIntegrator, extracted: &mut Extracted, packed: &mut PackedScene) {
+    let Extracted { scene, view, .. } = extracted;
+    if let Some(view) = view {
+        view.integrator = auto.integrator(scene, view);
+    }
+    packed.view.clone_from(view);
+}
+
+/// The choice for the scene and the view that are packed, for a picture with so many samples per pixel; None takes those of the film. A choice that there is stays.
+/// The error is that it was cancelled, and there is none where another integrator is asked for.
+pub(super) fn find_choice(
+    world: &World,
+    samples: Option<u32>,
+    cancel: &AtomicBool,
+) -> Result<Option<Choice>, Cancelled> {
+    let control = world.resource::<RenderControl>();
+    let extracted = world.resource::<Extracted>();
+    let is_asked = is_auto(world.resource(), control);
+    let Some(view) = extracted.view.as_ref().filter(|_| is_asked) else {
+        return Ok(None);
+    };
+    let scene = &extracted.scene;
+    if let Some(known) = world.resource::<AutoIntegrator>().choice(scene, view) {
+        return Ok(Some(known));
+    }
+    let samples = samples_of(view, samples.unwrap_or(extracted.sample_count));
+    let choice = choose(scene, view, samples, control.threads.get(), cancel);
+    choice.map(Some).ok_or(Cancelled)
+}
+
+/// Says that a choice was cancelled.
+pub(super) struct Cancelled;
+
+/// Has this be the choice for the scene and the view that are packed.
+pub fn set_choice(world: &mut World, choice: Choice) {
+    world.resource_scope(|world, mut extracted: Mut<Extracted>| {
+        let Some(view) = &extracted.view else { return };
+        let auto = AutoIntegrator(Some((Seen::of(&extracted.scene, view), choice)));
+        apply(&auto, &mut extracted, &mut world.resource_mut::<PackedScene>());
+        world.insert_resource(auto);
+    });
+}
+
+/// What is told of the choice, in a status.
+pub(super) fn report(
+    status: &mut RenderStatus,
+    (auto, search): (&AutoIntegrator, &PilotSearch),
+    extracted: &Extracted,
+    settings: &IntegratorSettings,
+    control: &RenderControl,
+) {
+    let is_asked = is_auto(settings, control);
+    let Some(view) = extracted.view.as_ref().filter(|_| is_asked) else {
+        status.auto = None;
+        return;
+    };
+    let choice = auto.choice(&extracted.scene, view);
+    let has_media = view.integrator.settings().media;
+    status.auto = Some(AutoStatus {
+        integrator: choice.unwrap_or(Choice::UNTRIED).name(has_media),
+        is_searching: search.0.is_some(),
+        choice: choice.unwrap_or(Choice::UNTRIED),
+    });
+    let is_awaited = control.interactive && auto.is_awaited(&extracted.scene, view, status.target);
+    if status.state == RenderState::Done && is_awaited {
+        status.state = RenderState::Rendering;
+    }
+}

@@ -1,0 +1,357 @@
+//! The choice of the integrator `auto`: path tracing, or paths from the lights as well, by what a pilot of both finds.
+//!
+//! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as much. It pays where it is less noisy by more than that. The
+//! noise of path tracing cannot be had from few samples of it: light that it finds once in ten thousand samples is not among them, and the pilot would look
+//! calm. So its second moment has two parts. What path tracing finds often, up to [`COMMON`] times the light of the place, is measured with its own samples. What is
+//! brighter in one sample is rare, and bidirectional paths tell of it: for each path that they find, the density is known with which path tracing would find it
+//! ([`Find::in_one`]), and that may be zero.
+//!
+//! All is relative to the light of the place and bounded by it ([`BRIGHTEST`]), so that neither a bright spot nor a lucky sample decides for the picture. The cost of a
+//! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
+//! is a function of the scene and of what the camera sees, on any number of threads.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use glam::UVec2;
+
+use super::bidirectional::{self, Find, Techniques};
+use super::lanes::{self, Job};
+use super::scene::RenderScene;
+use super::view::{Integrator, PathSettings, Shown, View};
+use crate::color::luminance;
+use crate::sampling::SequenceKind;
+use crate::sampling::hash::pcg3d;
+
+/// The edge of the pilot's film in pixels, if it is a square. Others have as many pixels.
+const EDGE: f32 = 512.0;
+/// The picture is judged by the mean of so many parts in a row and in a column.
+const PARTS: u32 = 8;
+/// The pixels of a part in each stage. The second is for what the first has left in doubt.
+const STAGES: [u32; 2] = [8, 32];
+/// The samples of a pixel by path tracing, and by bidirectional path tracing.
+const PATH_SAMPLES: u32 = 16;
+const PAIR: u32 = 2;
+/// The samples of path tracing that cost as much as a pixel of a stage.
+const COST_OF_PIXEL: u64 = 48;
+/// The share of a picture's cost that a pilot may cost.
+const SHARE: f64 = 0.03;
+/// The time of a ray of bidirectional path tracing, with all that is done for it, in that of path tracing: as measured, see `benches/NOTES.md`.
+const COST_OF_RAY: f64 = 5.0;
+/// What path tracing finds is rare if it is so many times as bright as the place.
+const COMMON: f32 = 16.0;
+/// The brightest that a single path is taken for, in the light of its place: path tracing misses light that is brighter, in any picture of less than thousands of samples.
+const BRIGHTEST: f32 = 1024.0;
+/// Places are taken to be as bright as this share of the picture's mean at least.
+const DARK: f32 = 0.05;
+/// The gain from which on bidirectional path tracing is chosen, and beyond which, one way or the other, the first stage is enough.
+const WORTHWHILE: f64 = 1.5;
+const CLEAR: f64 = 4.0;
+/// The seed of the pilot's random numbers.
+const SEED: u32 = 0x5eed_a070;
+
+/// The choice for a scene and a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Whether there are paths from the lights.
+    pub is_bidirectional: bool,
+    /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same cost. None if there was no pilot.
+    pub gain: Option<f32>,
+    /// The share of the light that path tracing never finds, from 0 to 1.
+    pub missed: f32,
+}
+
+impl Choice {
+    /// Path tracing, without a pilot.
+    pub const UNTRIED: Self = Self {
+        is_bidirectional: false,
+        gain: None,
+        missed: 0.0,
+    };
+
+    /// The name of the chosen integrator in files. `has_media`: whether there are media, which only path tracing knows.
+    pub fn name(&self, has_media: bool) -> &'static str {
+        match (self.is_bidirectional, has_media) {
+            (true, _) => "bdpt",
+            (false, true) => "volpath",
+            (false, false) => "path",
+        }
+    }
+
+    /// The chosen integrator with these settings.
+    pub fn integrator(&self, settings: PathSettings) -> Integrator {
+        match self.is_bidirectional {
+            true => Integrator::Bidirectional(settings),
+            false => Integrator::Path(settings),
+        }
+    }
+}
+
+/// Whether there is a choice for a picture of so many `samples`, over all pixels: fewer are not worth a pilot, and media leave none.
+pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
+    let settings = view.integrator.settings();
+    let has_media = settings.media && !scene.media.is_empty();
+    view.shown == Shown::Radiance && settings.longest_path() > 2 && !has_media && stages(samples) > 0
+}
+
+/// The number of stages that a picture of so many samples can pay for.
+fn stages(samples: u64) -> usize {
+    let cost = |stage: &u32| COST_OF_PIXEL * u64::from(stage * PARTS * PARTS);
+    let budget = SHARE * samples as f64;
+    STAGES.iter().take_while(|stage| cost(stage) as f64 <= budget).count()
+}
+
+/// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the choice.
+pub fn pilot_view(view: &View) -> View {
+    let ratio = (view.width as f32 / view.height as f32).sqrt();
+    let side = |length: f32| length.round().max(1.0) as u32;
+    View {
+        width: side(EDGE * ratio),
+        height: side(EDGE / ratio),
+        integrator: Integrator::Path(view.integrator.settings()),
+        before: None,
+        sequence: SequenceKind::Independent,
+        seed: SEED,
+        photons: Default::default(),
+        ..view.clone()
+    }
+}
+
+/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. None if `cancel` was set in the meantime.
+pub fn choose(scene: &RenderScene, view: &View, samples: u64, threads: usize, cancel: &AtomicBool) -> Option<Choice> {
+    if !has_choice(scene, view, samples) {
+        return Some(Choice::UNTRIED);
+    }
+    let view = pilot_view(view);
+    let mut parts = Vec::new();
+    let mut choice = Choice::UNTRIED;
+    for (stage, &pixels) in STAGES.iter().take(stages(samples)).enumerate() {
+        add(&mut parts, trace(scene, &view, stage, pixels, threads, cancel)?);
+        choice = judge(&parts, UVec2::new(view.width, view.height));
+        let gain = f64::from(choice.gain.unwrap_or(1.0));
+        if !(WORTHWHILE / CLEAR..WORTHWHILE * CLEAR).contains(&gain) {
+            break;
+        }
+    }
+    Some(choice)
+}
+
+/// The samples of a part of the picture.
+#[derive(Default)]
+struct Part {
+    /// The luminances of path tracing, for each pixel.
+    by_path: Vec<[f32; PATH_SAMPLES as usize]>,
+    /// Those of bidirectional path tracing, without what paths from the lights bring to the lens.
+    pairs: Vec<[f32; PAIR as usize]>,
+    /// What bidirectional paths have found, and what they have sent to the lens, to any part.
+    seen: Vec<Find>,
+    sent: Vec<Find>,
+    /// Rays by path tracing and by bidirectional path tracing.
+    rays: [u64; 2],
+}
+
+/// Traces a stage, each part by one of the threads.
+fn trace(
+    scene: &RenderScene,
+    view: &View,
+    stage: usize,
+    pixels: u32,
+    threads: usize,
+    cancel: &AtomicBool,
+) -> Option<Vec<Part>> {
+    let count = (PARTS * PARTS) as usize;
+    let next = AtomicUsize::new(0);
+    let done: Vec<Mutex<Option<Part>>> = std::iter::repeat_with(Mutex::default).take(count).collect();
+    let work = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(place) = done.get(number) else { return };
+            let part = trace_part(scene, view, stage, number as u32, pixels, cancel);
+            *place.lock().unwrap_or_else(PoisonError::into_inner) = part;
+        }
+    };
+    std::thread::scope(|scope| {
+        (1..threads.min(count)).for_each(|_| drop(scope.spawn(work)));
+        work();
+    });
+    let part = |place: Mutex<Option<Part>>| place.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.into_iter().map(part).collect()
+}
+
+fn trace_part(
+    scene: &RenderScene,
+    view: &View,
+    stage: usize,
+    number: u32,
+    pixels: u32,
+    cancel: &AtomicBool,
+) -> Option<Part> {
+    let place = |pixel: u32| {
+        let [x, y, _] = pcg3d([number, pixel, SEED.wrapping_add(stage as u32)]);
+        let along = |part: u32, length: u32, random: u32| {
+            let (start, end) = (part * length / PARTS, (part + 1) * length / PARTS);
+            (start + ((u64::from(random) * u64::from(end - start)) >> 32) as u32).min(length - 1)
+        };
+        UVec2::new(
+            along(number % PARTS, view.width, x),
+            along(number / PARTS, view.height, y),
+        )
+    };
+    let jobs = |first: u32, samples: u32| {
+        let job = move |pixel: u32, index: u32| Job {
+            pixel: place(pixel),
+            index: first + index,
+        };
+        (0..pixels).flat_map(move |pixel| (0..samples).map(move |index| job(pixel, index)))
+    };
+    let mut part = Part::default();
+    let settings = view.integrator.settings();
+    // Each pixel of each stage has numbers of its own, also where two are the same.
+    let first = stage as u32 * 64;
+    let by_path: Vec<Job> = jobs(first, PATH_SAMPLES).collect();
+    let samples = lanes::trace(scene, view, &settings, &by_path, cancel)?.list;
+    part.rays[0] = samples.iter().map(|(sample, _)| u64::from(sample.rays)).sum();
+    let light = |radiance, weight: f32| {
+        let light = luminance(radiance) * weight;
+        if light.is_finite() { light } else { 0.0 }
+    };
+    let of_pixel = |samples: &[(super::path::PathSample, f32)]| {
+        std::array::from_fn(|index| light(samples[index].0.radiance, samples[index].1))
+    };
+    part.by_path = samples.chunks_exact(PATH_SAMPLES as usize).map(of_pixel).collect();
+
+    let view = View {
+        integrator: Integrator::Bidirectional(settings),
+        ..view.clone()
+    };
+    let (settings, techniques) = Techniques::of(&view)?;
+    let none = std::iter::empty();
+    let mut tracer = bidirectional::Tracer::new(scene, &view, settings, techniques, none, cancel)?;
+    tracer.note_finds();
+    let mut lights = Vec::new();
+    for job in jobs(first + PATH_SAMPLES, PAIR) {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let (sample, weight) = tracer.sample(job.pixel, job.index, &mut ());
+        part.rays[1] += u64::from(sample.rays);
+        lights.push(light(sample.radiance, weight));
+    }
+    part.pairs = lights
+        .chunks_exact(PAIR as usize)
+        .map(|pair| [pair[0], pair[1]])
+        .collect();
+    let finds = tracer.take_finds();
+    (part.sent, part.seen) = finds.into_iter().partition(|find| find.pixel.is_some());
+    Some(part)
+}
+
+/// Adds the samples of another stage.
+fn add(parts: &mut Vec<Part>, stage: Vec<Part>) {
+    parts.resize_with(stage.len(), Part::default);
+    for (part, mut new) in parts.iter_mut().zip(stage) {
+        part.by_path.append(&mut new.by_path);
+        part.pairs.append(&mut new.pairs);
+        part.seen.append(&mut new.seen);
+        part.sent.append(&mut new.sent);
+        (0..2).for_each(|method| part.rays[method] += new.rays[method]);
+    }
+}
+
+/// What the samples of all parts say of a picture of this size.
+fn judge(parts: &[Part], size: UVec2) -> Choice {
+    let pairs: usize = parts.iter().map(|part| part.pairs.len()).sum();
+    let paths = f64::from(PAIR) * pairs.max(1) as f64;
+    let pixels = f64::from(size.x) * f64::from(size.y);
+    let mut sent: Vec<Vec<Find>> = vec![Vec::new(); parts.len()];
+    for find in parts.iter().flat_map(|part| &part.sent) {
+        if let Some(pixel) = find.pixel {
+            let along = |place: u32, length: u32| (place * PARTS / length).min(PARTS - 1);
+            sent[(along(pixel.y, size.y) * PARTS + along(pixel.x, size.x)) as usize].push(*find);
+        }
+    }
+    // The parts have about equally many pixels.
+    let of_sent = pixels / paths / (pixels / parts.len().max(1) as f64);
+    let sums: Vec<Sums> = parts
+        .iter()
+        .zip(&sent)
+        .map(|(part, sent)| Sums { part, sent, of_sent })
+        .collect();
+    let mean = sums.iter().map(Sums::light).sum::<f64>() / sums.len().max(1) as f64;
+    if mean <= 0.0 {
+        return Choice::UNTRIED;
+    }
+    let (mut by_path, mut bidirectional, mut missed) = (0.0, 0.0, 0.0);
+    for sums in &sums {
+        let place = sums.light().max(f64::from(DARK) * mean) as f32;
+        let scale = f64::from(place) * f64::from(place);
+        by_path += sums.variance_by_path(place) / scale;
+        bidirectional += sums.variance_bidirectional(place) / scale;
+        missed += sums.of_finds(|find| {
+            if find.in_one.is_finite() {
+                0.0
+            } else {
+                f64::from(find.light)
+            }
+        });
+    }
+    let rays = |method: usize| parts.iter().map(|part| part.rays[method] as f64).sum::<f64>();
+    let samples = |of_pixel: u32| f64::from(of_pixel) * pairs.max(1) as f64;
+    let cost = COST_OF_RAY * (rays(1) / samples(PAIR)) / (rays(0) / samples(PATH_SAMPLES)).max(1.0);
+    let gain = by_path / (bidirectional * cost).max(f64::MIN_POSITIVE);
+    Choice {
+        is_bidirectional: gain >= WORTHWHILE,
+        gain: Some(gain as f32),
+        missed: (missed / (mean * sums.len() as f64)).min(1.0) as f32,
+    }
+}
+
+/// The sums over the samples of a part.
+struct Sums<'a> {
+    part: &'a Part,
+    /// What paths from the lights have sent to it.
+    sent: &'a [Find],
+    /// The factor by which the sum of what was sent is the mean over its pixels.
+    of_sent: f64,
+}
+
+impl Sums<'_> {
+    /// The mean over the part's samples of a number for each of what they have found.
+    fn of_finds(&self, number: impl Fn(&Find) -> f64) -> f64 {
+        let of_seen = 1.0 / (f64::from(PAIR) * self.part.pairs.len().max(1) as f64);
+        let sum = |finds: &[Find]| finds.iter().map(&number).sum::<f64>();
+        of_seen * sum(&self.part.seen) + self.of_sent * sum(self.sent)
+    }
+
+    /// The mean luminance, by bidirectional path tracing.
+    fn light(&self) -> f64 {
+        let seen: f64 = self.part.pairs.iter().flatten().map(|&light| f64::from(light)).sum();
+        let sent: f64 = self.sent.iter().map(|find| f64::from(find.light)).sum();
+        seen / (f64::from(PAIR) * self.part.pairs.len().max(1) as f64) + self.of_sent * sent
+    }
+
+    /// The variance of a sample of path tracing, at a place of this luminance.
+    fn variance_by_path(&self, place: f32) -> f64 {
+        let of_pixel = |lights: &[f32; PATH_SAMPLES as usize]| {
+            let lights = lights.map(|light| f64::from(light.min(COMMON * place)));
+            let mean = lights.iter().sum::<f64>() / lights.len() as f64;
+            lights.iter().map(|light| (light - mean).powi(2)).sum::<f64>() / (lights.len() - 1) as f64
+        };
+        let common: f64 = self.part.by_path.iter().map(of_pixel).sum();
+        let rare = |find: &Find| match find.in_one > COMMON * place {
+            true => f64::from(find.light) * f64::from(find.in_one.min(BRIGHTEST * place)),
+            false => 0.0,
+        };
+        common / self.part.by_path.len().max(1) as f64 + self.of_finds(rare)
+    }
+
+    /// The variance of a sample of bidirectional path tracing, at a place of this luminance. What comes to the lens has few of very many paths, so that its
+    /// variance is its second moment.
+    fn variance_bidirectional(&self, place: f32) -> f64 {
+        let clipped = |light: f32| f64::from(light.min(BRIGHTEST * place));
+        let of_pair = |pair: &[f32; PAIR as usize]| 0.5 * (clipped(pair[0]) - clipped(pair[1])).powi(2);
+        let seen: f64 = self.part.pairs.iter().map(of_pair).sum();
+        let sent: f64 = self.sent.iter().map(|find| clipped(find.light).powi(2)).sum();
+        seen / self.part.pairs.len().max(1) as f64 + self.of_sent * sent
+    }
+}

@@ -1,0 +1,118 @@
+//! The integrator `auto` in a window: its first pictures are by path tracing.
+
+use bevy::prelude::*;
+use sunroom::color::Rgb;
+use sunroom::engine::{AutoStatus, RenderControl, RenderFilm, RenderStatus};
+use sunroom::scene::{
+    DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Ior, Material, PathPlugin, Shape, ShapeKind,
+    ToWorld, UsesMaterial,
+};
+
+use crate::{ball, finish};
+
+/// Samples that pay for a pilot.
+const SAMPLES: u32 = 300;
+
+/// A ball of glass before a sky and above a floor, under a point.
+fn caustic(plugin: PathPlugin) -> App {
+    let mut app = ball(Vec3::new(0.0, -0.2, 6.0), 64, 48);
+    let world = app.world_mut();
+    let glass = world.spawn((
+        DocumentOrder(10),
+        Material::Dielectric {
+            interior: Ior::Number(1.5),
+            exterior: Ior::Number(1.0),
+            specular_reflectance: Rgb::ONE.into(),
+            specular_transmittance: Rgb::ONE.into(),
+        },
+    ));
+    let glass = glass.id();
+    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
+    let shape = shapes.single(world).expect("a ball");
+    world
+        .entity_mut(shape)
+        .insert((UsesMaterial(glass), ToWorld::default()));
+    let floor = Shape {
+        kind: ShapeKind::Disk,
+        flip_normals: false,
+    };
+    let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    let pose = Transform::from_xyz(0.0, -1.5, 6.0)
+        .with_rotation(turn)
+        .with_scale(Vec3::splat(6.0));
+    world.spawn((DocumentOrder(11), floor, ToWorld(pose.compute_affine())));
+    let intensity = Rgb::splat(60.0);
+    let point = Transform::from_xyz(0.0, 4.0, 6.0);
+    world.spawn((
+        DocumentOrder(12),
+        Emitter::from(EmitterKind::Point { intensity }),
+        ToWorld(point.compute_affine()),
+    ));
+    let mut films = world.query::<&mut Film>();
+    films.single_mut(world).expect("a film").sample_count = SAMPLES;
+    let mut integrator = world.resource_mut::<IntegratorSettings>();
+    (integrator.plugin, integrator.max_depth) = (plugin, Some(6));
+    app
+}
+
+fn auto(app: &App) -> Option<AutoStatus> {
+    app.world().resource::<RenderStatus>().auto
+}
+
+fn is_picture_of(app: &App, other: &App) -> bool {
+    let picture = |app: &App| app.world().resource::<RenderFilm>().film.radiance();
+    picture(app) == picture(other)
+}
+
+#[test]
+fn a_window_begins_with_paths_and_goes_on_with_what_is_chosen() {
+    let mut bidirectional = caustic(PathPlugin::Bdpt);
+    finish(&mut bidirectional);
+    assert_eq!(auto(&bidirectional), None);
+    let mut app = caustic(PathPlugin::Path);
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
+    (control.interactive, control.path_is_auto) = (true, true);
+    let path = |status: AutoStatus| status.integrator == "path" && status.choice.gain.is_none();
+    while app.world().resource::<RenderStatus>().samples == 0 {
+        app.update();
+        assert!(auto(&app).is_none_or(path), "{:?}", auto(&app));
+    }
+    finish(&mut app);
+    let chosen = auto(&app).expect("a choice");
+    assert!(chosen.integrator == "bdpt" && !chosen.is_searching, "{chosen:?}");
+    assert!(is_picture_of(&app, &bidirectional), "the pictures differ");
+
+    // A change begins with path tracing again.
+    let world = app.world_mut();
+    let mut points = world.query_filtered::<&mut ToWorld, With<Emitter>>();
+    points.iter_mut(world).for_each(|mut pose| pose.0.translation.x += 0.3);
+    app.update();
+    assert!(auto(&app).is_some_and(path), "{:?}", auto(&app));
+    assert!(app.world().resource::<RenderStatus>().samples < SAMPLES);
+}
+
+#[test]
+fn path_stands_for_itself_where_it_is_asked_to() {
+    let mut app = caustic(PathPlugin::Path);
+    app.world_mut().resource_mut::<RenderControl>().interactive = true;
+    app.world_mut().resource_mut::<RenderControl>().target_samples = Some(20);
+    finish(&mut app);
+    assert_eq!(auto(&app), None);
+}
+
+#[test]
+fn a_short_picture_needs_no_choice() {
+    let mut app = caustic(PathPlugin::Auto);
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
+    (control.interactive, control.target_samples) = (true, Some(20));
+    finish(&mut app);
+    let status = auto(&app).expect("a status");
+    assert!(
+        status.integrator == "path" && status.choice.gain.is_none(),
+        "{status:?}"
+    );
+    let mut path = caustic(PathPlugin::Path);
+    path.world_mut().resource_mut::<RenderControl>().target_samples = Some(20);
+    finish(&mut path);
+    assert!(is_picture_of(&app, &path));
+}
