@@ -53,7 +53,7 @@ pub fn finish(
         let index = index_of(texels.texels[texel].place);
         match light.is_buried(texel) {
             true => buried[index] = true,
-            false => values[index] = Some(light.irradiance(texel)),
+            false => values[index] = Some(light.light(texel)),
         }
     }
     for _ in 0..INTO_WALLS {

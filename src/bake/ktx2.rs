@@ -1,10 +1,11 @@
-//! Writes a picture as KTX 2.0, the container that graphics cards are given textures in: half floats, four channels, one level.
+//! Writes pictures, cubes and volumes as KTX 2.0, the container that graphics cards are given textures in: half floats, four channels.
 //!
 //! Source: the KTX File Format Specification 2.0.4, and the Khronos Data Format Specification 1.3.1, chapter 5, for the descriptor.
 
-use glam::UVec2;
+use glam::{UVec2, UVec3};
 use half::f16;
 
+use super::cube::CubePicture;
 use crate::color::Rgb;
 
 const IDENTIFIER: [u8; 12] = [
@@ -12,53 +13,112 @@ const IDENTIFIER: [u8; 12] = [
 ];
 /// `VK_FORMAT_R16G16B16A16_SFLOAT`.
 const FORMAT: u32 = 97;
-/// Bytes of the header, the index, and the index of the one level.
-const HEAD: usize = 48 + 32 + 24;
+/// Bytes of the header and the index, and of the index of a level.
+const HEAD: usize = 48 + 32;
+const LEVEL: usize = 24;
+/// Bytes of a texel, which levels begin at multiples of.
+const TEXEL: usize = 8;
 /// Red, green, blue and alpha in the descriptor.
 const CHANNELS: [u8; 4] = [0, 1, 2, 15];
 /// The qualifiers of a signed float.
 const SIGNED_FLOAT: u8 = 0xC0;
 
+/// What a file holds besides its texels.
+struct Head {
+    /// The width, the height, and the depth, which is 0 for pictures.
+    size: UVec3,
+    /// 6 for cubes, else 1.
+    faces: u32,
+    /// The directions that columns, rows and slices follow each other in.
+    orientation: &'static str,
+}
+
 /// The file of a linear picture, row by row from the top. Values above the largest half float become that one.
-pub fn ktx2(size: UVec2, pixels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
-    let descriptor = descriptor();
-    let texts = texts();
-    let texts_at = HEAD + descriptor.len();
-    let level_at = (texts_at + texts.len()).next_multiple_of(8);
-    let level_length = 8 * size.x as usize * size.y as usize;
-    let mut file = Vec::with_capacity(level_at + level_length);
+pub fn picture(size: UVec2, pixels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
+    let head = Head {
+        size: size.extend(0),
+        faces: 1,
+        orientation: "rd",
+    };
+    file(&head, &[halves(pixels)])
+}
+
+/// The file of a cube, whose levels are each half as wide as the one before.
+pub fn cube(levels: &[CubePicture]) -> Vec<u8> {
+    let size = levels.first().map_or(0, |level| level.size);
+    let head = Head {
+        size: UVec3::new(size, size, 0),
+        faces: 6,
+        orientation: "rd",
+    };
+    let levels: Vec<Vec<u8>> = levels
+        .iter()
+        .map(|level| halves(level.texels.iter().copied()))
+        .collect();
+    file(&head, &levels)
+}
+
+/// The file of texels in space, first along x, then along y, then along z.
+pub fn volume(size: UVec3, texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
+    let head = Head {
+        size,
+        faces: 1,
+        orientation: "rdi",
+    };
+    file(&head, &[halves(texels)])
+}
+
+/// The texels of a level, opaque.
+fn halves(texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
+    let half = |value: f32| f16::from_f32(value.clamp(0.0, f16::MAX.to_f32()));
+    let channels = |texel: Rgb| [half(texel.x), half(texel.y), half(texel.z), f16::ONE];
+    texels
+        .into_iter()
+        .flat_map(channels)
+        .flat_map(f16::to_le_bytes)
+        .collect()
+}
+
+/// The file of levels, the largest first. They lie in it the other way around.
+fn file(head: &Head, levels: &[Vec<u8>]) -> Vec<u8> {
+    let (descriptor, texts) = (descriptor(), texts(head.orientation));
+    let descriptor_at = HEAD + LEVEL * levels.len();
+    let texts_at = descriptor_at + descriptor.len();
+    let levels_at = (texts_at + texts.len()).next_multiple_of(TEXEL);
+    let mut file = Vec::with_capacity(levels_at + levels.iter().map(Vec::len).sum::<usize>());
     file.extend(IDENTIFIER);
     let size_of_component = 2;
-    let (depth, layers, faces, levels, compression) = (0, 0, 1, 1, 0);
+    let (layers, compression) = (0, 0);
     let header = [
         FORMAT,
         size_of_component,
-        size.x,
-        size.y,
-        depth,
+        head.size.x,
+        head.size.y,
+        head.size.z,
         layers,
-        faces,
-        levels,
+        head.faces,
+        levels.len() as u32,
         compression,
     ];
     let index = [
-        HEAD as u32,
+        descriptor_at as u32,
         descriptor.len() as u32,
         texts_at as u32,
         texts.len() as u32,
     ];
     file.extend(header.into_iter().chain(index).flat_map(u32::to_le_bytes));
     let global_data = [0, 0];
-    let level = [level_at as u64, level_length as u64, level_length as u64];
-    file.extend(global_data.into_iter().chain(level).flat_map(u64::to_le_bytes));
+    file.extend(global_data.into_iter().flat_map(u64::to_le_bytes));
+    let smaller = |level: usize| levels[level + 1..].iter().map(Vec::len).sum::<usize>();
+    for (number, level) in levels.iter().enumerate() {
+        let at = (levels_at + smaller(number)) as u64;
+        let length = level.len() as u64;
+        file.extend([at, length, length].into_iter().flat_map(u64::to_le_bytes));
+    }
     file.extend(descriptor);
     file.extend(texts);
-    file.resize(level_at, 0);
-    let half = |value: f32| f16::from_f32(value.clamp(0.0, f16::MAX.to_f32()));
-    for pixel in pixels {
-        let channels = [half(pixel.x), half(pixel.y), half(pixel.z), f16::ONE];
-        file.extend(channels.into_iter().flat_map(f16::to_le_bytes));
-    }
+    file.resize(levels_at, 0);
+    levels.iter().rev().for_each(|level| file.extend(level));
     file
 }
 
@@ -75,7 +135,7 @@ fn descriptor() -> Vec<u8> {
     bytes.extend([rgb, rec_709, linear, no_flags]);
     let one_texel = [0; 4];
     bytes.extend(one_texel);
-    let bytes_of_planes = [8, 0, 0, 0, 0, 0, 0, 0];
+    let bytes_of_planes = [TEXEL as u8, 0, 0, 0, 0, 0, 0, 0];
     bytes.extend(bytes_of_planes);
     for (number, channel) in (0u16..).zip(CHANNELS) {
         bytes.extend((16 * number).to_le_bytes());
@@ -89,11 +149,11 @@ fn descriptor() -> Vec<u8> {
     bytes
 }
 
-/// The key and value pairs: rows go to the right, and downwards.
-fn texts() -> Vec<u8> {
+/// The key and value pairs.
+fn texts(orientation: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     for text in [
-        "KTXorientation\0rd\0",
+        &format!("KTXorientation\0{orientation}\0"),
         concat!("KTXwriter\0Sunroom ", env!("CARGO_PKG_VERSION"), "\0"),
     ] {
         bytes.extend((text.len() as u32).to_le_bytes());
@@ -107,11 +167,42 @@ fn texts() -> Vec<u8> {
 mod tests {
     use super::*;
 
+    fn word(file: &[u8], at: usize) -> usize {
+        u32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes")) as usize
+    }
+
+    fn first_half(file: &[u8], at: usize) -> f32 {
+        f16::from_le_bytes([file[at], file[at + 1]]).to_f32()
+    }
+
+    #[test]
+    fn levels_of_a_cube_are_found_by_the_index_and_lie_from_small_to_large() {
+        let level = |size: u32, red: f32| CubePicture {
+            size,
+            texels: vec![Rgb::splat(red); 6 * size as usize * size as usize],
+        };
+        let file = cube(&[level(8, 1.0), level(4, 2.0)]);
+        assert_eq!([20, 24, 28, 36, 40].map(|at| word(&file, at)), [8, 8, 0, 6, 2]);
+        let (large, small) = (word(&file, 80), word(&file, 104));
+        assert_eq!((word(&file, 88), word(&file, 112)), (8 * 6 * 64, 8 * 6 * 16));
+        assert_eq!((first_half(&file, large), first_half(&file, small)), (1.0, 2.0));
+        assert_eq!((small + 8 * 6 * 16, large + 8 * 6 * 64), (large, file.len()));
+    }
+
+    #[test]
+    fn a_volume_has_a_depth() {
+        let file = volume(UVec3::new(2, 1, 3), (0..6).map(|texel| Rgb::splat(texel as f32)));
+        assert_eq!([20, 24, 28, 36, 40].map(|at| word(&file, at)), [2, 1, 3, 1, 1]);
+        let level = word(&file, 80);
+        assert_eq!(first_half(&file, level + 5 * 8), 5.0);
+        assert!(file.windows(19).any(|text| text == b"KTXorientation\0rdi\0"));
+    }
+
     #[test]
     fn the_parts_lie_where_the_index_says() {
         let pixels = [Rgb::new(0.5, 1.0, 2.0), Rgb::splat(1e9), Rgb::splat(-1.0)];
-        let file = ktx2(UVec2::new(3, 1), pixels);
-        let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes")) as usize;
+        let file = picture(UVec2::new(3, 1), pixels);
+        let word = |at: usize| word(&file, at);
         let (descriptor, texts, level) = (word(48), word(56), word(80));
         assert_eq!(word(descriptor), word(52));
         assert_eq!(descriptor + word(52), texts);

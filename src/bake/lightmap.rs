@@ -9,30 +9,17 @@ use std::sync::atomic::AtomicBool;
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
+use super::gathering::{Gathering, Site};
 use super::texels::{Texel, Texels};
 use crate::color::{Rgb, luminance};
-use crate::render::irradiance::{IrradianceJob, ReceivedLight, trace_irradiance};
 use crate::render::noise::DARK;
-use crate::render::scene::RenderScene;
-use crate::render::view::View;
 use crate::sampling::Sampler;
-
-/// Everything that the light at a texel depends on besides its place.
-#[derive(Clone, Debug)]
-pub struct Gathering<'a> {
-    /// The scene that sends the light.
-    pub scene: &'a RenderScene,
-    /// The settings of paths, the medium that all surfaces are in, and the random numbers with their seed.
-    pub view: &'a View,
-    /// The light that counts.
-    pub light: ReceivedLight,
-}
 
 /// Sums over the samples of a texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexelSum {
-    /// Irradiance, linear Rec. 709.
-    pub irradiance: DVec3,
+    /// Irradiance, or radiance where a texel looks through a window; linear Rec. 709.
+    pub light: DVec3,
     /// Squared luminances, for the noise estimate.
     pub luminance_squared: f64,
     /// The samples that have first met the back of a surface.
@@ -66,10 +53,10 @@ impl Lightmaps {
 
     /// Adds a round of `count` samples of each texel. If `cancel` is set meanwhile, the round is dropped, and the answer is false. `done` hears of texels that
     /// are finished, as their number.
-    pub fn add_round(
+    pub fn add_round<S: Site>(
         &mut self,
         gathering: &Gathering,
-        texels: &Texels,
+        texels: &Texels<S>,
         count: u32,
         cancel: &AtomicBool,
         done: impl Fn(usize) + Sync,
@@ -104,9 +91,9 @@ impl Lightmaps {
         true
     }
 
-    /// The irradiance at a texel; black before the first sample.
-    pub fn irradiance(&self, texel: usize) -> Rgb {
-        (self.sums[texel].irradiance / f64::from(self.samples.max(1))).as_vec3()
+    /// The irradiance or radiance at a texel; black before the first sample.
+    pub fn light(&self, texel: usize) -> Rgb {
+        (self.sums[texel].light / f64::from(self.samples.max(1))).as_vec3()
     }
 
     /// The root mean square over the texels of the estimated standard error of their luminance relative to that luminance, judged in the dark as
@@ -116,7 +103,7 @@ impl Lightmaps {
         if self.samples < 2 || self.sums.is_empty() {
             return None;
         }
-        let mean = |sum: &TexelSum| f64::from(luminance(sum.irradiance.as_vec3())) / count;
+        let mean = |sum: &TexelSum| f64::from(luminance(sum.light.as_vec3())) / count;
         let light = self.sums.iter().map(mean).sum::<f64>() / self.sums.len() as f64;
         let least = f64::from(DARK) * light;
         let square = |sum: &TexelSum| {
@@ -130,8 +117,14 @@ impl Lightmaps {
     /// Whether a texel lies inside of something: most paths from it meet the back of a surface, and none has found light. Not all do, since what is inside may
     /// be cut by other surfaces. A surface that lets light through, or that is seen from behind in the light, is no wall.
     pub fn is_buried(&self, texel: usize) -> bool {
-        let sum = &self.sums[texel];
-        2 * u64::from(sum.backs) > u64::from(self.samples) && sum.irradiance == DVec3::ZERO
+        self.are_buried(texel..texel + 1)
+    }
+
+    /// The same of texels that are one place, which looks to several sides.
+    pub fn are_buried(&self, texels: Range<usize>) -> bool {
+        let sums = &self.sums[texels];
+        let backs: u64 = sums.iter().map(|sum| u64::from(sum.backs)).sum();
+        2 * backs > u64::from(self.samples) * sums.len() as u64 && sums.iter().all(|sum| sum.light == DVec3::ZERO)
     }
 }
 
@@ -144,9 +137,9 @@ struct Block {
 
 impl Block {
     /// Traces the samples of these indices; None if `cancel` was set in the meantime.
-    fn trace(
+    fn trace<S: Site>(
         gathering: &Gathering,
-        texels: &[Texel],
+        texels: &[Texel<S>],
         before: &[TexelSum],
         first_row: u32,
         indices: Range<u32>,
@@ -157,28 +150,26 @@ impl Block {
             rays: 0,
             invalid: 0,
         };
-        let Gathering { scene, view, light } = gathering;
-        let jobs: Vec<IrradianceJob> = texels
+        let view = gathering.view;
+        let sites: Vec<(S, Sampler)> = texels
             .iter()
             .flat_map(|texel| {
                 let pixel = UVec2::new(texel.place.x, first_row + texel.place.y);
-                indices.clone().map(move |index| IrradianceJob {
-                    receiver: texel.receiver,
-                    sampler: Sampler::new(view.sequence, pixel, index, view.seed),
-                })
+                let sampler = move |index| Sampler::new(view.sequence, pixel, index, view.seed);
+                indices.clone().map(move |index| (texel.receiver, sampler(index)))
             })
             .collect();
-        let samples = trace_irradiance(scene, view, *light, &jobs, cancel)?;
+        let samples = S::trace(gathering, &sites, cancel)?;
         for (sum, samples) in block.sums.iter_mut().zip(samples.chunks(indices.len())) {
             for sample in samples {
                 block.rays += u64::from(sample.rays);
                 sum.backs += u32::from(sample.meets_back);
-                if !sample.irradiance.is_finite() {
+                if !sample.light.is_finite() {
                     block.invalid += 1;
                     continue;
                 }
-                sum.irradiance += sample.irradiance.as_dvec3();
-                sum.luminance_squared += f64::from(luminance(sample.irradiance)).powi(2);
+                sum.light += sample.light.as_dvec3();
+                sum.luminance_squared += f64::from(luminance(sample.light)).powi(2);
             }
         }
         Some(block)

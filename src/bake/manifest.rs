@@ -1,5 +1,6 @@
 //! The file that says how the files of a bake belong together: `lightmaps.json`. docs/baking.md describes it.
 
+use glam::{Affine3A, Mat4};
 use serde::Serialize;
 
 use super::level::BakedNode;
@@ -33,6 +34,53 @@ pub struct Manifest {
     pub lightmaps: Vec<LightmapFiles>,
     /// The nodes of the level that have a place in a lightmap.
     pub nodes: Vec<BakedNode>,
+    /// What reflecting surfaces see.
+    pub reflection_probes: Vec<ReflectionFiles>,
+    /// The light for what has no lightmap.
+    pub irradiance_volumes: Vec<VolumeFiles>,
+}
+
+/// The place of a cube from -0.5 to 0.5, column by column, in the space of the level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct BoxPlace([f32; 16]);
+
+impl From<&Affine3A> for BoxPlace {
+    fn from(world_from_box: &Affine3A) -> Self {
+        Self(Mat4::from(*world_from_box).to_cols_array())
+    }
+}
+
+/// The files of a reflection probe. All are cubes in the space of the box.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReflectionFiles {
+    /// The name in the scene.
+    pub name: String,
+    /// The box.
+    #[serde(rename = "box")]
+    pub place: BoxPlace,
+    /// Whether what is seen stands on the sides of the box.
+    pub parallax: bool,
+    /// KTX 2: radiance, in levels for perceptual roughness from 0 to 1.
+    pub specular: String,
+    /// KTX 2: irradiance divided by pi.
+    pub diffuse: String,
+}
+
+/// The file of an irradiance volume. Its light is all but what comes straight from point lights, spots and directional lights.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeFiles {
+    /// The name in the scene.
+    pub name: String,
+    /// The box.
+    #[serde(rename = "box")]
+    pub place: BoxPlace,
+    /// The number of points along each axis of the box.
+    pub points: [u32; 3],
+    /// Samples of each side of a point.
+    pub samples: u32,
+    /// KTX 2: ambient cubes of irradiance divided by pi.
+    pub ktx2: String,
 }
 
 /// The light that is in the lightmaps.

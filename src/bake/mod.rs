@@ -1,16 +1,27 @@
-//! Bakes lightmaps: the irradiance on the surfaces of a level, in pictures that lie on it by a second set of texture coordinates.
+//! Bakes the light of a level for game engines.
 //!
-//! [`unwrap`] gives meshes these coordinates, [`texels`] finds the place of each texel in the world, [`lightmap`] gathers light there with the
-//! path tracer, and [`finish`] makes pictures of it that can be filtered: without texels that lie inside of walls, without gaps beside the charts, and
-//! with equal values on both sides of a seam. [`level`] does the first for the meshes of a glTF file that is being made, [`ktx2`] writes a picture for
-//! graphics cards, and [`manifest`] says how the files belong together.
+//! Lightmaps are the irradiance on its surfaces, in pictures that lie on it by a second set of texture coordinates. [`unwrap`] gives meshes these coordinates,
+//! [`texels`] finds the place of each texel in the world, [`lightmap`] gathers light there with the path tracer, and [`finish`] makes pictures
+//! of it that can be filtered: without texels that lie inside of walls, without gaps beside the charts, and with equal values on both sides of a
+//! seam. [`level`] does the first for the meshes of a glTF file that is being made.
+//!
+//! Probes are for what lightmaps have no answer to. A [`reflection`] probe is what metals mirror: a picture of all directions ([`mod@cube`]), filtered
+//! for every roughness ([`prefilter`]). An irradiance [`volume`] lights what moves. [`placement`] says where they are.
+//!
+//! [`ktx2`] writes textures for graphics cards, and [`manifest`] says how the files belong together.
 
+pub mod cube;
 pub mod finish;
+pub mod gathering;
 pub mod ktx2;
 pub mod level;
 pub mod lightmap;
 pub mod manifest;
+pub mod placement;
+pub mod prefilter;
+pub mod reflection;
 pub mod seams;
 pub mod sides;
 pub mod texels;
 pub mod unwrap;
+pub mod volume;

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec2, Vec3};
 
-use super::lightmap::Gathering;
+use super::gathering::Gathering;
 use crate::color::Rgb;
 use crate::render::irradiance::{IrradianceJob, ReceivedLight, Receiver, trace_irradiance};
 use crate::sampling::{Sampler, warp};

@@ -26,22 +26,22 @@ pub struct BakeSurface {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A texel that a surface covers.
+/// A texel that a surface covers, or that a probe has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Texel {
+pub struct Texel<S = Receiver> {
     /// The column and the row.
     pub place: UVec2,
-    /// The point where light is gathered.
-    pub receiver: Receiver,
+    /// The place where light is gathered.
+    pub receiver: S,
 }
 
-/// The texels of all lightmaps.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Texels {
+/// The texels of all lightmaps, or of a probe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texels<S = Receiver> {
     /// Width and height of each lightmap.
     pub size: UVec2,
     /// The covered texels, page by page, and row by row within a page.
-    pub texels: Vec<Texel>,
+    pub texels: Vec<Texel<S>>,
     /// The texels of each page among them.
     pub pages: Vec<Range<usize>>,
 }
@@ -67,7 +67,8 @@ struct Nearest {
 pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texels {
     let mut found = Texels {
         size,
-        ..Texels::default()
+        texels: Vec::new(),
+        pages: Vec::new(),
     };
     for page in 0..pages {
         let mut nearest: Vec<Option<Nearest>> = vec![None; size.x as usize * size.y as usize];

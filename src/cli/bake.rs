@@ -2,12 +2,13 @@
 
 mod args;
 mod files;
+mod gathered;
+mod probes;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 use bevy::math::Vec3;
 use bevy::prelude::App;
@@ -15,8 +16,9 @@ use rayon::ThreadPool;
 use sunroom::app::headless::render_only;
 use sunroom::app::threads::worker_count;
 use sunroom::bake::finish::{Denoising, LightmapPicture, finish};
+use sunroom::bake::gathering::Gathering;
 use sunroom::bake::level::{BakeLevel, unwrap_level};
-use sunroom::bake::lightmap::{Gathering, Lightmaps};
+use sunroom::bake::lightmap::Lightmaps;
 use sunroom::bake::manifest::BakedLight;
 use sunroom::bake::seams::{Seam, smooth_seams};
 use sunroom::bake::sides::lit_sides;
@@ -30,22 +32,22 @@ use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::View;
 use sunroom::scene::assets::scene_asset::load_document;
+use sunroom::scene::description::EmitterDescription;
 use sunroom::scene::export::{Baked, Collected, ExportError, Hidden, collect, first_in_use};
 use sunroom::scene::{OpenScene, SceneStatus, read};
 
 pub use self::args::BakeArgs;
 
+use self::gathered::{Until, gathered};
+use self::probes::Plan;
+
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::INTERRUPTED;
-use super::progress::Progress;
 use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, counted};
 
 /// The samples of each texel where no limit is given.
 const SAMPLES: u32 = 64;
-/// The first round; each one doubles the samples up to the largest round.
-const FIRST_ROUND: u32 = 4;
-const LARGEST_ROUND: u32 = 32;
 
 pub fn run(args: BakeArgs) -> ExitCode {
     args.memory.apply();
@@ -79,7 +81,7 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let Some((scene, mut view)) = packed(args, &cancel)? else {
         return Ok(ExitCode::FAILURE);
     };
-    let Some(mut writer) = collected(args)? else {
+    let Some(Authored { mut writer, emitters }) = collected(args)? else {
         return Ok(ExitCode::FAILURE);
     };
     if let Some(seed) = args.seed {
@@ -95,6 +97,7 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
     };
     let threads = worker_count(args.threads.threads, false).get();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let plan = Plan::new(args, &emitters, &gathering, &pool)?;
     let settings = UnwrapSettings {
         atlas_size: args.atlas_size,
         texels_per_unit: args.texels_per_unit,
@@ -117,8 +120,11 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
             counted(texels.texels.len(), "texel"),
         ));
     }
-    let light = gathered(args, &gathering, &texels, &cancel, &pool)?;
+    let light = lightmaps(args, &gathering, &texels, &cancel, &pool)?;
     let pictures = finished(args, &level, &texels, &light, threads)?;
+    // The limits of time and noise are those of lightmaps.
+    let samples = args.spp.unwrap_or(SAMPLES);
+    let probes = plan.baked(args, samples, &gathering, &cancel, &pool)?;
     let about = files::About {
         light: match args.indirect_only {
             true => BakedLight::WithoutDirectPunctual,
@@ -128,16 +134,17 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
         seed: view.seed,
         denoised: !args.no_denoise,
     };
-    files::write(&args.output, writer, &level, &pictures, &about)?;
-    if light.invalid > 0 {
-        let samples = counted(light.invalid, "sample");
+    files::write(&args.output, writer, &level, &pictures, &probes, &about)?;
+    let invalid = light.invalid + probes.invalid;
+    if invalid > 0 {
+        let samples = counted(invalid, "sample");
         report::line(format_args!("warning: {samples} not finite, which count as black"));
     }
     let place = args.output.display();
     if cancel.load(Ordering::Relaxed) {
         let samples = counted(light.samples, "sample");
         report::error(format_args!(
-            "interrupted; the lightmaps in {place} have {samples} per texel"
+            "interrupted; the lightmaps in {place} have {samples} per texel, and probes without any are left out"
         ));
         return Ok(ExitCode::from(INTERRUPTED));
     }
@@ -186,9 +193,16 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<(RenderSce
     }
 }
 
-/// The scene as a glTF file that is being made; None if it is refused, which has been reported. Messages about the scene itself have been printed when it
-/// was loaded.
-fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
+/// The scene as it is in its file.
+struct Authored {
+    /// As a glTF file that is being made.
+    writer: GltfWriter,
+    /// The lights that are no surfaces, and the probes.
+    emitters: Vec<EmitterDescription>,
+}
+
+/// The scene as it is in its file; None if it is refused, which has been reported. Messages about the scene itself have been printed when it was loaded.
+fn collected(args: &BakeArgs) -> Result<Option<Authored>, Failure> {
     let path = settle(&args.scene.scene);
     let access = args.trust.trust(&args.scene.scene)?.access(&path);
     let mut document = load_document(&path, &args.scene.defines.defines, access)?;
@@ -214,11 +228,14 @@ fn collected(args: &BakeArgs) -> Result<Option<GltfWriter>, Failure> {
         report::refused_for_warnings(&args.scene.scene);
         return Ok(None);
     }
-    Ok(Some(writer))
+    Ok(Some(Authored {
+        writer,
+        emitters: scene.emitters,
+    }))
 }
 
-/// Gathers light until a limit is reached, or an interrupt ends it after some samples.
-fn gathered(
+/// Gathers the light of the lightmaps.
+fn lightmaps(
     args: &BakeArgs,
     gathering: &Gathering,
     texels: &Texels,
@@ -226,43 +243,13 @@ fn gathered(
     pool: &ThreadPool,
 ) -> Result<Lightmaps, Failure> {
     let is_open = args.time.is_some() || args.noise.is_some();
-    let target = args.spp.unwrap_or(if is_open { u32::MAX } else { SAMPLES });
-    let mut light = Lightmaps::new(texels.texels.len());
-    let mut progress = Progress::new(args.quiet, args.time);
-    let begin = Instant::now();
-    let is_late = |begin: Instant| args.time.is_some_and(|time: Duration| begin.elapsed() >= time);
-    while light.samples < target {
-        let round = light
-            .samples
-            .clamp(FIRST_ROUND, LARGEST_ROUND)
-            .min(target - light.samples);
-        if !pool.install(|| light.add_round(gathering, texels, round, cancel, |_| {})) {
-            break;
-        }
-        let seconds = begin.elapsed().as_secs_f64();
-        let status = RenderStatus {
-            samples: light.samples,
-            target,
-            seconds,
-            time_limit: args.time.map(|time| time.as_secs_f32()),
-            noise: light.noise(),
-            noise_target: args.noise,
-            msamples_per_s: 1e-6 * f64::from(light.samples) * texels.texels.len() as f64 / seconds.max(1e-9),
-            ..RenderStatus::default()
-        };
-        let is_quiet_enough = args
-            .noise
-            .zip(status.noise)
-            .is_some_and(|(target, noise)| noise <= target);
-        let is_last = is_quiet_enough || is_late(begin) || light.samples >= target;
-        match is_last {
-            true => progress.finish(&status),
-            false => progress.update(&status),
-        }
-        if is_last {
-            break;
-        }
-    }
+    let until = Until {
+        quiet: args.quiet,
+        target: args.spp.unwrap_or(if is_open { u32::MAX } else { SAMPLES }),
+        time: args.time,
+        noise: args.noise,
+    };
+    let light = gathered(&until, gathering, texels, cancel, pool);
     if light.samples == 0 {
         return Err("interrupted before the first samples: nothing is written".into());
     }

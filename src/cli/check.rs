@@ -104,8 +104,14 @@ fn summary(status: &SceneStatus, engine: &RenderStatus) -> String {
 /// The number of things of each kind in a scene.
 fn content(world: &mut World) -> String {
     let shapes = world.query::<&Shape>().iter(world).count();
-    let lights = world.query::<&Emitter>().iter(world).count() + world.query::<&AreaLight>().iter(world).count();
-    format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"))
+    let mut emitters = world.query::<&Emitter>();
+    let probes = emitters.iter(world).filter(|emitter| emitter.is_probe()).count();
+    let lights = emitters.iter(world).count() - probes + world.query::<&AreaLight>().iter(world).count();
+    let content = format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"));
+    match probes {
+        0 => content,
+        _ => format!("{content}, {}", counted(probes, "probe")),
+    }
 }
 
 /// Lists what `--camera` accepts, if there is a choice.

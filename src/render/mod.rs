@@ -26,6 +26,7 @@ pub mod motion;
 pub mod noise;
 pub mod observer;
 mod optical_depth;
+pub mod outlook;
 pub mod part;
 pub mod passes;
 pub mod path;

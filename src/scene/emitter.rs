@@ -129,8 +129,35 @@ declare_plugins! {
         /// A clear sky with its sun.
         [PluginInfo::new("sunsky", "sun and sky")]
         SunSky(sky: SunSky => identity),
+
+        /// No light: the box, a cube from -1 to 1, for whose surfaces `sunroom bake` makes a picture of what is seen from its middle.
+        [PluginInfo::new("reflectionprobe", "reflection probe")]
+        ReflectionProbe {
+            /// Whether what is seen stands on the sides of the box, rather than far away.
+            parallax: bool = true => Flag(ParameterInfo::switch(
+                "parallax",
+                "Parallax",
+                "On: what is mirrored stands on the sides of the box, as the walls of a room. Off: it is far away, as a sky.",
+            )),
+        },
+
+        /// No light: the box, a cube from -1 to 1, in which `sunroom bake` finds the light for what moves.
+        [PluginInfo::new("irradiancevolume", "irradiance volume")]
+        IrradianceVolume {
+            /// The distance of the points of its grid, above 0.
+            spacing: f32 = 0.5 => Number(ParameterInfo::new(
+                "spacing",
+                "Spacing",
+                "The distance between the points where light is baked, in units of length.",
+                "a length above 0",
+            )
+            .within(SPACING)),
+        },
     }
 }
+
+/// The distances of points that a volume may have.
+const SPACING: std::ops::RangeInclusive<f32> = 1e-4..=f32::MAX;
 
 const RADIANCE: ParameterInfo = ParameterInfo::new(
     "radiance",
@@ -202,16 +229,20 @@ impl Emitter {
     /// Shows `meet` every parameter.
     pub(crate) fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
         self.kind.visit(meet);
-        meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
+        if !self.is_probe() {
+            meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
+        }
     }
 
     /// Shows `meet` every parameter, to be changed.
     pub(crate) fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
         self.kind.visit_mut(meet);
-        meet(
-            &SAMPLING_WEIGHT,
-            ParameterMut::SamplingWeight(&mut self.sampling_weight),
-        );
+        if !self.is_probe() {
+            meet(
+                &SAMPLING_WEIGHT,
+                ParameterMut::SamplingWeight(&mut self.sampling_weight),
+            );
+        }
     }
 
     /// Shows `meet` every picture it needs, by absolute path.
@@ -252,6 +283,14 @@ impl Emitter {
     /// Whether it is infinitely far away in many directions: then only how it is turned matters of where it is.
     pub(crate) fn is_environment(&self) -> bool {
         matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
+    }
+
+    /// Whether it is a box that is baked for games, and gives no light itself.
+    pub fn is_probe(&self) -> bool {
+        matches!(
+            self.kind,
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. }
+        )
     }
 
     /// Whether it is somewhere, and not infinitely far away.

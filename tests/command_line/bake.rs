@@ -68,6 +68,7 @@ fn a_level_is_baked() {
         "--atlas-size",
         "128",
         "--no-denoise",
+        "--no-probes",
     ];
     assert_code(&bake(&scene, &folder, &quick), 0);
     let names: HashSet<String> = std::fs::read_dir(&folder)
@@ -125,7 +126,7 @@ fn a_lamp_shines_from_its_front_and_skies_are_not_missed() {
 </scene>"#;
     let scene = shop.scene(&SCENE.replace("</scene>", lamp));
     let folder = shop.path("level");
-    let output = bake(&scene, &folder, &["--spp", "4", "--no-denoise"]);
+    let output = bake(&scene, &folder, &["--spp", "4", "--no-denoise", "--no-probes"]);
     assert_code(&output, 0);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!said.contains("left out"), "{said}");
@@ -149,12 +150,144 @@ fn a_lamp_shines_from_its_front_and_skies_are_not_missed() {
     assert_eq!(lit, [[true, false]]);
 }
 
+/// A number of half precision, not negative and no fraction of the smallest normal one.
+fn half(bytes: &[u8]) -> f32 {
+    let bits = u16::from_le_bytes([bytes[0], bytes[1]]);
+    let (exponent, fraction) = (i32::from(bits >> 10), f32::from(bits & 1023));
+    match exponent {
+        0 => 0.0,
+        _ => (1.0 + fraction / 1024.0) * 2f32.powi(exponent - 15),
+    }
+}
+
+/// The six words from the width to the number of levels of a KTX 2 file, and the red values of its largest level.
+fn texture(file: &Path) -> ([u32; 6], Vec<f32>) {
+    let bytes = std::fs::read(file).expect("the texture");
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+    let (at, length) = (word(80) as usize, word(88) as usize);
+    let red = bytes[at..at + length].chunks(8).map(half).collect();
+    ([20, 24, 28, 32, 36, 40].map(word), red)
+}
+
+#[test]
+fn probes_are_baked_around_the_level_and_where_the_scene_has_them() {
+    let shop = Workshop::new();
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="2, 2, 2"/></emitter></scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", sky));
+    let folder = shop.path("level");
+    let quick = ["--spp", "2", "--no-denoise", "--atlas-size", "64", "--probe-size", "16"];
+    assert_code(
+        &bake(&scene, &folder, &[&quick[..], &["--probe-spacing", "2"]].concat()),
+        0,
+    );
+    let about = manifest(&folder);
+    let [probe, volume] = ["reflection_probes", "irradiance_volumes"].map(|list| &about[list][0]);
+    assert_eq!(
+        (&probe["name"], &probe["parallax"]),
+        (&"level".into(), &false.into()),
+        "under the sky"
+    );
+    assert_eq!(volume["points"], serde_json::json!([4, 1, 4]));
+    assert_eq!(volume["samples"], 16);
+    let (sizes, red) = texture(&folder.join("reflection-0-specular.ktx2"));
+    assert_eq!(sizes, [16, 16, 0, 0, 6, 3]);
+    // Up, where there is nothing but sky.
+    assert_eq!(red[2 * 256 + 8 * 16 + 8], 2.0);
+    assert_eq!(
+        texture(&folder.join("reflection-0-diffuse.ktx2")).0,
+        [16, 16, 0, 0, 6, 1]
+    );
+    let (sizes, red) = texture(&folder.join("irradiance-0.ktx2"));
+    assert_eq!(sizes, [4, 2, 12, 0, 1, 1]);
+    // The points in the first row look up, at +y: pi times the sky, divided by pi.
+    let up = &red[4 * 8..4 * 8 + 4];
+    assert!(up.iter().all(|light| (light - 2.0).abs() < 0.3), "{up:?}");
+
+    // The same bits on another number of threads.
+    let before = std::fs::read(folder.join("irradiance-0.ktx2")).expect("the volume");
+    let again = [&quick[..], &["--probe-spacing", "2", "--threads", "1", "-q"]].concat();
+    assert_code(&bake(&scene, &folder, &again), 0);
+    assert!(before == std::fs::read(folder.join("irradiance-0.ktx2")).expect("the volume"));
+
+    let own = r#"<emitter type="reflectionprobe" id="corner"><boolean name="parallax" value="false"/>
+      <transform name="to_world"><scale value="0.5"/><translate y="1" z="2"/></transform></emitter>
+      <emitter type="irradiancevolume" id="air"><float name="spacing" value="0.5"/>
+      <transform name="to_world"><translate y="1"/></transform></emitter></scene>"#;
+    let placed = shop.scene(&SCENE.replace("</scene>", own));
+    assert_code(&bake(&placed, &folder, &quick), 0);
+    let about = manifest(&folder);
+    let [probe, volume] = ["reflection_probes", "irradiance_volumes"].map(|list| &about[list][0]);
+    assert_eq!((&probe["name"], &probe["parallax"]), (&"corner".into(), &false.into()));
+    let place = &probe["box"];
+    assert_eq!([&place[0], &place[5], &place[13], &place[14]], [1.0, 1.0, 1.0, 2.0]);
+    assert_eq!(
+        (&volume["name"], &volume["points"]),
+        (&"air".into(), &serde_json::json!([4, 4, 4]))
+    );
+
+    // Without probes those of the bake before are removed.
+    assert_code(&bake(&placed, &folder, &[&quick[..5], &["--no-probes"]].concat()), 0);
+    assert_eq!(manifest(&folder)["reflection_probes"], serde_json::json!([]));
+    assert!(!folder.join("irradiance-0.ktx2").exists() && !folder.join("reflection-0-diffuse.ktx2").exists());
+
+    let portable = shop.path("portable.xml");
+    let converted = sunroom()
+        .arg("convert")
+        .args([&placed, &portable])
+        .arg("--portable")
+        .output()
+        .expect("it starts");
+    assert_code(&converted, 0);
+    let text = std::fs::read_to_string(&portable).expect("the scene");
+    assert!(!text.contains("probe") && !text.contains("volume"), "{text}");
+}
+
+#[test]
+fn probes_that_cannot_be_are_said_before_anything_is_baked() {
+    let shop = Workshop::new();
+    let folder = shop.path("level");
+    let fails = |emitter: &str, words: &str| {
+        let scene = shop.scene(&SCENE.replace("</scene>", &format!("{emitter}</scene>")));
+        let output = bake(&scene, &folder, &[]);
+        assert_code(&output, 1);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(words) && !folder.exists(), "{said}");
+    };
+    let probe = |transform: &str| {
+        format!(
+            r#"<emitter type="reflectionprobe" id="it"><transform name="to_world">{transform}</transform></emitter>"#
+        )
+    };
+    fails(
+        &probe(r#"<translate y="50"/>"#),
+        "reflectionprobe `it`: its middle lies outside of the level",
+    );
+    fails(&probe(r#"<scale x="1" y="0" z="1"/>"#), "it flattens the space");
+    let fine = r#"<emitter type="irradiancevolume" id="it"><float name="spacing" value="0.001"/></emitter>"#;
+    fails(fine, "a volume may have 262144 points");
+    let scene = shop.scene(SCENE);
+    for (option, value, words) in [
+        ("--probe-size", "100", "a power of two"),
+        ("--probe-size", "0", "a power of two"),
+        ("--probe-spacing", "0", "a number above 0"),
+        ("--probe-spacing", "nan", "a number above 0"),
+    ] {
+        let output = bake(&scene, &folder, &[option, value]);
+        assert_code(&output, 2);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(words), "{said}");
+    }
+    let output = bake(&scene, &folder, &["--probe-spacing", "0.001"]);
+    assert_code(&output, 1);
+    assert!(!folder.exists());
+}
+
 #[test]
 fn a_bake_removes_the_lightmaps_of_the_one_before() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);
     let folder = shop.path("level");
-    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64"];
+    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64", "--probe-size", "16"];
     assert_code(&bake(&scene, &folder, &quick), 0);
     let mut before = manifest(&folder);
     let more = serde_json::json!({ "exr": "lightmap-9.exr", "ktx2": "lightmap-9.ktx2", "width": 1, "height": 1 });
@@ -183,7 +316,7 @@ fn a_level_is_not_baked_over_itself() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);
     let folder = shop.path("baked");
-    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64"];
+    let quick = ["--spp", "1", "--no-denoise", "--atlas-size", "64", "--probe-size", "16"];
     assert_code(&bake(&scene, &folder, &quick), 0);
     let level = folder.join("level.glb");
     let before = std::fs::read(&level).expect("written");

@@ -63,6 +63,7 @@ mod media;
 mod merging;
 mod meshes;
 mod motion;
+mod probes;
 mod projected_light;
 mod sampling;
 mod sensors;

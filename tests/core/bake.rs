@@ -6,8 +6,9 @@ use std::sync::atomic::AtomicBool;
 use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::bake::finish::finish;
+use sunroom::bake::gathering::Gathering;
 use sunroom::bake::level::{BakeLevel, unwrap_level};
-use sunroom::bake::lightmap::{Gathering, Lightmaps};
+use sunroom::bake::lightmap::Lightmaps;
 use sunroom::bake::sides::lit_sides;
 use sunroom::bake::texels::{BakeSurface, Texels, covered_texels};
 use sunroom::bake::unwrap::UnwrapSettings;
@@ -78,7 +79,7 @@ fn gather(gathering: &Gathering, texels: &Texels, samples: u32) -> Lightmaps {
 /// The mean irradiance of all texels and its standard error.
 fn mean(light: &Lightmaps) -> (f32, f32) {
     let (samples, texels) = (f64::from(light.samples), light.sums.len() as f64);
-    let of = |texel: usize| f64::from(luminance(light.irradiance(texel)));
+    let of = |texel: usize| f64::from(luminance(light.light(texel)));
     let sum: f64 = (0..light.sums.len()).map(of).sum();
     let variances = light
         .sums
@@ -155,7 +156,7 @@ fn all_light_of_a_lamp_is_found_on_the_walls() {
         .collect();
     assert_eq!(whole.len(), 6 * 64 * 64);
     let area = (2.0 / texels).powi(2);
-    let flux: f32 = whole.iter().map(|&texel| area * light.irradiance(texel).x).sum();
+    let flux: f32 = whole.iter().map(|&texel| area * light.light(texel).x).sum();
     assert!((flux / (4.0 * PI * intensity) - 1.0).abs() < 1e-3, "{flux}");
 }
 

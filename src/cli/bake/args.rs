@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use sunroom::bake::prefilter::SIZES;
 use sunroom::bake::unwrap::ATLAS_SIZES;
 
 use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
@@ -35,6 +36,16 @@ pub struct BakeArgs {
     /// is baked all the same
     #[arg(long)]
     pub indirect_only: bool,
+    /// Bake lightmaps alone: no reflection probes and no irradiance volumes
+    #[arg(long)]
+    pub no_probes: bool,
+    /// Width of each side of a reflection probe in texels, a power of two
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = probe_size, conflicts_with = "no_probes")]
+    pub probe_size: u32,
+    /// Distance between the points of the irradiance volume around the level, which is made where the scene has none [default: such that there are about
+    /// 4096 points]
+    #[arg(long, value_name = "LENGTH", value_parser = parse::density, allow_negative_numbers = true, conflicts_with = "no_probes")]
+    pub probe_spacing: Option<f32>,
     /// Keep the noise instead of removing it with Open Image Denoise
     #[arg(long)]
     pub no_denoise: bool,
@@ -57,4 +68,12 @@ pub struct BakeArgs {
 
 fn atlas_size() -> impl clap::builder::TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(i64::from(*ATLAS_SIZES.start())..=i64::from(*ATLAS_SIZES.end()))
+}
+
+fn probe_size(text: &str) -> Result<u32, String> {
+    let size = text
+        .parse()
+        .ok()
+        .filter(|size: &u32| size.is_power_of_two() && SIZES.contains(size));
+    size.ok_or_else(|| format!("a power of two from {} to {}", SIZES.start(), SIZES.end()))
 }

@@ -98,6 +98,7 @@ pub(in crate::engine) fn pack_emitter(
             scale: *scale,
             half_size: half_size(*fov, *axis, context.textures.aspect(irradiance)),
         }),
+        EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => return None,
         EmitterKind::SunSky(sky) => {
             let world_from_local = turning(to_world, check)?;
             LightSource::SunSky {

@@ -77,6 +77,8 @@ impl Stage<'_> {
                 return;
             }
             EmitterKind::Projector { .. } if self.baked == Baked::All => return,
+            // A bake has them as files of their own.
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => return,
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),

@@ -154,6 +154,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
                 // The sky of the model is above its xy plane.
                 EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
                 EmitterKind::Directional { .. } => facing(free_direction(&sun_directions(edit.world), up)),
+                EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => at(above) * scale,
                 _ => at(above) * facing(-up),
             };
             if is_sky(&emitter) {
@@ -179,7 +180,8 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
             *intensity = Rgb::splat(spot::rounded(std::f32::consts::PI * distance * distance));
         }
         EmitterKind::Directional { irradiance } => *irradiance = Rgb::splat(2.0),
-        EmitterKind::Constant { .. } | EmitterKind::SunSky(_) => {}
+        EmitterKind::IrradianceVolume { spacing } => *spacing = spot::rounded(0.25 * distance),
+        EmitterKind::Constant { .. } | EmitterKind::SunSky(_) | EmitterKind::ReflectionProbe { .. } => {}
     }
     Ok(emitter)
 }

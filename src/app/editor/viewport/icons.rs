@@ -31,6 +31,8 @@ pub enum IconKind {
     Cone(f32),
     /// Looks, or throws a picture, along +z.
     Frustum,
+    /// A cube from -1 to 1.
+    Box,
 }
 
 impl IconKind {
@@ -41,6 +43,7 @@ impl IconKind {
             EmitterKind::Directional { .. } => Some(Self::Sun),
             EmitterKind::Spot { cone, .. } => Some(Self::Cone(cone.cutoff_angle.to_radians())),
             EmitterKind::Projector { .. } => Some(Self::Frustum),
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => Some(Self::Box),
             EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_) => None,
         }
     }
@@ -136,6 +139,17 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
             edges.chain(upright).chain(body).flatten().collect()
         }
+        IconKind::Box => {
+            let corner = |at: usize| {
+                let sign = |axis: usize| if at >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                icon.pose.transform_point3(Vec3::new(sign(0), sign(1), sign(2)))
+            };
+            let edges = (0..8).flat_map(|at| [1, 2, 4].map(|step| (at, at | step)));
+            let edges = edges.filter(|(from, to)| from != to);
+            edges
+                .filter_map(|(from, to)| screen.segment(corner(from), corner(to)))
+                .collect()
+        }
     }
 }
 
@@ -163,6 +177,11 @@ mod tests {
         assert_eq!(icon_at(&screen, &icons, middle - vec2(9.0, 0.0)), Some(icons[1].entity));
         assert_eq!(icon_at(&screen, &icons, middle + vec2(0.0, 40.0)), None);
         assert!(place(&screen, &icons[2]).is_none(), "behind the camera");
+        let cube = Icon {
+            kind: IconKind::Box,
+            ..icons[0]
+        };
+        assert_eq!(lines(&screen, &cube, middle).len(), 12);
         let drawn = lines(&screen, &icons[0], middle);
         assert!(drawn.len() == 20 && drawn.iter().flatten().all(|at| at.distance(middle) < 2.0 * LENGTH));
     }

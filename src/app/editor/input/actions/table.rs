@@ -256,6 +256,12 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-sunsky", "Sun and sky", &[], |_| {
         Some(addition(AdditionKind::Emitter("sunsky")))
     }),
+    action(Group::Add, "add-reflectionprobe", "Reflection probe", &[], |_| {
+        Some(addition(AdditionKind::Emitter("reflectionprobe")))
+    }),
+    action(Group::Add, "add-irradiancevolume", "Irradiance volume", &[], |_| {
+        Some(addition(AdditionKind::Emitter("irradiancevolume")))
+    }),
     action(Group::Add, "add-camera", "Camera at the view", &[], |_| {
         Some(addition(AdditionKind::Camera))
     }),

@@ -1,0 +1,241 @@
+//! Filters a picture of all directions for surfaces of every roughness, as Bevy's `EnvironmentMapLight` looks it up.
+//!
+//! The light that a rough mirror sends back is looked up in a smaller level of the picture for each roughness (Karis, Real Shading in Unreal Engine 4, 2013: the
+//! split sum): the mean over the directions of light, weighted by what a GGX microfacet surface reflects from there to a viewer straight above it. Diffuse
+//! surfaces look up the mean weighted by the cosine, irradiance divided by pi.
+//!
+//! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, texels are taken together by fours, sixteens and so on, as Barnes
+//! and Hut take far bodies together.
+
+use glam::{Mat3A, UVec2, Vec3};
+
+use super::cube::{CubePicture, index, places, windows};
+use super::texels::Texel;
+use crate::color::Rgb;
+use crate::render::outlook::Window;
+
+/// The sizes that a picture may have; each is a power of two.
+pub const SIZES: std::ops::RangeInclusive<u32> = 16..=512;
+/// The size of the level for the roughest surfaces, and of the picture for diffuse ones.
+const SMALLEST: u32 = 4;
+const DIFFUSE: u32 = 16;
+/// Texels are taken together if they are not wider than so much of the width over which the weight changes.
+const FINENESS: f32 = 0.07;
+
+/// A picture for mirrors, one for each roughness, and one for diffuse surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prefiltered {
+    /// Radiance. Level k of n is for the perceptual roughness k / (n - 1), and half as wide as the one before.
+    pub specular: Vec<CubePicture>,
+    /// Irradiance divided by pi.
+    pub diffuse: CubePicture,
+}
+
+/// Texels that are taken together, and the four that they consist of.
+#[derive(Clone, Copy, Default)]
+struct Node {
+    /// The mean direction in the world, of unit length.
+    direction: Vec3,
+    /// No texel is farther away from there, as a distance on the unit sphere.
+    reach: f32,
+    /// In sr.
+    solid_angle: f32,
+    /// The sum of radiance times solid angle.
+    light: Rgb,
+}
+
+/// Levels of nodes from the texels to the sides.
+struct Pyramid {
+    levels: Vec<(u32, Vec<Node>)>,
+}
+
+/// Filters a picture of radiance. The cube is stretched and turned by `world_from_cube`: a direction of it that is looked up is that of the cube, and the angles
+/// that the filters go by are those of the world. The size is one of [`SIZES`], a power of two.
+pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A) -> Prefiltered {
+    let pyramid = Pyramid::new(&picture, world_from_cube);
+    let in_world = |direction: Vec3| (*world_from_cube * direction).normalize();
+    let cosine = |cosine: f32| cosine;
+    let diffuse = CubePicture::of(DIFFUSE, |direction| pyramid.mean(in_world(direction), 0.5, cosine));
+    let levels = (picture.size / SMALLEST).ilog2();
+    let rough = (1..=levels).map(|level| {
+        let perceptual = level as f32 / levels as f32;
+        let alpha = perceptual * perceptual;
+        CubePicture::of(picture.size >> level, |direction| {
+            pyramid.mean(in_world(direction), 2.0 * alpha, |cosine| reflected(alpha, cosine))
+        })
+    });
+    let rough: Vec<CubePicture> = rough.collect();
+    Prefiltered {
+        specular: std::iter::once(picture).chain(rough).collect(),
+        diffuse,
+    }
+}
+
+/// What a GGX surface of this roughness reflects to a viewer straight above it of light from a direction with this cosine to the normal, times that cosine and but
+/// for a factor: D G2, with the height-correlated masking of Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014),
+/// equation 99. The cosine of the half vector follows from that of the light.
+fn reflected(alpha: f32, cosine: f32) -> f32 {
+    let square = alpha * alpha;
+    let half = 0.5 * (1.0 + cosine);
+    let narrow = half * (square - 1.0) + 1.0;
+    let masking = 2.0 * cosine / (cosine + (square + (1.0 - square) * cosine * cosine).sqrt());
+    masking / (narrow * narrow)
+}
+
+impl Pyramid {
+    fn new(picture: &CubePicture, world_from_cube: &Mat3A) -> Self {
+        let texels = windows(Vec3::ZERO, world_from_cube, picture.size).texels;
+        let leaf = |(texel, light): (&Texel<Window>, &Rgb)| {
+            let window = &texel.receiver;
+            let solid_angle = window.solid_angle();
+            Node {
+                direction: window.middle().normalize(),
+                reach: 0.5 * (window.across.length() + window.down.length()) / window.middle().length(),
+                solid_angle,
+                light: *light * solid_angle,
+            }
+        };
+        let leaves = texels.iter().zip(&picture.texels).map(leaf).collect();
+        let mut levels: Vec<(u32, Vec<Node>)> = vec![(picture.size, leaves)];
+        while let Some((size, below)) = levels.last().filter(|(size, _)| *size > 1) {
+            let parent =
+                |(side, at): (usize, UVec2)| Node::together(children(at).map(|place| below[index(*size, side, place)]));
+            let above = (size / 2, places(size / 2).map(parent).collect());
+            levels.push(above);
+        }
+        Self { levels }
+    }
+
+    /// The mean over all directions, weighted by what `weight` says of their cosine to `normal`, above 0. Near the normal the weight changes over
+    /// an angle of `width`, and farther away over the distance from there.
+    fn mean(&self, normal: Vec3, width: f32, weight: impl Fn(f32) -> f32) -> Rgb {
+        let (mut light, mut whole) = (Rgb::ZERO, 0.0);
+        let top = self.levels.len() - 1;
+        let mut waiting: Vec<(usize, usize, UVec2)> = (0..6).map(|side| (top, side, UVec2::ZERO)).collect();
+        while let Some((level, side, at)) = waiting.pop() {
+            let (size, nodes) = &self.levels[level];
+            let node = &nodes[index(*size, side, at)];
+            let distance = node.direction.distance(normal);
+            // Below the horizon altogether.
+            if distance - node.reach > std::f32::consts::SQRT_2 {
+                continue;
+            }
+            if level == 0 || node.reach <= FINENESS * (width + distance) {
+                let cosine = node.direction.dot(normal);
+                if cosine > 0.0 {
+                    let weight = weight(cosine);
+                    light += weight * node.light;
+                    whole += weight * node.solid_angle;
+                }
+                continue;
+            }
+            waiting.extend(children(at).map(|place| (level - 1, side, place)));
+        }
+        if whole > 0.0 { light / whole } else { Rgb::ZERO }
+    }
+}
+
+/// The places of the four nodes of the level below that a node stands for.
+fn children(at: UVec2) -> [UVec2; 4] {
+    [UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE].map(|offset| 2 * at + offset)
+}
+
+impl Node {
+    fn together(parts: [Self; 4]) -> Self {
+        let mut node = Self::default();
+        for part in &parts {
+            node.direction += part.solid_angle * part.direction;
+            node.solid_angle += part.solid_angle;
+            node.light += part.light;
+        }
+        node.direction = node.direction.normalize();
+        let farthest = parts.map(|part| part.direction.distance(node.direction) + part.reach);
+        node.reach = farthest.into_iter().fold(0.0, f32::max);
+        node
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::PI;
+
+    use super::*;
+
+    fn assert_near(what: &str, found: Rgb, expected: f32, tolerance: f32) {
+        assert!(
+            (found - expected).abs().max_element() < tolerance,
+            "{what}: {found} for {expected}"
+        );
+    }
+
+    #[test]
+    fn what_is_the_same_everywhere_stays_so() {
+        let stretched = Mat3A::from_diagonal(Vec3::new(1.0, 4.0, 0.3));
+        let filtered = prefilter(CubePicture::of(32, |_| Rgb::splat(3.0)), &stretched);
+        let sizes: Vec<u32> = filtered.specular.iter().map(|level| level.size).collect();
+        assert_eq!(sizes, [32, 16, 8, 4]);
+        for picture in filtered.specular.iter().chain([&filtered.diffuse]) {
+            for texel in &picture.texels {
+                // Sums of some thousand single-precision numbers.
+                assert_near("constant", *texel, 3.0, 3e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn half_a_sky_lights_by_the_cosine_to_its_pole_whatever_the_shape_of_the_cube() {
+        for stretch in [Vec3::ONE, Vec3::new(2.0, 0.5, 1.0)] {
+            let cube = Mat3A::from_diagonal(stretch);
+            let sky = CubePicture::of(64, |direction| Rgb::splat(if direction.y > 0.0 { 1.0 } else { 0.0 }));
+            let filtered = prefilter(sky, &cube);
+            let middle = |texel: &Texel<Window>| texel.receiver.middle().normalize();
+            let normals = windows(Vec3::ZERO, &cube, filtered.diffuse.size).texels;
+            for (normal, light) in normals.iter().map(middle).zip(&filtered.diffuse.texels) {
+                assert_near("diffuse", *light, 0.5 * (1.0 + normal.y), 5e-3);
+            }
+        }
+    }
+
+    /// The mean by a fine sum over rings around the normal.
+    fn spot(alpha: f32, radius: f32) -> f32 {
+        let (mut inside, mut whole) = (0.0, 0.0);
+        let steps = 200_000;
+        for step in 0..steps {
+            let angle = (step as f64 + 0.5) * 0.5 * std::f64::consts::PI / steps as f64;
+            let weight = f64::from(reflected(alpha, angle.cos() as f32)) * angle.sin();
+            whole += weight;
+            inside += if angle < f64::from(radius) { weight } else { 0.0 };
+        }
+        (inside / whole) as f32
+    }
+
+    #[test]
+    fn a_round_spot_is_seen_in_rough_mirrors_as_by_a_sum_over_rings() {
+        let radius = 0.3f32;
+        let towards = Vec3::new(0.3, 0.8, -0.2).normalize();
+        let picture = CubePicture::of(128, |direction| {
+            Rgb::splat(if direction.normalize().dot(towards) > radius.cos() {
+                1.0
+            } else {
+                0.0
+            })
+        });
+        let pyramid = Pyramid::new(&picture, &Mat3A::IDENTITY);
+        for level in 1..=5 {
+            let alpha = (level as f32 / 5.0).powi(2);
+            let found = pyramid.mean(towards, 2.0 * alpha, |cosine| reflected(alpha, cosine));
+            assert_near(&format!("{alpha}"), found, spot(alpha, radius), 4e-3);
+        }
+        let diffuse = pyramid.mean(towards, 0.5, |cosine| cosine);
+        assert_near("diffuse", diffuse, radius.sin().powi(2), 4e-3);
+        assert!((pyramid.levels[0].1.iter().map(|node| node.solid_angle).sum::<f32>() - 4.0 * PI).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_surface_of_full_roughness_reflects_as_the_formula_says() {
+        // D is 1 / pi everywhere, and G2 is 2 c / (1 + c).
+        for cosine in [0.1f32, 0.5, 1.0] {
+            assert!((reflected(1.0, cosine) - 2.0 * cosine / (1.0 + cosine)).abs() < 1e-6);
+        }
+    }
+}
