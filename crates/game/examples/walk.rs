@@ -8,6 +8,7 @@
 //! | `--size WxH` | the size of the window, or of the picture, in pixels |
 //! | `--exposure STOPS` | the exposure (0) |
 //! | `--bicubic` | filters lightmaps bicubically |
+//! | `--ball X,Y,Z,RADIUS,METALLIC,ROUGHNESS` | adds a grey ball of the game's own, which has no lightmap; may be given again |
 //! | `--screenshot OUT` | opens no window, saves a picture once everything is loaded, and ends: linear if it is an EXR file, else sRGB |
 
 use std::path::{Path, PathBuf};
@@ -42,7 +43,18 @@ struct Arguments {
     size: UVec2,
     exposure: f32,
     bicubic: bool,
+    balls: Vec<Ball>,
     screenshot: Option<PathBuf>,
+}
+
+/// A ball that is no part of the level.
+#[derive(Clone, Copy)]
+struct Ball {
+    center: Vec3,
+    radius: f32,
+    metallic: f32,
+    /// Perceptual.
+    roughness: f32,
 }
 
 /// The picture that cameras draw where there is no window.
@@ -113,6 +125,7 @@ impl Arguments {
             size: UVec2::new(1280, 720),
             exposure: 0.0,
             bicubic: false,
+            balls: Vec::new(),
             screenshot: None,
         };
         while let Some(word) = words.next() {
@@ -131,6 +144,19 @@ impl Arguments {
                     let value = value()?;
                     arguments.exposure = value.parse().map_err(|_| wrong(&value))?;
                 }
+                "--ball" => {
+                    let value = value()?;
+                    let numbers: Result<Vec<f32>, _> = value.split(',').map(str::parse).collect();
+                    let Ok(&[x, y, z, radius, metallic, roughness]) = numbers.as_deref() else {
+                        return Err(wrong(&value));
+                    };
+                    arguments.balls.push(Ball {
+                        center: Vec3::new(x, y, z),
+                        radius,
+                        metallic,
+                        roughness,
+                    });
+                }
                 "--bicubic" => arguments.bicubic = true,
                 "--screenshot" => arguments.screenshot = Some(value()?.into()),
                 _ if word.starts_with('-') => return Err(format!("there is no option {word}")),
@@ -140,14 +166,35 @@ impl Arguments {
         match arguments.folder.file_name() {
             Some(_) => Ok(arguments),
             None => Err(
-                "usage: walk FOLDER [--camera NAME] [--size WxH] [--exposure STOPS] [--bicubic] [--screenshot OUT]"
+                "usage: walk FOLDER [--camera NAME] [--size WxH] [--exposure STOPS] [--bicubic] \
+                 [--ball X,Y,Z,RADIUS,METALLIC,ROUGHNESS]... [--screenshot OUT]"
                     .into(),
             ),
         }
     }
 }
 
-fn setup(mut commands: Commands, arguments: Res<Arguments>) {
+fn setup(
+    mut commands: Commands,
+    arguments: Res<Arguments>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    for ball in &arguments.balls {
+        let material = StandardMaterial {
+            base_color: Color::linear_rgb(0.7, 0.7, 0.7),
+            metallic: ball.metallic,
+            perceptual_roughness: ball.roughness,
+            // What is no metal is matt.
+            reflectance: 0.0,
+            ..default()
+        };
+        commands.spawn((
+            Mesh3d(meshes.add(Sphere::new(ball.radius).mesh().uv(128, 64))),
+            MeshMaterial3d(materials.add(material)),
+            Transform::from_translation(ball.center),
+        ));
+    }
     let name = arguments.folder.file_name().unwrap_or_default();
     commands.spawn(SunroomLevel {
         bicubic: arguments.bicubic,

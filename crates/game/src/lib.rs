@@ -18,13 +18,16 @@
 //! The entity gets the scene of `level.glb` as its children, and [`LevelReady`] when everything is there:
 //!
 //! * Every mesh with a place in a lightmap has a [`Lightmap`].
-//! * Lights whose direct light is in the lightmaps do not light these meshes a second time. After `sunroom bake --indirect-only` they light them, with shadows.
+//! * Lights whose direct light is in the lightmaps do not light these meshes a second time. They light what moves, with shadows where the level has an
+//!   irradiance volume. After `sunroom bake --indirect-only` they light everything, with shadows.
+//! * Reflection probes are what metals mirror, and an irradiance volume lights what has no lightmap.
 //! * Surfaces that shine follow the exposure of the camera, as everything else does.
 //!
 //! The light of a level is in the units of its scene, for which Bevy's ambient light of 80 cd/m² is far too bright: the plugin sets [`GlobalAmbientLight`] to
 //! none.
 
 mod manifest;
+mod probes;
 
 use bevy::camera::Exposure;
 use bevy::gltf::{GltfExtras, GltfLoaderSettings};
@@ -35,7 +38,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use serde::Deserialize;
 
-pub use manifest::{LevelManifest, LightmapFiles, ManifestError};
+pub use manifest::{LevelManifest, LightmapFiles, ManifestError, ReflectionFiles, VolumeFiles};
 
 /// Loads [`SunroomLevel`]s.
 pub struct SunroomLevelPlugin;
@@ -74,7 +77,7 @@ impl SunroomLevel {
     }
 }
 
-/// A level has this once its meshes and its lightmaps are loaded and in their places.
+/// A level has this once its meshes, its lightmaps and its probes are loaded and in their places.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelReady;
 
@@ -94,7 +97,7 @@ struct Manifest(Handle<LevelManifest>);
 #[derive(Component)]
 struct Spawned;
 
-/// A level that waits for its lightmaps alone.
+/// A level that waits for its lightmaps and probes alone.
 #[derive(Component)]
 struct Waiting(Vec<Handle<Image>>);
 
@@ -144,16 +147,32 @@ fn settle(
         let Some(manifest) = manifests.get(&manifest.0) else {
             continue;
         };
-        let load = |files: &LightmapFiles| {
+        let load = |file: &str| {
             assets
                 .load_builder()
                 // Whatever the game's pictures have: texels of lightmaps are means, which are filtered.
                 .with_settings(|settings: &mut ImageLoaderSettings| settings.sampler = ImageSampler::linear())
-                .load(format!("{}/{}", level.folder, files.ktx2))
+                .load::<Image>(format!("{}/{file}", level.folder))
         };
-        let lightmaps: Vec<Handle<Image>> = manifest.lightmaps.iter().map(load).collect();
+        let of_files = manifest.lightmaps.iter().map(|files| load(&files.ktx2));
+        let lightmaps: Vec<Handle<Image>> = of_files.collect();
+        let mut waiting = lightmaps.clone();
+        for files in &manifest.reflection_probes {
+            let [diffuse, specular] = [&files.diffuse, &files.specular].map(|file| load(file));
+            waiting.extend([diffuse.clone(), specular.clone()]);
+            commands.spawn((probes::reflection(files, diffuse, specular), ChildOf(entity)));
+        }
+        for files in &manifest.irradiance_volumes {
+            let voxels = load(&files.ktx2);
+            waiting.push(voxels.clone());
+            commands.spawn((probes::volume(files, voxels), ChildOf(entity)));
+        }
         for part in children.iter_descendants(entity) {
-            parts.settle_light(part, manifest.has_direct_light());
+            parts.settle_light(
+                part,
+                manifest.has_direct_light(),
+                !manifest.irradiance_volumes.is_empty(),
+            );
             parts.settle_material(part);
             if parts.cameras.contains(part) {
                 commands.entity(part).insert(exposure(0.0));
@@ -177,14 +196,14 @@ fn settle(
         }
         commands
             .entity(entity)
-            .insert(Waiting(lightmaps))
+            .insert(Waiting(waiting))
             .remove::<(Manifest, Spawned)>();
     }
 }
 
 fn finish(mut commands: Commands, levels: Query<(Entity, &Waiting)>, assets: Res<AssetServer>) {
-    for (entity, Waiting(lightmaps)) in &levels {
-        if lightmaps.iter().all(|lightmap| assets.is_loaded(lightmap)) {
+    for (entity, Waiting(images)) in &levels {
+        if images.iter().all(|image| assets.is_loaded(image)) {
             commands.entity(entity).insert(LevelReady).remove::<Waiting>();
         }
     }
@@ -226,21 +245,23 @@ impl Parts<'_, '_> {
         }
     }
 
-    /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light.
-    fn settle_light(&mut self, light: Entity, is_baked: bool) {
+    /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light. It then lights what
+    /// moves, and casts shadows only if `has_volume`: without one it is the sole light there, which must come through to what stands in its shadow.
+    fn settle_light(&mut self, light: Entity, is_baked: bool, has_volume: bool) {
         // Its light ends nowhere; that of Bevy's loader ends after 20 units.
         let range = 1e4;
+        let casts = !is_baked || has_volume;
         if let Ok(mut light) = self.points.get_mut(light) {
             light.color = linear(light.color);
             light.range = range;
-            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.spots.get_mut(light) {
             light.color = linear(light.color);
             light.range = range;
-            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.suns.get_mut(light) {
             light.color = linear(light.color);
-            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, !is_baked);
+            (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         }
     }
 }

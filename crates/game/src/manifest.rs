@@ -14,6 +14,12 @@ pub struct LevelManifest {
     light: String,
     /// The files of each lightmap.
     pub lightmaps: Vec<LightmapFiles>,
+    /// What reflecting surfaces see.
+    #[serde(default)]
+    pub reflection_probes: Vec<ReflectionFiles>,
+    /// The light for what has no lightmap.
+    #[serde(default)]
+    pub irradiance_volumes: Vec<VolumeFiles>,
 }
 
 /// The files of a lightmap, beside the manifest.
@@ -22,6 +28,34 @@ pub struct LightmapFiles {
     /// OpenEXR.
     pub exr: String,
     /// KTX 2.
+    pub ktx2: String,
+}
+
+/// The files of a reflection probe, beside the manifest.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct ReflectionFiles {
+    /// The name in the scene.
+    pub name: String,
+    /// The place of a cube from -0.5 to 0.5 in the space of the level, column by column.
+    #[serde(rename = "box")]
+    pub place: [f32; 16],
+    /// Whether what is seen stands on the sides of the box.
+    pub parallax: bool,
+    /// Radiance, in levels for perceptual roughness from 0 to 1.
+    pub specular: String,
+    /// Irradiance divided by pi.
+    pub diffuse: String,
+}
+
+/// The file of an irradiance volume, beside the manifest.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct VolumeFiles {
+    /// The name in the scene.
+    pub name: String,
+    /// The place of a cube from -0.5 to 0.5 in the space of the level, column by column.
+    #[serde(rename = "box")]
+    pub place: [f32; 16],
+    /// Ambient cubes of irradiance divided by pi.
     pub ktx2: String,
 }
 

@@ -1,4 +1,4 @@
-//! Loads a level that `sunroom bake tests/level.xml -o tests/level --texels-per-unit 4 --atlas-size 64` has written, without a graphics card.
+//! Loads a level that `sunroom bake tests/level.xml -o tests/level --texels-per-unit 4 --atlas-size 64 --probe-size 16 --probe-spacing 1` has written, without a graphics card.
 
 use std::fs;
 use std::path::Path;
@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 
 use bevy::app::PluginsState;
 use bevy::asset::AssetPlugin;
-use bevy::light::GlobalAmbientLight;
+use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, IrradianceVolume, LightProbe};
 use bevy::pbr::Lightmap;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
+use bevy::render::render_resource::TextureViewDimension;
 use bevy::render::settings::{RenderCreation, WgpuSettings};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
@@ -96,7 +97,8 @@ fn meshes_get_their_places_in_the_lightmap() {
 fn lights_that_are_baked_do_not_light_twice() {
     let mut app = app_with(Path::new(FOLDER), SunroomLevel::new("level"));
     let bulb = bulb(&mut app);
-    assert!(!bulb.affects_lightmapped_mesh_diffuse && !bulb.shadow_maps_enabled);
+    // What moves has indirect light from the volume, so that a shadow is not black.
+    assert!(!bulb.affects_lightmapped_mesh_diffuse && bulb.shadow_maps_enabled);
     assert_eq!(app.world().resource::<GlobalAmbientLight>().brightness, 0.0);
 }
 
@@ -104,7 +106,8 @@ fn lights_that_are_baked_do_not_light_twice() {
 fn lights_that_are_left_to_the_game_are_what_the_scene_has() {
     let copy = tempfile::tempdir().expect("a folder");
     fs::create_dir(copy.path().join("level")).expect("a folder");
-    for file in ["level.glb", "lightmap-0.ktx2", "lightmaps.json"] {
+    for file in fs::read_dir(Path::new(FOLDER).join("level")).expect("the level") {
+        let file = &*file.expect("an entry").file_name();
         let mut bytes = fs::read(Path::new(FOLDER).join("level").join(file)).expect("a file of the level");
         if file == "lightmaps.json" {
             let text = String::from_utf8(bytes).expect("text");
@@ -137,6 +140,37 @@ fn surfaces_that_shine_follow_the_exposure() {
         panic!("{} materials shine", shining.len());
     };
     assert_eq!((lamp.emissive.red, lamp.emissive_exposure_weight), (4.0, 1.0));
+}
+
+#[test]
+fn probes_stand_where_the_scene_has_them() {
+    let mut app = app_with(Path::new(FOLDER), SunroomLevel::new("level"));
+    let world = app.world_mut();
+    let mut probes = world.query::<(&LightProbe, &EnvironmentMapLight, &GlobalTransform)>();
+    let (_, light, place) = probes.single(world).expect("a reflection probe");
+    assert!(!light.affects_lightmapped_mesh_diffuse && light.intensity == 1.0);
+    // A little larger than the level, of 4 x 2 x 4.
+    let corner = place.transform_point(Vec3::splat(0.5));
+    assert!(corner.abs_diff_eq(Vec3::new(2.04, 2.02, 2.04), 1e-3), "{corner}");
+    let (specular, diffuse) = (light.specular_map.clone(), light.diffuse_map.clone());
+    let mut volumes = world.query::<(&LightProbe, &IrradianceVolume, &GlobalTransform)>();
+    let (_, light, place) = volumes.single(world).expect("an irradiance volume");
+    assert!(!light.affects_lightmapped_meshes && light.intensity == 1.0);
+    let corner = place.transform_point(Vec3::splat(-0.5));
+    assert!(corner.abs_diff_eq(Vec3::new(-2.0, 0.0, -2.0), 1e-3), "{corner}");
+    let voxels = light.voxels.clone();
+
+    let images = world.resource::<Assets<Image>>();
+    let kind = |image: &Handle<Image>| {
+        let image = images.get(image).expect("the picture is loaded");
+        let view = image.texture_view_descriptor.as_ref().and_then(|view| view.dimension);
+        let size = image.texture_descriptor.size;
+        let sides = [size.width, size.height, size.depth_or_array_layers];
+        (view, sides, image.texture_descriptor.mip_level_count)
+    };
+    assert_eq!(kind(&specular), (Some(TextureViewDimension::Cube), [16, 16, 6], 3));
+    assert_eq!(kind(&diffuse), (Some(TextureViewDimension::Cube), [16, 16, 6], 1));
+    assert_eq!(kind(&voxels), (Some(TextureViewDimension::D3), [4, 4, 12], 1));
 }
 
 #[test]
