@@ -55,6 +55,37 @@ fn an_easy_scene_has_the_bits_of_path() {
 }
 
 #[test]
+fn checkpoints_and_frames_keep_the_choice() {
+    let shop = Workshop::new();
+    let auto = ["--integrator", "auto", "--threads", "2"];
+    let with_checkpoint = |name: &str, samples: &str| {
+        let checkpoint = ["--spp", samples, "--checkpoint", "c.exr", "--resume", "c.exr"];
+        render(&shop, HARD, name, &[&auto[..], &checkpoint].concat());
+    };
+    with_checkpoint("first.exr", "272");
+    with_checkpoint("resumed.exr", "288");
+    render(&shop, HARD, "whole.exr", &[&auto[..], &["--spp", "288"]].concat());
+    let (whole, choice) = picture(&shop, "whole.exr");
+    assert_eq!(choice.as_deref(), Some("bdpt"));
+    assert!(picture(&shop, "resumed.exr").0 == whole, "resumed");
+    // What was begun without a pilot goes on without one.
+    std::fs::remove_file(shop.folder().join("c.exr")).expect("it was written");
+    with_checkpoint("first.exr", "64");
+    with_checkpoint("resumed.exr", "272");
+    assert_eq!(picture(&shop, "resumed.exr").1.as_deref(), Some("path"));
+
+    let frames = |name: &str, frames: &str| {
+        let options = ["--spp", "272", "--turntable=48", "--shutter", "0.5", "--frames", frames];
+        render(&shop, HARD, name, &[&auto[..], &options].concat());
+    };
+    frames("some-###.exr", "3..4");
+    frames("one-###.exr", "4");
+    let (alone, choice) = picture(&shop, "one-004.exr");
+    assert_eq!(choice.as_deref(), Some("bdpt"));
+    assert!(picture(&shop, "some-004.exr").0 == alone, "a frame alone");
+}
+
+#[test]
 fn a_hard_scene_has_the_bits_of_bdpt_in_shares_as_well() {
     let shop = Workshop::new();
     let auto = ["--spp", "272", "--integrator", "auto"];

@@ -92,6 +92,30 @@ fn a_window_begins_with_paths_and_goes_on_with_what_is_chosen() {
 }
 
 #[test]
+fn a_choice_holds_at_every_resolution() {
+    let mut app = caustic(PathPlugin::Auto);
+    let world = app.world_mut();
+    let mut films = world.query::<&mut Film>();
+    let mut film = films.single_mut(world).expect("a film");
+    (film.width, film.height) = (128, 96);
+    let mut control = world.resource_mut::<RenderControl>();
+    (control.interactive, control.view_size) = (true, Some(UVec2::new(64, 48)));
+    finish(&mut app);
+    let (chosen, film) = (auto(&app), app.world().resource::<RenderFilm>());
+    assert!(
+        chosen.is_some_and(|chosen| chosen.choice.is_bidirectional),
+        "{chosen:?}"
+    );
+    assert_eq!(film.film.width(), 64);
+    // The demand for all pixels holds until the view changes, and a choice is no change.
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
+    (control.full_until_change, control.target_samples) = (true, Some(70));
+    finish(&mut app);
+    assert_eq!(auto(&app), chosen);
+    assert_eq!(app.world().resource::<RenderFilm>().film.width(), 128);
+}
+
+#[test]
 fn path_stands_for_itself_where_it_is_asked_to() {
     let mut app = caustic(PathPlugin::Path);
     app.world_mut().resource_mut::<RenderControl>().interactive = true;

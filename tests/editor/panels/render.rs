@@ -1,6 +1,7 @@
 //! The render panel, with the mixing desk and comparisons.
 
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::compare_view::CompareView;
@@ -9,7 +10,9 @@ use sunroom::app::editor::command::light_mix::{Channel, LightMix};
 use sunroom::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::{layers, render};
+use sunroom::engine::AutoStatus;
 use sunroom::layer::{Layer, Layers};
+use sunroom::render::auto::Choice;
 use sunroom::scene::{IntegratorSettings, Strategy};
 
 use super::{Shown, click, entity, show, slide};
@@ -122,6 +125,28 @@ fn limits_have_a_switch_and_a_number() {
     );
     click(&mut harness, "Only a part");
     assert_eq!(harness.state().commands.last(), Some(&Command::SetRegion(None)));
+}
+
+#[test]
+fn the_panel_says_what_auto_stands_for() {
+    let choice = Choice {
+        is_bidirectional: true,
+        gain: Some(12.3),
+        missed: 0.0,
+    };
+    let auto = AutoStatus {
+        integrator: "bdpt",
+        is_searching: false,
+        choice,
+    };
+    let mut harness = render_panel(RenderModel {
+        path_is_auto: true,
+        auto: Some(auto),
+        ..RenderModel::default()
+    });
+    harness.get_by_label("bdpt: 12.3 times less variance for its cost");
+    click(&mut harness, "Choose by scene");
+    assert_eq!(harness.state().commands, [Command::SetPathIsAuto(false)]);
 }
 
 #[test]
