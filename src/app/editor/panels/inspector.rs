@@ -220,6 +220,7 @@ fn pose(
     let mut edited = to_world * middle;
     let freedom = match (&inspected.shape, &inspected.emitter) {
         (Some(_), _) => Freedom::Affine,
+        (None, Some(emitter)) if emitter.is_probe() => Freedom::Affine,
         (None, Some(emitter)) if emitter.is_environment() => Freedom::Turning,
         (None, _) => Freedom::Rigid,
     };
