@@ -77,6 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         sequence: SequenceKind::Sobol,
         seed: 0,
         photons: Default::default(),
+        clamp: None,
     };
     // A tile is a pure function of its arguments: tiles may be rendered in any order, on any threads.
     let mut film = Film::new(width, height);

@@ -6,6 +6,7 @@ use std::time::Duration;
 use sunroom::layer::Layers;
 use sunroom::render::part::Crop;
 use sunroom::render::white_balance::WhiteBalance;
+use sunroom::scene::IntegratorSettings;
 
 /// `NAME=VALUE`
 pub fn define(text: &str) -> Result<(String, String), String> {
@@ -119,6 +120,19 @@ pub fn noise(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|noise| *noise > 0.0 && *noise <= 1.0)
         .ok_or_else(|| "expected a noise above 0 and up to 1, such as 0.01 or 1%".to_owned())
+}
+
+/// The percentile of a clamp.
+pub fn percentile(text: &str) -> Result<f32, String> {
+    let range = IntegratorSettings::CLAMP_PERCENTILES;
+    let number = text.trim().parse::<f32>().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| {
+        format!(
+            "expected a percentile from {} to {}, such as 99.9",
+            range.start(),
+            range.end()
+        )
+    })
 }
 
 /// A number above 0.

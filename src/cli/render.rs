@@ -332,6 +332,12 @@ fn picture(
             "warning: {count} samples were not finite and counted as black"
         ));
     }
+    if let Some(limit) = status.clamped.filter(|_| !args.quiet) {
+        let (limit, removed) = (limit.luminance, 100.0 * limit.removed);
+        report::line(format_args!(
+            "samples brighter than {limit:.3} were clamped, which removes about {removed:.2} % of the light"
+        ));
+    }
     if let Some(format) = args.stats {
         let stats = Stats {
             scene: args.scene.scene.clone(),
@@ -352,6 +358,7 @@ fn picture(
             mrays_per_s: status.mrays_per_s,
             msamples_per_s: status.msamples_per_s,
             invalid_samples: status.invalid_samples,
+            clamped_light: status.clamped.map(|limit| limit.removed),
             peak_memory_bytes: peak_memory_bytes(),
             outputs: outputs.to_vec(),
         };

@@ -38,6 +38,8 @@ pub struct Stats {
     pub msamples_per_s: f64,
     /// Samples that were not finite and counted as black.
     pub invalid_samples: u64,
+    /// The share of the light that a clamp removes, as estimated; None without a clamp.
+    pub clamped_light: Option<f32>,
     /// The most memory the process has held; None where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     pub outputs: Vec<PathBuf>,

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 
 use super::stop_condition::StopReason;
 use crate::render::auto::Choice;
+use crate::render::clamp::BrightnessLimit;
 
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]
@@ -45,6 +46,8 @@ pub struct RenderStatus {
     pub msamples_per_s: f64,
     /// The number of samples that were not finite and therefore dropped.
     pub invalid_samples: u64,
+    /// How bright samples may be; None without a clamp, and until that is known.
+    pub clamped: Option<BrightnessLimit>,
     /// The number of triangles of all instances.
     pub triangles: u64,
     /// The figures of the hierarchies in use.
@@ -85,6 +88,7 @@ impl Default for RenderStatus {
             mrays_per_s: 0.0,
             msamples_per_s: 0.0,
             invalid_samples: 0,
+            clamped: None,
             triangles: 0,
             bvh: BvhStatus::default(),
             meshes_loading: 0,

@@ -113,6 +113,7 @@ pub fn pilot_view(view: &View) -> View {
         sequence: SequenceKind::Independent,
         seed: SEED,
         photons: Default::default(),
+        clamp: None,
         ..view.clone()
     }
 }

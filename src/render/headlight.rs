@@ -38,6 +38,7 @@ pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSampl
     let color = if is_clay { Vec3::splat(CLAY) } else { albedo };
     PathSample {
         radiance: color * (EDGE_ON + (1.0 - EDGE_ON) * facing.min(1.0)),
+        seen: Rgb::ZERO,
         albedo,
         normal,
         depth: hit.t,

@@ -9,7 +9,7 @@ use super::bidirectional::{Techniques, Tracer};
 use super::observer::{Bounce, Joined, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
 use super::scene::RenderScene;
 use super::splats::Splat;
-use super::tile::render_sample;
+use super::tracer::render_sample;
 use super::view::View;
 use crate::color::Rgb;
 use crate::math::Ray;

@@ -141,6 +141,7 @@ impl PathState {
         let travel = leg.travel(scene, settings, medium, &mut self.throughput);
         if travel.emitted != Rgb::ZERO && settings.max_depth > 0 {
             self.radiance += travel.emitted;
+            self.record.come_upon(travel.emitted);
             observer.emitted(travel.emitted);
         }
         self.arrival.pdf *= travel.passed;

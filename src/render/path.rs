@@ -337,6 +337,7 @@ impl PathState {
             .weigh(settings.strategy, light_pdf)
             .emitter(light, radiance, self.throughput);
         self.radiance += met.contribution;
+        self.record.come_upon(met.contribution);
         observer.emitter_met(&met);
     }
 

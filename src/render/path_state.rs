@@ -14,6 +14,8 @@ use crate::sampling::Sampler;
 pub struct PathSample {
     /// The radiance along the ray, linear Rec. 709.
     pub radiance: Rgb,
+    /// The part of it that the camera sees directly, in mirrors or through glass: not scattered by a density.
+    pub seen: Rgb,
     /// The colour of the first surface that is not perfectly specular, in [0, 1]; a feature for the denoiser.
     pub albedo: Rgb,
     /// The world normal of the same surface.
@@ -72,6 +74,8 @@ pub(super) struct PathRecord {
     pub albedo: Rgb,
     pub normal: Vec3,
     pub has_features: bool,
+    /// The radiance found so far before the path was scattered by a density.
+    pub seen: Rgb,
     /// The first hit; None while the camera ray has hit nothing. Its `t` counts from the first origin of the camera ray.
     pub first_hit: Option<Hit>,
     /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
@@ -146,6 +150,14 @@ impl PathRecord {
         }
     }
 
+    /// Notes `radiance` that the path has come upon, which is seen directly unless it was scattered before.
+    #[inline(always)]
+    pub fn come_upon(&mut self, radiance: Rgb) {
+        if !self.has_features {
+            self.seen += radiance;
+        }
+    }
+
     /// Notes that the path has left the scene with this `radiance`.
     pub fn escape(&mut self, radiance: Rgb) {
         if !self.has_features {
@@ -157,6 +169,7 @@ impl PathRecord {
     pub fn sample(&self, radiance: Rgb, rays: u32) -> PathSample {
         PathSample {
             radiance,
+            seen: self.seen,
             albedo: self.albedo,
             normal: self.normal,
             depth: self.first_hit.map_or(0.0, |hit| hit.t),

@@ -2,23 +2,20 @@
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
 use super::adaptive::{PerBlock, blocks_of};
-use super::bidirectional;
-use super::headlight;
-use super::lanes::{self, Job};
-use super::layers::{LayerNotes, LayerSums, PixelLayers};
+use super::fireflies;
+use super::lanes::Job;
+use super::layers::{LayerSums, PixelLayers};
 use super::mean_error::block_of;
-use super::observer::PathObserver;
-use super::optical_depth;
-use super::path::{PathSample, trace_path};
+use super::path::PathSample;
 use super::scene::{FirstHit, RenderScene};
 use super::splats::TileSplats;
-use super::view::{PathSettings, Shown, View};
-use crate::accel::TraversalStats;
+use super::tracer::Tracer;
+use super::view::View;
 use crate::color::{Rgb, luminance};
 
 /// The edge length of a tile in pixels.
@@ -209,6 +206,10 @@ pub fn render_blocks(
         invalid: 0,
     };
     let mut layers = PixelLayers::new(scene, view, pixels);
+    let limit = match view.clamp {
+        Some(_) => Some(fireflies::limit(scene, view, cancel)?),
+        None => None,
+    };
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
         Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
@@ -233,9 +234,10 @@ pub fn render_blocks(
                     result.first_hits.push(first_hit(scene, view, pixel, &sample));
                 }
                 if is_finite(&sample) {
-                    traced.add_layers(job, &sample, weight, &mut layers);
+                    let share = limit.map_or(1.0, |limit| limit.share(&sample, weight));
+                    traced.add_layers(job, &sample, weight * share, &mut layers);
                     // Albedo and normal are not weighted: freedom from noise and the right range matter more for them than sharpness.
-                    sample.radiance *= weight;
+                    sample.radiance *= weight * share;
                     sum.add(&sample.into());
                 } else {
                     result.invalid += 1;
@@ -244,6 +246,9 @@ pub fn render_blocks(
             result.pixels.push(sum);
         }
         traced.take_splats(&mut result.splats);
+    }
+    if let Some(limit) = limit {
+        limit.clamp_splats(&mut result.splats.list);
     }
     result.layers = layers.sums;
     Some(result)
@@ -295,145 +300,6 @@ pub fn render_preview(
     }
     result.layers = layers.sums;
     Some(result)
-}
-
-/// The way to trace the samples of a tile, chosen once for all of them.
-enum Tracer {
-    /// Lanes side by side, if all paths have the same settings.
-    Lanes(PathSettings),
-    /// One path from the camera and one from a light at a time.
-    Bidirectional(PathSettings, bidirectional::Techniques),
-    /// One path at a time, where paths differ or are none.
-    OneByOne,
-}
-
-impl Tracer {
-    fn of(view: &View) -> Self {
-        if let Some((settings, techniques)) = bidirectional::Techniques::of(view) {
-            return Self::Bidirectional(settings, techniques);
-        }
-        match view.shown {
-            Shown::Radiance => Self::Lanes(view.integrator.settings()),
-            _ => Self::OneByOne,
-        }
-    }
-
-    /// The way to trace a preview. The light that comes by splats is not there in so few samples, so that paths find it.
-    fn of_preview(view: &View) -> Self {
-        match Self::of(view) {
-            Self::Bidirectional(settings, _) => Self::Lanes(settings),
-            tracer => tracer,
-        }
-    }
-
-    /// The samples of `jobs`. None if cancelled.
-    fn trace<'a>(
-        &self,
-        scene: &'a RenderScene,
-        view: &'a View,
-        jobs: impl Iterator<Item = Job>,
-        cancel: &AtomicBool,
-    ) -> Option<Traced<'a>> {
-        let mut traced = Traced {
-            scene,
-            view,
-            from_lanes: None,
-            bidirectional: None,
-            notes: None,
-            given: 0,
-        };
-        match *self {
-            Self::Lanes(settings) => {
-                let jobs: Vec<Job> = jobs.collect();
-                let lanes = lanes::trace(scene, view, &settings, &jobs, cancel)?;
-                traced.from_lanes = Some(lanes.list.into_iter());
-                traced.notes = lanes.notes;
-            }
-            _ if cancel.load(Ordering::Relaxed) => return None,
-            Self::Bidirectional(settings, techniques) => {
-                let indices = jobs.map(|job| job.index);
-                traced.notes = LayerNotes::new(view, 1);
-                traced.bidirectional = Some(bidirectional::Tracer::new(
-                    scene, view, settings, techniques, indices, cancel,
-                )?);
-            }
-            Self::OneByOne => traced.notes = LayerNotes::new(view, 1),
-        }
-        Some(traced)
-    }
-}
-
-/// Samples one after another: from lanes, or traced when they are needed.
-struct Traced<'a> {
-    scene: &'a RenderScene,
-    view: &'a View,
-    from_lanes: Option<std::vec::IntoIter<(PathSample, f32)>>,
-    bidirectional: Option<bidirectional::Tracer<'a>>,
-    /// The notes for layers: of all samples from lanes, or else of the last one.
-    notes: Option<LayerNotes<'a>>,
-    /// The number of samples from lanes that were given.
-    given: usize,
-}
-
-impl Traced<'_> {
-    /// The next sample and what its light counts; `job` is the next of the list.
-    fn next(&mut self, job: Job) -> (PathSample, f32) {
-        if let Some(sample) = self.from_lanes.as_mut().and_then(Iterator::next) {
-            self.given += 1;
-            return sample;
-        }
-        self.notes.iter_mut().for_each(LayerNotes::clear);
-        let mut observer = self.notes.as_mut().map(|notes| notes.of(0));
-        if let Some(tracer) = &mut self.bidirectional {
-            return tracer.sample(job.pixel, job.index, &mut observer);
-        }
-        render_sample(self.scene, self.view, job.pixel, job.index, &mut observer)
-    }
-
-    /// Moves the light for other pixels to `splats`.
-    fn take_splats(&mut self, splats: &mut TileSplats) {
-        if let Some(tracer) = &mut self.bidirectional {
-            splats.append(tracer.take_splats());
-        }
-    }
-
-    /// Adds what was noted of the last sample, that of `job`, to the layers of its pixel.
-    fn add_layers(&self, job: Job, sample: &PathSample, weight: f32, layers: &mut PixelLayers) {
-        if let Some(notes) = &self.notes {
-            layers.add(job, sample, weight, notes, self.given.saturating_sub(1));
-        }
-    }
-}
-
-/// A sample and what its light counts.
-pub(super) fn render_sample(
-    scene: &RenderScene,
-    view: &View,
-    pixel: UVec2,
-    index: u32,
-    observer: &mut impl PathObserver,
-) -> (PathSample, f32) {
-    let camera = view.camera_sample(pixel, index);
-    let ray = view.sight.narrow(&scene.geometry, camera.ray);
-    let sample = match (view.path_settings(pixel), view.shown) {
-        (Some(settings), _) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
-        (None, Shown::OpticalDepth) => optical_depth::sample(scene, &ray, view.medium),
-        (None, Shown::BvhSteps) => {
-            let mut stats = TraversalStats::default();
-            let hit = scene.geometry.intersect_counting(&ray, &mut stats);
-            PathSample {
-                radiance: Rgb::splat(stats.total() as f32),
-                first_hit: hit,
-                rays: 1,
-                ..PathSample::default()
-            }
-        }
-        (None, shown) => headlight::sample(scene, &ray, shown == Shown::Clay),
-    };
-    if let (None, Some(hit)) = (view.path_settings(pixel), &sample.first_hit) {
-        observer.met(&ray, hit);
-    }
-    (sample, camera.weight)
 }
 
 /// The first hit of sample 0 of a pixel.

@@ -3,6 +3,7 @@
 use glam::{UVec2, Vec2};
 
 use super::camera::Camera;
+use super::clamp::Clamp;
 use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
 use super::layers::{FilmLayers, Layers};
@@ -45,6 +46,8 @@ pub struct View {
     pub seed: u32,
     /// The photons of [`Integrator::Merging`], which are traced when they are needed.
     pub photons: PhotonRounds,
+    /// How bright samples may be; None for no limit.
+    pub clamp: Option<Clamp>,
 }
 
 /// The method by which light is found.

@@ -87,6 +87,8 @@ pub struct IntegratorSettings {
     pub photons: Option<u32>,
     /// The radius within which photons are merged in the first samples, in pixels: the file's `merge_radius`.
     pub merge_radius: f32,
+    /// The share of the samples with light, in percent, whose brightness is left as it is, while brighter ones are clamped; None for no clamp.
+    pub clamp_percentile: Option<f32>,
     /// The layers that are kept and saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
     pub layers: Layers,
@@ -97,6 +99,8 @@ impl IntegratorSettings {
     pub const MOST_PHOTONS: u32 = 1 << 18;
     /// The range of [`merge_radius`](Self::merge_radius), in pixels.
     pub const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
+    /// The range of [`clamp_percentile`](Self::clamp_percentile).
+    pub const CLAMP_PERCENTILES: RangeInclusive<f32> = 50.0..=99.999;
 }
 
 impl Default for IntegratorSettings {
@@ -110,6 +114,7 @@ impl Default for IntegratorSettings {
             schlick: false,
             photons: None,
             merge_radius: 3.0,
+            clamp_percentile: None,
             layers: Layers::default(),
         }
     }

@@ -34,6 +34,30 @@ fn picture(shop: &Workshop, name: &str) -> (Vec<Channel>, Option<String>) {
 }
 
 #[test]
+fn a_clamp_says_what_it_removes() {
+    let shop = Workshop::new();
+    let size = ["--size", "40x30", "--spp", "4", "--seed", "3"];
+    let run = render(&shop, EASY, "clamped.exr", &[&size[..], &["--clamp", "99"]].concat());
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(said.contains("were clamped, which removes about"), "{said}");
+    let run = render(&shop, EASY, "free.exr", &size);
+    assert!(!String::from_utf8_lossy(&run.stderr).contains("clamped"));
+    let mean = |name: &str| {
+        let samples = picture(&shop, name).0.into_iter().map(|channel| channel.samples);
+        samples
+            .map(|samples| (0..samples.len()).map(|index| samples.value(index)).sum::<f32>())
+            .sum::<f32>()
+    };
+    assert!(mean("clamped.exr") < mean("free.exr"));
+    let refused = sunroom()
+        .args(["render", EASY, "--clamp", "100"])
+        .output()
+        .expect("the program starts");
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && said.contains("such as 99.9"), "{said}");
+}
+
+#[test]
 fn an_easy_scene_has_the_bits_of_path() {
     let shop = Workshop::new();
     let size = ["--size", "80x60", "--spp", "192"];

@@ -39,6 +39,7 @@ mod bsdf_hair;
 mod bsdf_plastic;
 mod bsdf_principled;
 mod bsdf_rough;
+mod clamp;
 #[cfg(feature = "denoise")]
 mod denoise;
 mod document;

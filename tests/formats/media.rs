@@ -422,6 +422,27 @@ fn photons_have_a_number_and_a_radius() {
     }
 }
 
+#[test]
+fn a_clamp_is_a_percentile() {
+    let with = |value: &str| {
+        let text = format!(
+            "<scene version='3.0.0'><integrator type='path'><float name='clamp_percentile' value='{value}'/></integrator></scene>"
+        );
+        let mut document = document::parse_str(&*text, Path::new("/scene.xml"), &[]);
+        let settings = read(&mut document).integrator;
+        let is_refused = document
+            .diagnostics
+            .list
+            .iter()
+            .any(|it| it.message.contains("clamp_percentile"));
+        (settings.clamp_percentile, is_refused)
+    };
+    assert_eq!(with("99.9"), (Some(99.9), false));
+    for wrong in ["49", "100", "-1"] {
+        assert_eq!(with(wrong), (None, true), "{wrong}");
+    }
+}
+
 /// A scene with every plugin and parameter.
 const EVERYTHING: &str = "<scene version=\"3.0.0\">
   <integrator type=\"volpathmis\"><boolean name=\"use_spectral_mis\" value=\"true\"/></integrator>

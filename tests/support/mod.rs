@@ -218,6 +218,7 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
         sequence: SequenceKind::Independent,
         seed: 1,
         photons: Default::default(),
+        clamp: None,
     }
 }
 

@@ -89,6 +89,9 @@ pub struct RenderArgs {
     /// lights alone) or auto (path or bdpt, whichever pays for the scene)
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     pub integrator: Option<PathPlugin>,
+    /// Clamp what is brighter than this percentile of the samples, such as 99.9: less noise, and too little light
+    #[arg(long, value_name = "PERCENTILE", value_parser = parse::percentile)]
+    pub clamp: Option<f32>,
     /// How light is looked for by path, volpath and volpathmis
     #[arg(long, value_enum)]
     pub strategy: Option<StrategyName>,

@@ -27,6 +27,7 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
         }
     }
     integrator.schlick |= args.schlick;
+    integrator.clamp_percentile = args.clamp.or(integrator.clamp_percentile);
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
     match args.strategy {
         Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,

@@ -8,6 +8,7 @@ use super::Checker;
 use crate::layer::{Layer, Layers};
 use crate::medium::MediumId;
 use crate::render::camera::{Camera, ThinLens};
+use crate::render::clamp::Clamp;
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
 use crate::render::photon_rounds::PhotonRounds;
@@ -134,7 +135,21 @@ pub(in crate::engine) fn pack_view(
         },
         seed: sampler.seed,
         photons: PhotonRounds::default(),
+        clamp: integrator
+            .clamp_percentile
+            .map(|percentile| Clamp::new(clamp_percentile(percentile, check))),
     })
+}
+
+fn clamp_percentile(percentile: f32, check: &mut Checker) -> f32 {
+    let range = IntegratorSettings::CLAMP_PERCENTILES;
+    check.number(
+        "clamp_percentile",
+        percentile,
+        *range.start(),
+        *range.end(),
+        *range.end(),
+    )
 }
 
 fn merge_radius(integrator: &IntegratorSettings, check: &mut Checker) -> f32 {

@@ -329,6 +329,7 @@ impl<'a> Sample<'a, '_> {
                 1.0 + by_sampling
             });
         }
+        self.record.come_upon(contribution);
         observer.emitter_met(&MetEmitter {
             light: seen.light,
             radiance: seen.radiance,

@@ -197,6 +197,9 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
         object = with_integer(object, "photons", settings.photons.unwrap_or(0));
         object = with(object, "merge_radius", Value::Float(settings.merge_radius));
     }
+    if let Some(percentile) = settings.clamp_percentile {
+        object = with(object, "clamp_percentile", Value::Float(percentile));
+    }
     let path = with_flag(object, "hide_emitters", settings.hide_emitters);
     if settings.layers.is_empty() {
         return path;

@@ -97,6 +97,7 @@ impl<'a> SceneReader<'a> {
                 settings.merge_radius = radius;
             }
         }
+        settings.clamp_percentile = reader.float_in("clamp_percentile", IntegratorSettings::CLAMP_PERCENTILES);
         settings.hide_emitters = reader.boolean_or("hide_emitters", false);
         if known.is_some() {
             reader.ignore(&["timeout", "block_size", "samples_per_pass"]);

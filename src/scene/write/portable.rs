@@ -117,13 +117,15 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     .properties
                     .retain(|property| property.name != "multiple_scattering");
             }
-            (Category::Integrator, "bdpt" | "vcm") if extensions == Extensions::Approximate => {
-                inner.plugin = "path".into();
-                inner
-                    .properties
-                    .retain(|property| !matches!(property.name.as_str(), "photons" | "merge_radius"));
+            (Category::Integrator, plugin) if extensions == Extensions::Approximate => {
+                match plugin {
+                    "bdpt" | "vcm" => inner.plugin = "path".into(),
+                    "aov" => keep_layers_of_mitsuba(inner),
+                    _ => {}
+                }
+                let is_ours = |name: &str| matches!(name, "photons" | "merge_radius" | "clamp_percentile");
+                inner.properties.retain(|property| !is_ours(&property.name));
             }
-            (Category::Integrator, "aov") if extensions == Extensions::Approximate => keep_layers_of_mitsuba(inner),
             (Category::Sensor, "thinlens") if extensions == Extensions::Approximate => inner
                 .properties
                 .retain(|property| !matches!(property.name.as_str(), "blades" | "blade_rotation")),

@@ -187,6 +187,7 @@ pub fn gather_status(
     let adaptive = settings.control.adaptive.or(film.map(|film| film.adaptive));
     model.render.adaptive = adaptive.unwrap_or(false);
     model.render.noise = status.noise;
+    model.render.clamped = status.clamped;
     model.render.region = settings.control.region;
     model.render.strategy_split = settings.control.strategy_split;
     model.render.path_is_auto = settings.control.path_is_auto;

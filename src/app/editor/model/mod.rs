@@ -37,6 +37,7 @@ use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::document::Severity;
 use crate::engine::{AutoStatus, RenderStatus};
 use crate::math::Aabb;
+use crate::render::clamp::BrightnessLimit;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, Medium, SamplerSettings, Sensor,
     Shape,
@@ -326,6 +327,8 @@ pub struct RenderModel {
     pub path_is_auto: bool,
     /// What the integrator `auto` stands for, where it is asked for.
     pub auto: Option<AutoStatus>,
+    /// How bright samples may be, once that is known.
+    pub clamped: Option<BrightnessLimit>,
     /// The section for light mixing.
     pub mixing: MixingModel,
     /// The section for comparison with a snapshot.

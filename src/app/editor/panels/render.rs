@@ -159,6 +159,35 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
     }
 }
 
+/// The clamp of bright samples, and what it takes from the picture.
+fn clamp_rows(ui: &mut Ui, model: &RenderModel, percentile: &mut Option<f32>) -> bool {
+    const FIRST: f32 = 99.9;
+    let caption = Caption::from("Clamp fireflies")
+        .explained("Samples that are brighter than nearly all others become as bright as the limit. There is less noise, and the picture is too dark where light is rare.");
+    let mut is_clamped = percentile.is_some();
+    let mut changed = fields::checkbox(ui, caption, &mut is_clamped);
+    if changed {
+        *percentile = is_clamped.then_some(FIRST);
+    }
+    if let Some(percentile) = percentile {
+        let caption =
+            Caption::from("Percentile").explained("The share of the samples with light that stay as they are.");
+        changed |= fields::quantity(
+            ui,
+            caption,
+            percentile,
+            0.01,
+            IntegratorSettings::CLAMP_PERCENTILES,
+            " %",
+        );
+        if let Some(limit) = model.clamped {
+            let text = format!("about {:.2} % of the light", 100.0 * limit.removed);
+            fields::note(ui, "Removes", text);
+        }
+    }
+    changed
+}
+
 fn tone_maps() -> Vec<(ToneMap, &'static str)> {
     ToneMap::ALL.iter().map(|&map| (map, map.name())).collect()
 }
@@ -237,6 +266,7 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         let radii = IntegratorSettings::MERGE_RADII;
         changed |= fields::quantity(ui, caption, &mut integrator.merge_radius, 0.05, radii, " px");
     }
+    changed |= clamp_rows(ui, model, &mut integrator.clamp_percentile);
     changed |= fields::checkbox(ui, "Hide lights", &mut integrator.hide_emitters);
     changed |= fields::checkbox(ui, "Schlick", &mut integrator.schlick);
     if changed {

@@ -244,6 +244,7 @@ fn view_with(edge: u32, media: bool) -> View {
         sequence: SequenceKind::Sobol,
         seed: 0,
         photons: Default::default(),
+        clamp: None,
     }
 }
 

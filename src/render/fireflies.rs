@@ -1,0 +1,147 @@
+//! Finds how bright samples may be where a view has a [clamp](super::clamp), and makes those darker that are brighter.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::{UVec2, Vec2};
+
+use super::clamp::BrightnessLimit;
+use super::lanes::Job;
+use super::layers::Layers;
+use super::light_layers::LightGroups;
+use super::path::PathSample;
+use super::scene::RenderScene;
+use super::splats::{Splat, TileSplats};
+use super::tracer::Tracer;
+use super::view::View;
+use crate::color::luminance;
+
+/// The samples of a pilot.
+const SAMPLES: u32 = 1 << 15;
+/// The samples of a pilot that are traced at once.
+const BATCH: u32 = 4096;
+/// The sample numbers of a pixel in a pilot.
+const NUMBERS: u32 = 16;
+/// The seed of pilots: limits do not depend on the seed of the picture.
+const SEED: u32 = 0x5eed_c1a3;
+
+/// The limit of a view that clamps its samples; None without a clamp, and if `cancel` was set.
+pub(super) fn limit(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<BrightnessLimit> {
+    let clamp = view.clamp.as_ref()?;
+    let from_lights = view.integrator.splats();
+    clamp.limit(scene, &view.camera, [view.width, view.height], from_lights, || {
+        let found = pilot(scene, view, cancel)?;
+        Some(limit_of(found, clamp.percentile))
+    })
+}
+
+/// What a pilot has found.
+#[derive(Default)]
+struct Pilot {
+    /// The luminances of the samples that have light, without what is seen directly.
+    light: Vec<f32>,
+    /// The sum over all that is seen directly.
+    seen: f64,
+}
+
+/// Traces samples that are spread evenly over the film; None if cancelled.
+fn pilot(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<Pilot> {
+    let view = View {
+        seed: SEED,
+        clamp: None,
+        light_groups: LightGroups::default(),
+        layers: Layers::default(),
+        ..view.clone()
+    };
+    let (tracer, mut found) = (Tracer::of(&view), Pilot::default());
+    for start in (0..SAMPLES).step_by(BATCH as usize) {
+        let jobs = (start..start + BATCH).map(|index| job(&view, index));
+        let mut splats = TileSplats::default();
+        let mut traced = tracer.trace(scene, &view, jobs.clone(), cancel)?;
+        for job in jobs {
+            let (sample, weight) = traced.next(job);
+            let light = luminance(sample.radiance - sample.seen) * weight.abs();
+            if light.is_finite() {
+                found.light.extend((light > 0.0).then_some(light));
+                found.seen += f64::from(luminance(sample.seen) * weight.abs());
+            }
+        }
+        traced.take_splats(&mut splats);
+        found
+            .light
+            .extend(splats.list.iter().map(|splat| luminance(splat.radiance)));
+    }
+    Some(found)
+}
+
+/// A sample at the point number `index` of an even sequence over the film (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+fn job(view: &View, index: u32) -> Job {
+    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    let size = UVec2::new(view.width, view.height);
+    let [x, y] = STEP.map(|step| (f64::from(index) * step).fract() as f32);
+    let pixel = (Vec2::new(x, y) * size.as_vec2()).as_uvec2().min(size - 1);
+    // All samples with one number see the same photons, so that there are few numbers.
+    Job {
+        pixel,
+        index: index % NUMBERS,
+    }
+}
+
+fn limit_of(mut pilot: Pilot, percentile: f32) -> BrightnessLimit {
+    pilot.light.sort_unstable_by(f32::total_cmp);
+    let place = (f64::from(percentile) / 100.0 * pilot.light.len() as f64) as usize;
+    let Some(&limit) = pilot.light.get(place.min(pilot.light.len().saturating_sub(1))) else {
+        // Where no light is found nothing is known of its brightness.
+        return BrightnessLimit {
+            luminance: f32::INFINITY,
+            removed: 0.0,
+        };
+    };
+    let sum = |light: &mut dyn Iterator<Item = f32>| light.map(f64::from).sum::<f64>();
+    let all = sum(&mut pilot.light.iter().copied()) + pilot.seen;
+    let above = sum(&mut pilot.light[place.min(pilot.light.len())..]
+        .iter()
+        .map(|light| light - limit));
+    BrightnessLimit {
+        luminance: limit,
+        removed: (above / all) as f32,
+    }
+}
+
+impl BrightnessLimit {
+    /// The share of its light that is left to a sample, whose light counts `weight`. What is seen directly does not count.
+    pub(super) fn share(&self, sample: &PathSample, weight: f32) -> f32 {
+        let [all, seen] = [sample.radiance, sample.seen].map(|light| luminance(light) * weight.abs());
+        if all - seen > self.luminance {
+            (seen + self.luminance) / all
+        } else {
+            1.0
+        }
+    }
+
+    /// Makes light for other pixels darker that is too bright.
+    pub(super) fn clamp_splats(&self, splats: &mut [Splat]) {
+        for splat in splats {
+            splat.radiance *= (self.luminance / luminance(splat.radiance)).min(1.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percentile_of_the_light_is_the_limit() {
+        let pilot = || Pilot {
+            light: (1..=100).rev().map(|light| light as f32).collect(),
+            seen: 50.0,
+        };
+        // Of 1 to 100 the last ten are above 90, by 1 to 10 in all but the first of them.
+        let limit = limit_of(pilot(), 90.0);
+        assert_eq!(limit.luminance, 91.0);
+        assert!((limit.removed - 45.0 / 5100.0).abs() < 1e-6, "{limit:?}");
+        assert_eq!(limit_of(pilot(), 99.999).removed, 0.0);
+        let dark = limit_of(Pilot::default(), 99.0);
+        assert_eq!((dark.luminance, dark.removed), (f32::INFINITY, 0.0));
+    }
+}
