@@ -81,7 +81,7 @@ pub fn windows(from: Vec3, world_from_cube: &Mat3A, size: u32) -> Texels<Window>
     let texels: Vec<Texel<Window>> = places(size).map(texel).collect();
     Texels {
         size: UVec2::new(size, 6 * size),
-        pages: vec![0..texels.len()],
+        pages: std::iter::once(0..texels.len()).collect(),
         texels,
     }
 }

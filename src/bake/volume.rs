@@ -89,7 +89,7 @@ impl Grid {
             .collect();
         Texels {
             size: UVec2::new(6 * self.points.x, self.points.y * self.points.z),
-            pages: vec![0..texels.len()],
+            pages: std::iter::once(0..texels.len()).collect(),
             texels,
         }
     }

@@ -236,7 +236,7 @@ fn walls_turn_up_on_their_sides() {
     assert_eq!(size, UVec3::new(1, 2, 3));
     for (texel, axis) in texels.iter().zip(AXES) {
         // The light of the opposite wall never comes to this side, and that of the wall in front is most of it.
-        let most = Vec3::from(*texel - 1.0);
+        let most = *texel - 1.0;
         assert!(
             most.dot(axis) > 0.4 && (most - most.dot(axis) * axis).length() < 0.1,
             "{axis}: {texel}"
