@@ -47,7 +47,7 @@ fn show_at<T: 'static>(width: f32, given: T, panel: Panel<T>) -> Harness<'static
         given,
         commands: Vec::new(),
     };
-    let mut harness = Harness::builder().with_size(egui::vec2(width, 900.0)).build_ui_state(
+    let mut harness = Harness::builder().with_size(egui::vec2(width, 1000.0)).build_ui_state(
         move |ui, shown: &mut Shown<T>| panel(ui, &shown.given, &mut shown.commands),
         shown,
     );

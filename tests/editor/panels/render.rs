@@ -62,6 +62,14 @@ fn the_render_panel_sets_what_it_shows() {
             ..
         }))
     ));
+    click(&mut harness, "Clamp fireflies");
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings {
+            clamp_percentile: Some(_),
+            ..
+        }))
+    ));
     click(&mut harness, "Show");
     click(&mut harness, "Normal");
     assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));
