@@ -2,11 +2,11 @@
 //!
 //! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as much. It pays where it is less noisy by more than that. The
 //! noise of path tracing cannot be had from few samples of it: light that it finds once in ten thousand samples is not among them, and the pilot would look
-//! calm. So its second moment has two parts. What path tracing finds often, up to [`COMMON`] times the light of the place, is measured with its own samples. What is
+//! calm. So its second moment has two parts. What path tracing finds often, up to `COMMON` times the light of the place, is measured with its own samples. What is
 //! brighter in one sample is rare, and bidirectional paths tell of it: for each path that they find, the density is known with which path tracing would find it
-//! ([`Find::in_one`]), and that may be zero.
+//! (`Find::in_one`), and that may be zero.
 //!
-//! All is relative to the light of the place and bounded by it ([`BRIGHTEST`]), so that neither a bright spot nor a lucky sample decides for the picture. The cost of a
+//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a lucky sample decides for the picture. The cost of a
 //! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
 //! is a function of the scene and of what the camera sees, on any number of threads.
 

@@ -1,7 +1,7 @@
 //! A limit to how bright a sample may be. A few samples that are far brighter than all others ("fireflies") are noise that takes very many samples to
 //! even out; a picture in which they are made as bright as the limit has less noise, and too little light.
 //!
-//! The limit is a percentile of the samples of a pilot ([`super::fireflies`]). It depends on the scene and the view alone, so that any part of a picture,
+//! The limit is a percentile of the samples of a pilot (`fireflies`). It depends on the scene and the view alone, so that any part of a picture,
 //! rendered anywhere, has the same.
 
 use std::fmt;
