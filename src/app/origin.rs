@@ -57,6 +57,10 @@ pub fn take_choice(world: &mut World, then: &Origin) -> bool {
         ..Choice::UNTRIED
     };
     set_choice(world, choice);
+    if let Some(auto) = &mut world.resource_mut::<RenderStatus>().auto {
+        auto.choice = choice;
+        auto.integrator = choice.name(false);
+    }
     true
 }
 

@@ -30,7 +30,7 @@ pub enum PlacementError {
     Flat,
     #[error("its box is skewed: game engines have boxes with right angles")]
     Skewed,
-    #[error("its middle lies outside of the level")]
+    #[error("it lies outside of the level")]
     Outside,
     #[error(
         "its middle lies inside of something: most of what it sees are the backs of surfaces, and no light comes there"
@@ -85,10 +85,15 @@ pub fn is_enclosed(scene: &RenderScene, world_from_box: &Affine3A) -> bool {
     met > ENCLOSED * whole
 }
 
+/// A side of a box that is shorter, absolutely or as a share of the longest one, has no length.
+const SHORTEST: f32 = 1e-6;
+
 /// Whether a probe may have this box, the place of a cube from -0.5 to 0.5.
 pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementError> {
     let axes = [world_from_box.x_axis, world_from_box.y_axis, world_from_box.z_axis];
-    if !world_from_box.is_finite() || axes.iter().any(|axis| axis.length() < f32::MIN_POSITIVE) {
+    let lengths = axes.map(|axis| axis.length());
+    let longest = lengths.into_iter().fold(f32::MIN_POSITIVE, f32::max);
+    if !world_from_box.is_finite() || lengths.iter().any(|length| *length < SHORTEST * longest.max(SHORTEST)) {
         return Err(PlacementError::Flat);
     }
     let [x, y, z] = axes.map(|axis| axis.normalize());
@@ -97,11 +102,11 @@ pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementErr
         return Err(PlacementError::Skewed);
     }
     let middle = Vec3::from(world_from_box.translation);
-    let is_inside = middle.cmpge(level.min).all() && middle.cmple(level.max).all();
-    if is_inside {
-        Ok(())
-    } else {
-        Err(PlacementError::Outside)
+    let reach: Vec3 = axes.iter().map(|axis| Vec3::from(0.5 * axis.abs())).sum();
+    let meets_level = (middle + reach).cmpge(level.min).all() && (middle - reach).cmple(level.max).all();
+    match meets_level {
+        true => Ok(()),
+        false => Err(PlacementError::Outside),
     }
 }
 

@@ -18,9 +18,11 @@ use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderStat
 use sunroom::engine::{choose_integrator, layered_picture, load_to_completion, open_shutter, render_watched};
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
+use sunroom::render::auto::pays_for_pilot;
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
+use sunroom::render::view::{Shown, View};
 use sunroom::scene::Film as SensorFilm;
 use sunroom::scene::{
     AccelMethod, ActiveSensor, IntegratorSettings, KeepSource, OpenScene, SamplerSettings, SceneFile, SceneStatus,
@@ -207,16 +209,35 @@ fn samples_of_whole(args: &RenderArgs, limits: &Limits, world: &World) -> u32 {
 }
 
 /// Says what `auto` has chosen.
-fn report_choice(status: &RenderStatus) {
+fn report_choice(status: &RenderStatus, samples: u64) {
     let Some(auto) = status.auto else {
         return;
     };
     let name = auto.integrator;
-    match auto.choice.gain {
-        Some(gain) => report::line(format_args!(
-            "auto takes `{name}`: by the pilot, the variance of `path` is {gain:.2} times that of `bdpt` for the same cost"
-        )),
-        None => report::line(format_args!("auto takes `{name}`, without a pilot")),
+    let missed = 100.0 * auto.choice.missed;
+    let why = match auto.choice.gain {
+        Some(_) if missed >= 1.0 => format!("`path` never finds {missed:.0} % of the light, as a few paths tell"),
+        Some(gain) => {
+            format!("the variance of `path` is {gain:.2} times that of `bdpt` for the same cost, as a few paths tell")
+        }
+        None if name == "volpath" => "it alone knows the media of the scene".to_owned(),
+        None if auto.choice.is_bidirectional => "the picture was begun by it".to_owned(),
+        None if !pays_for_pilot(samples) => {
+            format!("with {samples} samples over all pixels there are too few to compare it with `bdpt`")
+        }
+        None => "there is nothing to compare it with, or the picture was begun by it".to_owned(),
+    };
+    report::line(format_args!("auto takes `{name}`: {why}"));
+}
+
+/// Warns where layers keep light from the picture.
+fn report_missing_light(view: Option<&View>) {
+    if view.is_some_and(|view| {
+        view.shown == Shown::Radiance && view.integrator.splats() && view.film_layers().parts_light()
+    }) {
+        report::line(format_args!(
+            "warning: with layers that tell light apart, what paths from the lights bring to the lens is left out: caustics of points and spots are missing"
+        ));
     }
 }
 
@@ -240,7 +261,11 @@ fn picture(
     // The status tells of the choice.
     load_to_completion(app, limits)?;
     if !args.quiet {
-        report_choice(app.world().resource());
+        let view = app.world().resource::<PackedScene>().view.as_ref();
+        report_missing_light(view);
+        let pixels = view.map_or(0, |view| u64::from(view.width) * u64::from(view.height));
+        let samples = samples_of_whole(args, limits, app.world());
+        report_choice(app.world().resource(), pixels * u64::from(samples));
     }
     let share = share::begin(app.world_mut(), scene, &args.shares, checkpoints, samples, settings)?;
     // Standard output has place for one picture, the finished one.

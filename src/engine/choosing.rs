@@ -3,6 +3,7 @@
 //! Without a window it is there before the first sample ([`choose_integrator`](super::choose_integrator)). In a window the first samples are path tracing's, so that a
 //! change is seen at once. The pilot begins when the picture has some samples, on a thread of its own; where it chooses otherwise, the picture begins anew.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -10,6 +11,7 @@ use bevy::prelude::*;
 
 use super::auto::{AutoIntegrator, Seen, is_auto, samples_of};
 use super::control::{RenderControl, WakeUp};
+use super::deferred_drop::DeferredDrop;
 use super::extract::Extracted;
 use super::packed_scene::PackedScene;
 use super::renderer::Renderer;
@@ -48,7 +50,13 @@ pub(super) fn seek_choice(
     control: Res<RenderControl>,
     renderer: Res<Renderer>,
     wake_up: Res<WakeUp>,
+    deferred: Res<DeferredDrop>,
 ) {
+    // A choice keeps its scene, which may be large.
+    let is_past = |(seen, _): &(Seen, Choice)| !seen.scene.is_same(&extracted.scene);
+    if auto.0.as_ref().is_some_and(is_past) {
+        deferred.drop_later(auto.0.take());
+    }
     let Some(view) = extracted
         .view
         .clone()
@@ -79,14 +87,14 @@ pub(super) fn seek_choice(
     let cancel = Arc::new(AtomicBool::new(false));
     let found = Arc::new(OnceLock::new());
     let samples = samples_of(&view, stop.samples);
-    let (of_thread, result, stopped) = (seen.clone(), found.clone(), cancel.clone());
+    let (scene, result, stopped) = (extracted.scene.clone(), found.clone(), cancel.clone());
     let wake_up = wake_up.clone();
     let thread = std::thread::Builder::new()
         .name("pilot of auto".to_owned())
         .spawn(move || {
-            let choice = choose(&of_thread.scene, &of_thread.pilot, samples, 1, &stopped);
+            let choice = catch_unwind(AssertUnwindSafe(|| choose(&scene, &view, samples, 1, &stopped)));
             // Without one it would be sought for ever.
-            let _ = result.set(choice.or(Some(Choice::UNTRIED)));
+            let _ = result.set(choice.ok().flatten().or(Some(Choice::UNTRIED)));
             if let Some(wake) = &wake_up.0 {
                 wake();
             }
@@ -161,7 +169,9 @@ pub(super) fn report(
         is_searching: search.0.is_some(),
         choice: choice.unwrap_or(Choice::UNTRIED),
     });
-    let is_awaited = control.interactive && auto.is_awaited(&extracted.scene, view, status.target);
+    // A picture that has ended with fewer samples has no pilot.
+    let is_sought = search.0.is_some() || status.samples >= FIRST.min(status.target);
+    let is_awaited = control.interactive && is_sought && auto.is_awaited(&extracted.scene, view, status.target);
     if status.state == RenderState::Done && is_awaited {
         status.state = RenderState::Rendering;
     }

@@ -21,6 +21,7 @@ use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
+use crate::render::clamp::BrightnessLimit;
 use crate::render::noise::PictureNoise;
 use crate::render::passes::pass_end;
 use crate::render::scene::RenderScene;
@@ -167,6 +168,14 @@ impl Job {
     /// Whether it makes the picture of exactly this.
     pub fn is_of(&self, scene: &RenderScene, view: &View, light_groups: &[LightGroup]) -> bool {
         self.view == *view && *self.light_groups == *light_groups && self.is_of_scene(scene)
+    }
+
+    /// How bright samples may be; None without a clamp, and until that is known.
+    pub fn clamped(&self) -> Option<BrightnessLimit> {
+        match &self.shutter {
+            Some(shutter) => shutter.clamped(),
+            None => self.view.clamp.as_ref()?.found(),
+        }
     }
 
     /// Whether its samples see these moments.

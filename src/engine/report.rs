@@ -80,7 +80,7 @@ pub(super) fn report_status(
     status.mrays_per_s = per_second(status.rays);
     status.msamples_per_s = per_second(job.map_or(0, |job| job.samples));
     status.invalid_samples = job.map_or(0, |job| job.invalid);
-    status.clamped = job.and_then(|job| job.view.clamp.as_ref()?.found());
+    status.clamped = job.and_then(|job| job.clamped());
     status.triangles = extracted.triangles;
     status.bvh = extracted.bvh;
     status.meshes_loading = extracted.meshes_loading;

@@ -6,7 +6,7 @@
 //! brighter in one sample is rare, and bidirectional paths tell of it: for each path that they find, the density is known with which path tracing would find it
 //! (`Find::in_one`), and that may be zero.
 //!
-//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a lucky sample decides for the picture. The cost of a
+//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a rare sample decides for the picture. The cost of a
 //! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
 //! is a function of the scene and of what the camera sees, on any number of threads.
 
@@ -18,7 +18,7 @@ use glam::UVec2;
 use super::bidirectional::{self, Find, Techniques};
 use super::lanes::{self, Job};
 use super::scene::RenderScene;
-use super::view::{Integrator, PathSettings, Shown, View};
+use super::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::color::luminance;
 use crate::sampling::SequenceKind;
 use crate::sampling::hash::pcg3d;
@@ -47,6 +47,8 @@ const DARK: f32 = 0.05;
 /// The gain from which on bidirectional path tracing is chosen, and beyond which, one way or the other, the first stage is enough.
 const WORTHWHILE: f64 = 1.5;
 const CLEAR: f64 = 4.0;
+/// Gains are told down to this, and up to its reciprocal.
+const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
 const SEED: u32 = 0x5eed_a070;
 
@@ -91,14 +93,24 @@ impl Choice {
 pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
     let settings = view.integrator.settings();
     let has_media = settings.media && !scene.media.is_empty();
-    view.shown == Shown::Radiance && settings.longest_path() > 2 && !has_media && stages(samples) > 0
+    let is_usual = view.shown == Shown::Radiance && settings.strategy == Strategy::Mis;
+    is_usual && settings.longest_path() > 2 && !has_media && pays_for_pilot(samples)
+}
+
+/// Whether a picture of so many samples, over all pixels, is worth a pilot.
+pub fn pays_for_pilot(samples: u64) -> bool {
+    stages(samples) > 0
 }
 
 /// The number of stages that a picture of so many samples can pay for.
 fn stages(samples: u64) -> usize {
-    let cost = |stage: &u32| COST_OF_PIXEL * u64::from(stage * PARTS * PARTS);
     let budget = SHARE * samples as f64;
-    STAGES.iter().take_while(|stage| cost(stage) as f64 <= budget).count()
+    let mut cost = 0;
+    let is_within = |stage: &&u32| {
+        cost += COST_OF_PIXEL * u64::from(**stage * PARTS * PARTS);
+        cost as f64 <= budget
+    };
+    STAGES.iter().take_while(is_within).count()
 }
 
 /// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the choice.
@@ -299,7 +311,11 @@ fn judge(parts: &[Part], size: UVec2) -> Choice {
     let rays = |method: usize| parts.iter().map(|part| part.rays[method] as f64).sum::<f64>();
     let samples = |of_pixel: u32| f64::from(of_pixel) * pairs.max(1) as f64;
     let cost = COST_OF_RAY * (rays(1) / samples(PAIR)) / (rays(0) / samples(PATH_SAMPLES)).max(1.0);
-    let gain = by_path / (bidirectional * cost).max(f64::MIN_POSITIVE);
+    if by_path <= 0.0 {
+        // Both are without noise.
+        return Choice::UNTRIED;
+    }
+    let gain = (by_path / (bidirectional * cost).max(f64::MIN_POSITIVE)).clamp(LEAST_GAIN, 1.0 / LEAST_GAIN);
     Choice {
         is_bidirectional: gain >= WORTHWHILE,
         gain: Some(gain as f32),

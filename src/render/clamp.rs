@@ -37,8 +37,8 @@ struct KnownLimit {
     limit: Arc<Mutex<Option<BrightnessLimit>>>,
 }
 
-/// The limits that are kept: one for each moment while a shutter is open.
-const KEPT: usize = 64;
+/// The limits that are kept, each with its scene: those of the picture by path tracing and with paths from the lights.
+const KEPT: usize = 2;
 
 impl Clamp {
     /// A clamp whose limits are not known yet.
@@ -98,7 +98,7 @@ impl Clamp {
         limit
     }
 
-    /// The limit that was asked for last; None before that.
+    /// The limit of the scene and the view that were new last; None before that.
     pub fn found(&self) -> Option<BrightnessLimit> {
         let known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
         let limit = known.first()?.limit.try_lock().ok()?;

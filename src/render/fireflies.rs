@@ -6,8 +6,6 @@ use glam::{UVec2, Vec2};
 
 use super::clamp::BrightnessLimit;
 use super::lanes::Job;
-use super::layers::Layers;
-use super::light_layers::LightGroups;
 use super::path::PathSample;
 use super::scene::RenderScene;
 use super::splats::{Splat, TileSplats};
@@ -19,7 +17,7 @@ use crate::color::luminance;
 const SAMPLES: u32 = 1 << 15;
 /// The samples of a pilot that are traced at once.
 const BATCH: u32 = 4096;
-/// The sample numbers of a pixel in a pilot.
+/// The sample numbers of a pixel in a pilot, at least.
 const NUMBERS: u32 = 16;
 /// The seed of pilots: limits do not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_c1a3;
@@ -27,7 +25,7 @@ const SEED: u32 = 0x5eed_c1a3;
 /// The limit of a view that clamps its samples; None without a clamp, and if `cancel` was set.
 pub(super) fn limit(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<BrightnessLimit> {
     let clamp = view.clamp.as_ref()?;
-    let from_lights = view.integrator.splats();
+    let from_lights = view.integrator.splats() && !view.film_layers().parts_light();
     clamp.limit(scene, &view.camera, [view.width, view.height], from_lights, || {
         let found = pilot(scene, view, cancel)?;
         Some(limit_of(found, clamp.percentile))
@@ -48,8 +46,6 @@ fn pilot(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<Pilot>
     let view = View {
         seed: SEED,
         clamp: None,
-        light_groups: LightGroups::default(),
-        layers: Layers::default(),
         ..view.clone()
     };
     let (tracer, mut found) = (Tracer::of(&view), Pilot::default());
@@ -66,9 +62,11 @@ fn pilot(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<Pilot>
             }
         }
         traced.take_splats(&mut splats);
+        // Filters with negative parts make negative light.
+        let lights = splats.list.iter().map(|splat| luminance(splat.radiance).abs());
         found
             .light
-            .extend(splats.list.iter().map(|splat| luminance(splat.radiance)));
+            .extend(lights.filter(|light| *light > 0.0 && light.is_finite()));
     }
     Some(found)
 }
@@ -79,10 +77,11 @@ fn job(view: &View, index: u32) -> Job {
     let size = UVec2::new(view.width, view.height);
     let [x, y] = STEP.map(|step| (f64::from(index) * step).fract() as f32);
     let pixel = (Vec2::new(x, y) * size.as_vec2()).as_uvec2().min(size - 1);
-    // All samples with one number see the same photons, so that there are few numbers.
+    // All samples with one number see the same photons, so that there are few numbers, unless there are few pixels.
+    let numbers = NUMBERS.max(SAMPLES.div_ceil(view.width * view.height));
     Job {
         pixel,
-        index: index % NUMBERS,
+        index: index % numbers,
     }
 }
 
@@ -121,7 +120,10 @@ impl BrightnessLimit {
     /// Makes light for other pixels darker that is too bright.
     pub(super) fn clamp_splats(&self, splats: &mut [Splat]) {
         for splat in splats {
-            splat.radiance *= (self.luminance / luminance(splat.radiance)).min(1.0);
+            let light = luminance(splat.radiance).abs();
+            if light > self.luminance {
+                splat.radiance *= self.luminance / light;
+            }
         }
     }
 }

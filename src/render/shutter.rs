@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::clamp::{BrightnessLimit, Clamp};
 use super::scene::RenderScene;
 use super::tile::{Tile, TileSamples, render_tile};
 use super::view::{Integrator, View};
@@ -30,7 +31,9 @@ impl Shutter {
             let (scene, view) = moments[place].clone();
             // A store of its own for each moment would keep photons of many samples that are done.
             let photons = photons.clone();
-            (scene, View { photons, ..view })
+            // A clamp keeps few limits, and each moment has one.
+            let clamp = view.clamp.map(|clamp| Clamp::new(clamp.percentile));
+            (scene, View { photons, clamp, ..view })
         };
         Some(Self(spread_order(moments.len()).into_iter().map(moment).collect()))
     }
@@ -61,6 +64,11 @@ impl Shutter {
     pub fn times(open: f64, close: f64, moments: u32) -> impl Iterator<Item = f64> {
         let part = (close - open) / f64::from(moments);
         (0..moments).map(move |moment| open + (f64::from(moment) + 0.5) * part)
+    }
+
+    /// How bright samples may be at the first moment; None without a clamp, and until that is known.
+    pub fn clamped(&self) -> Option<BrightnessLimit> {
+        self.0.first()?.1.clamp.as_ref()?.found()
     }
 
     /// Whether these are the same moments.

@@ -15,7 +15,7 @@ use super::path::PathSample;
 use super::scene::{FirstHit, RenderScene};
 use super::splats::TileSplats;
 use super::tracer::Tracer;
-use super::view::View;
+use super::view::{Shown, View};
 use crate::color::{Rgb, luminance};
 
 /// The edge length of a tile in pixels.
@@ -207,8 +207,11 @@ pub fn render_blocks(
     };
     let mut layers = PixelLayers::new(scene, view, pixels);
     let limit = match view.clamp {
-        Some(_) => Some(fireflies::limit(scene, view, cancel)?),
-        None => None,
+        // Other modes show no light.
+        Some(_) if matches!(view.shown, Shown::Radiance | Shown::StrategyThirds) => {
+            Some(fireflies::limit(scene, view, cancel)?)
+        }
+        _ => None,
     };
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {

@@ -123,13 +123,18 @@ impl Encoder {
         }
     }
 
-    /// One pixel with 16 bits, sRGB-encoded like [`Self::encode`].
-    pub fn encode_16(&self, radiance: Rgb) -> [u16; 3] {
-        let encoded = match self.shown(Vec3Lanes::splat(radiance)) {
-            Shown::Linear(linear) => linear.get(0).clamp(Vec3::ZERO, Vec3::ONE).map(srgb_from_linear),
-            Shown::Encoded(encoded) => encoded.get(0),
-        };
-        encoded.to_array().map(|x| (x * 65_535.0 + 0.5) as u16)
+    /// Encodes pixels as [`Self::encode_each`] does, with 16 bits.
+    pub fn encode_each_16(&self, radiance: &[Rgb], mut take: impl FnMut([u16; 3])) {
+        for pixels in radiance.chunks(LANES) {
+            let shown = self.shown(side_by_side(pixels));
+            for lane in 0..pixels.len() {
+                let encoded = match &shown {
+                    Shown::Linear(linear) => linear.get(lane).clamp(Vec3::ZERO, Vec3::ONE).map(srgb_from_linear),
+                    Shown::Encoded(encoded) => encoded.get(lane),
+                };
+                take(encoded.to_array().map(|x| (x * 65_535.0 + 0.5) as u16));
+            }
+        }
     }
 
     #[inline]
@@ -474,7 +479,9 @@ mod tests {
         assert_eq!(rgba, [0, 0, 0, 255, 255, 255, 255, 255]);
         assert_eq!(display.encode_rgb(&[Vec3::ZERO, Vec3::ONE]), [0, 0, 0, 255, 255, 255]);
         // sRGB of 0.25 is 0.537099.
-        let deep = Display::default().encoder().encode_16(Vec3::new(0.25, 7.0, f32::NAN));
-        assert_eq!(deep, [35_199, 65_535, 0]);
+        let mut deep = Vec::new();
+        let encoder = Display::default().encoder();
+        encoder.encode_each_16(&[Vec3::new(0.25, 7.0, f32::NAN)], |pixel| deep.push(pixel));
+        assert_eq!(deep, [[35_199, 65_535, 0]]);
     }
 }

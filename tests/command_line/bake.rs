@@ -260,7 +260,7 @@ fn probes_that_cannot_be_are_said_before_anything_is_baked() {
     };
     fails(
         &probe(r#"<translate y="50"/>"#),
-        "reflectionprobe `it`: its middle lies outside of the level",
+        "reflectionprobe `it`: it lies outside of the level",
     );
     fails(&probe(r#"<scale x="1" y="0" z="1"/>"#), "it flattens the space");
     let fine = r#"<emitter type="irradiancevolume" id="it"><float name="spacing" value="0.001"/></emitter>"#;

@@ -9,6 +9,7 @@ use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::clamp::Clamp;
+use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Integrator, Strategy, View};
@@ -97,18 +98,30 @@ fn layers_and_light_from_lamps_are_clamped_as_the_picture_is() {
             "{sum} {pixel:?}"
         );
     }
-    let both_ends = by(Integrator::Bidirectional, &clamped(&free, 70.0));
-    let tame = render_tile(&scene, &both_ends, tile, 0..16, &AtomicBool::new(false)).expect("not cancelled");
-    let limit = both_ends
-        .clamp
-        .as_ref()
-        .and_then(Clamp::found)
-        .expect("a limit after a render");
-    let brightest = tame
-        .splats
-        .list
-        .iter()
-        .map(|splat| luminance(splat.radiance))
-        .fold(0.0, f32::max);
-    assert!(brightest <= 1.001 * limit.luminance, "{brightest} {limit:?}");
+    // A filter with negative parts makes negative light as well.
+    for filter in [
+        view.filter.clone(),
+        PixelFilter::tabulated(FilterKernel::Lanczos { lobes: 3 }),
+    ] {
+        let free = View { filter, ..free.clone() };
+        let both_ends = by(Integrator::Bidirectional, &clamped(&free, 70.0));
+        let [tame, wild] = [&both_ends, &by(Integrator::Bidirectional, &free)].map(|view| {
+            let samples = render_tile(&scene, view, tile, 0..16, &AtomicBool::new(false)).expect("not cancelled");
+            samples.splats.list
+        });
+        let limit = both_ends
+            .clamp
+            .as_ref()
+            .and_then(Clamp::found)
+            .expect("a limit after a render");
+        assert_eq!(tame.len(), wild.len());
+        for (tame, wild) in tame.iter().zip(&wild) {
+            let [tame, wild] = [tame, wild].map(|splat| luminance(splat.radiance));
+            let expected = wild.clamp(-limit.luminance, limit.luminance);
+            assert!(
+                (tame - expected).abs() <= 1e-4 * expected.abs(),
+                "{tame}, {wild} {limit:?}"
+            );
+        }
+    }
 }

@@ -5,6 +5,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::{FileOptions, ImageIoError, ImageRgb};
+use crate::color::Rgb;
 
 pub(super) fn encode_png(
     image: &ImageRgb,
@@ -20,14 +21,16 @@ pub(super) fn encode_png(
         Some(alpha) if alpha[i] > 0.0 && alpha[i] < 1.0 => image.pixels[i] / alpha[i],
         _ => image.pixels[i],
     };
-    let pixels = || (0..image.pixels.len()).map(straight);
+    let pixels = || (0..image.pixels.len()).map(straight).collect::<Vec<Rgb>>();
+    let mut place = 0..;
     let opacity = |i: usize| alpha.map_or(1.0, |alpha| alpha[i].clamp(0.0, 1.0));
     if options.png_16_bits {
         let mut samples: Vec<u16> = Vec::new();
-        for (i, color) in pixels().enumerate() {
-            samples.extend(encoder.encode_16(color));
-            samples.extend(alpha.map(|_| (opacity(i) * 65_535.0 + 0.5) as u16));
-        }
+        encoder.encode_each_16(&pixels(), |color| {
+            samples.extend(color);
+            let opacity = place.next().map(opacity).filter(|_| alpha.is_some());
+            samples.extend(opacity.map(|opacity| (opacity * 65_535.0 + 0.5) as u16));
+        });
         let color_type = match alpha {
             Some(_) => ExtendedColorType::Rgba16,
             None => ExtendedColorType::Rgb16,
@@ -40,10 +43,10 @@ pub(super) fn encode_png(
         return png_of_bytes([width, height], &options.display.encode_rgb(&image.pixels));
     };
     let mut samples: Vec<u8> = Vec::new();
-    for (i, color) in pixels().enumerate() {
-        samples.extend(encoder.encode(color));
-        samples.push((opacity(i) * 255.0 + 0.5) as u8);
-    }
+    encoder.encode_each(&pixels(), |color| {
+        samples.extend(color);
+        samples.extend(place.next().map(|place| (opacity(place) * 255.0 + 0.5) as u8));
+    });
     png.write_image(&samples, width, height, ExtendedColorType::Rgba8)?;
     Ok(bytes)
 }
