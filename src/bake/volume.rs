@@ -105,7 +105,7 @@ impl Grid {
     /// The texture that Bevy's `IrradianceVolume` looks up, of so many texels along each axis: irradiance divided by pi. Points inside of something have the
     /// light of the points around them.
     ///
-    /// As `irradiance_volume.wgsl` of Bevy 0.19 reads it: along x the points; along y those for normals with a positive component, then those for
+    /// `irradiance_volume.wgsl` of Bevy 0.19 reads it in this order: along x the points; along y those for normals with a positive component, then those for
     /// negative ones (the other way around than its documentation has it); along z those for x, y and z.
     pub fn texture(&self, light: &Lightmaps) -> (UVec3, Vec<Rgb>) {
         let buried = self.buried(light);

@@ -195,7 +195,7 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<(RenderSce
 
 /// The scene as it is in its file.
 struct Authored {
-    /// As a glTF file that is being made.
+    /// The scene as a glTF file that is being made.
     writer: GltfWriter,
     /// The lights that are no surfaces, and the probes.
     emitters: Vec<EmitterDescription>,

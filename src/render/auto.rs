@@ -154,7 +154,7 @@ pub fn choose(scene: &RenderScene, view: &View, samples: u64, threads: usize, ca
 struct Part {
     /// The luminances of path tracing, for each pixel.
     by_path: Vec<[f32; PATH_SAMPLES as usize]>,
-    /// Those of bidirectional path tracing, without what paths from the lights bring to the lens.
+    /// The samples of bidirectional path tracing, without what paths from the lights bring to the lens.
     pairs: Vec<[f32; PAIR as usize]>,
     /// What bidirectional paths have found, and what they have sent to the lens, to any part.
     seen: Vec<Find>,
