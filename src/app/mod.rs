@@ -1,6 +1,7 @@
 //! The application: drives the scene and the engine, with or without a window.
 
 mod allocator;
+pub mod baking;
 pub mod checkpoint;
 #[cfg(feature = "window")]
 pub mod editor;

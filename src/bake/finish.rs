@@ -37,8 +37,8 @@ const INTO_GAPS: usize = 8;
 type Known = Vec<Option<Rgb>>;
 
 /// Makes the picture of a page. `seams` are those of this page.
-pub fn finish(
-    texels: &Texels,
+pub fn finish<S>(
+    texels: &Texels<S>,
     page: usize,
     light: &Lightmaps,
     seams: &[Seam],

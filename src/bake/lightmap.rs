@@ -1,7 +1,9 @@
-//! Gathers light at texels, in rounds of samples.
+//! Gathers light at texels.
 //!
-//! A sample is a pure function of the scene, the settings, the texel's place and the sample's index, and each texel adds up its own in their order: any
-//! number of threads and any division into rounds give the same bits.
+//! A sample is a pure function of the scene, the settings, the texel's place and the sample's index. Each texel adds its samples up in the fixed groups of
+//! [`crate::render::passes`], as pictures do: any number of threads, any interruption and any division into shares give the same bits.
+//!
+//! Texels are worked on in blocks. The blocks of a round follow each other in any order, so that light can be kept in the middle of a round.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -13,6 +15,7 @@ use super::gathering::{Gathering, Site};
 use super::texels::{Texel, Texels};
 use crate::color::{Rgb, luminance};
 use crate::render::noise::DARK;
+use crate::render::passes::{chunk_of, chunks_in};
 use crate::sampling::Sampler;
 
 /// Sums over the samples of a texel.
@@ -27,12 +30,15 @@ pub struct TexelSum {
 }
 
 /// The light at texels so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lightmaps {
-    /// The sums of each texel.
-    pub sums: Vec<TexelSum>,
-    /// The samples of each texel.
-    pub samples: u32,
+    /// The index of the first sample of each texel.
+    pub(super) first: u32,
+    /// The sums of each texel. If the first sample is number 0, there is one list; or else there is one for each group of samples, since the sums before
+    /// them, to which they will be added, are not known.
+    pub(super) groups: Vec<Vec<TexelSum>>,
+    /// The index after the last sample of the texels of each block.
+    pub(super) ends: Vec<u32>,
     /// Rays traced, shadow rays included.
     pub rays: u64,
     /// The number of samples that were not finite; they count as black.
@@ -40,78 +46,138 @@ pub struct Lightmaps {
 }
 
 /// Texels that a thread takes at once, sixteen for each lane.
-const BLOCK: usize = 256;
+pub(super) const BLOCK: usize = 256;
 
 impl Lightmaps {
     /// No light yet at so many texels.
     pub fn new(texels: usize) -> Self {
+        Self::beginning_at(0, texels)
+    }
+
+    /// No light yet; the first sample of each texel will be number `first`, at which a group begins.
+    pub fn beginning_at(first: u32, texels: usize) -> Self {
         Self {
-            sums: vec![TexelSum::default(); texels],
-            ..Self::default()
+            first,
+            groups: vec![vec![TexelSum::default(); texels]],
+            ends: vec![first; texels.div_ceil(BLOCK)],
+            rays: 0,
+            invalid: 0,
         }
     }
 
-    /// Adds a round of `count` samples of each texel. If `cancel` is set meanwhile, the round is dropped, and the answer is false. `done` hears of texels that
-    /// are finished, as their number.
-    pub fn add_round<S: Site>(
+    /// The number of texels.
+    pub fn texel_count(&self) -> usize {
+        self.groups[0].len()
+    }
+
+    /// The samples that every texel has.
+    pub fn samples(&self) -> u32 {
+        self.reached() - self.first
+    }
+
+    /// The index after the last sample that every texel has.
+    pub fn reached(&self) -> u32 {
+        self.ends.iter().min().copied().unwrap_or(self.first)
+    }
+
+    /// The mean number of samples of a texel, which in the middle of a round is more than what every texel has.
+    pub fn mean_samples(&self) -> f64 {
+        let sum: u64 = self.ends.iter().map(|end| u64::from(end - self.first)).sum();
+        sum as f64 / self.ends.len().max(1) as f64
+    }
+
+    /// The end of the round under way, for as many samples as end at `target`: a round is a group of samples, or the rest of it.
+    pub fn round_end(&self, target: u32) -> u32 {
+        chunk_of(self.reached()).end.min(target)
+    }
+
+    /// Adds samples to at most so many blocks of texels that have none yet of the round that ends at `end`, see [`Self::round_end`]. Returns whether the round
+    /// is complete. Blocks that are under way when `cancel` is set are dropped.
+    pub fn go_on<S: Site>(
         &mut self,
         gathering: &Gathering,
         texels: &Texels<S>,
-        count: u32,
+        end: u32,
+        blocks: usize,
         cancel: &AtomicBool,
-        done: impl Fn(usize) + Sync,
     ) -> bool {
-        let indices = self.samples..self.samples.saturating_add(count);
-        let row_of = |page: usize| page as u32 * texels.size.y;
-        let pages = texels.pages.iter().enumerate();
-        let blocks: Vec<(u32, Range<usize>)> = pages
-            .flat_map(|(page, range)| {
-                let starts = range.clone().step_by(BLOCK);
-                starts.map(move |start| (row_of(page), start..range.end.min(start + BLOCK)))
-            })
-            .collect();
-        let traced: Option<Vec<Block>> = blocks
+        let behind = (0..self.ends.len()).filter(|block| self.ends[*block] < end);
+        let waiting: Vec<usize> = behind.take(blocks).collect();
+        let count = self.texel_count();
+        let range_of = |block: usize| block * BLOCK..count.min((block + 1) * BLOCK);
+        let traced: Vec<Option<Block>> = waiting
             .par_iter()
-            .map(|(first_row, range)| {
-                let (own, before) = (&texels.texels[range.clone()], &self.sums[range.clone()]);
-                let block = Block::trace(gathering, own, before, *first_row, indices.clone(), cancel)?;
-                done(range.len());
-                Some(block)
-            })
+            .map(|&block| Block::trace(gathering, texels, range_of(block), self.ends[block]..end, cancel))
             .collect();
-        let Some(traced) = traced else {
-            return false;
-        };
-        for ((_, range), block) in blocks.into_iter().zip(traced) {
-            self.sums[range].copy_from_slice(&block.sums);
-            self.rays += block.rays;
-            self.invalid += block.invalid;
+        for (block, traced) in waiting.into_iter().zip(traced) {
+            let Some(traced) = traced else {
+                continue;
+            };
+            let group = match self.first {
+                0 => 0,
+                first => chunks_in(first..self.ends[block]) as usize,
+            };
+            while self.groups.len() <= group {
+                self.groups.push(vec![TexelSum::default(); count]);
+            }
+            for (sum, more) in self.groups[group][range_of(block)].iter_mut().zip(&traced.sums) {
+                sum.add(more);
+            }
+            self.ends[block] = end;
+            self.rays += traced.rays;
+            self.invalid += traced.invalid;
         }
-        self.samples = indices.end;
+        self.reached() >= end
+    }
+
+    /// Adds `count` samples to each texel. If `cancel` is set meanwhile, the answer is false, and some texels have them.
+    pub fn add<S: Site>(&mut self, gathering: &Gathering, texels: &Texels<S>, count: u32, cancel: &AtomicBool) -> bool {
+        let target = self.reached().saturating_add(count);
+        while self.reached() < target && !self.ends.is_empty() {
+            let end = self.round_end(target);
+            if !self.go_on(gathering, texels, end, usize::MAX, cancel) {
+                return false;
+            }
+        }
         true
+    }
+
+    /// The sums of a texel over all of its samples.
+    pub fn sum(&self, texel: usize) -> TexelSum {
+        let mut sum = TexelSum::default();
+        self.groups.iter().for_each(|group| sum.add(&group[texel]));
+        sum
+    }
+
+    fn samples_of(&self, texel: usize) -> u32 {
+        self.ends[texel / BLOCK] - self.first
     }
 
     /// The irradiance or radiance at a texel; black before the first sample.
     pub fn light(&self, texel: usize) -> Rgb {
-        (self.sums[texel].light / f64::from(self.samples.max(1))).as_vec3()
+        (self.sum(texel).light / f64::from(self.samples_of(texel).max(1))).as_vec3()
     }
 
     /// The root mean square over the texels of the estimated standard error of their luminance relative to that luminance, judged in the dark as
     /// [`crate::render::noise`] judges pictures; None without two samples or any light.
     pub fn noise(&self) -> Option<f32> {
-        let count = f64::from(self.samples);
-        if self.samples < 2 || self.sums.is_empty() {
+        let texels = self.texel_count();
+        if self.samples() < 2 || texels == 0 {
             return None;
         }
-        let mean = |sum: &TexelSum| f64::from(luminance(sum.light.as_vec3())) / count;
-        let light = self.sums.iter().map(mean).sum::<f64>() / self.sums.len() as f64;
-        let least = f64::from(DARK) * light;
-        let square = |sum: &TexelSum| {
-            let variance = (sum.luminance_squared / count - mean(sum).powi(2)).max(0.0) / (count - 1.0);
-            variance / mean(sum).max(least).powi(2)
+        let mean = |texel: usize| {
+            let count = f64::from(self.samples_of(texel));
+            f64::from(luminance(self.sum(texel).light.as_vec3())) / count
         };
-        let squares = self.sums.iter().map(square).sum::<f64>();
-        (light > 0.0).then(|| (squares / self.sums.len() as f64).sqrt() as f32)
+        let light = (0..texels).map(mean).sum::<f64>() / texels as f64;
+        let least = f64::from(DARK) * light;
+        let square = |texel: usize| {
+            let (mean, count) = (mean(texel), f64::from(self.samples_of(texel)));
+            let variance = (self.sum(texel).luminance_squared / count - mean.powi(2)).max(0.0) / (count - 1.0);
+            variance / mean.max(least).powi(2)
+        };
+        let squares = (0..texels).map(square).sum::<f64>();
+        (light > 0.0).then(|| (squares / texels as f64).sqrt() as f32)
     }
 
     /// Whether a texel lies inside of something: most paths from it meet the back of a surface, and none has found light. Not all do, since what is inside may
@@ -122,14 +188,28 @@ impl Lightmaps {
 
     /// The same of texels that are one place, which looks to several sides.
     pub fn are_buried(&self, texels: Range<usize>) -> bool {
-        let sums = &self.sums[texels];
-        let backs: u64 = sums.iter().map(|sum| u64::from(sum.backs)).sum();
-        2 * backs > u64::from(self.samples) * sums.len() as u64 && sums.iter().all(|sum| sum.light == DVec3::ZERO)
+        let (mut backs, mut samples, mut is_dark) = (0, 0, true);
+        for texel in texels {
+            let sum = self.sum(texel);
+            backs += u64::from(sum.backs);
+            samples += u64::from(self.samples_of(texel));
+            is_dark &= sum.light == DVec3::ZERO;
+        }
+        2 * backs > samples && is_dark
     }
 }
 
-/// The samples of texels that follow each other.
+impl TexelSum {
+    fn add(&mut self, more: &Self) {
+        self.light += more.light;
+        self.luminance_squared += more.luminance_squared;
+        self.backs += more.backs;
+    }
+}
+
+/// Samples of texels that follow each other.
 struct Block {
+    /// Their sums, without what was there before.
     sums: Vec<TexelSum>,
     rays: u64,
     invalid: u64,
@@ -139,26 +219,28 @@ impl Block {
     /// Traces the samples of these indices; None if `cancel` was set in the meantime.
     fn trace<S: Site>(
         gathering: &Gathering,
-        texels: &[Texel<S>],
-        before: &[TexelSum],
-        first_row: u32,
+        texels: &Texels<S>,
+        range: Range<usize>,
         indices: Range<u32>,
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let mut block = Self {
-            sums: before.to_vec(),
+            sums: vec![TexelSum::default(); range.len()],
             rays: 0,
             invalid: 0,
         };
         let view = gathering.view;
-        let sites: Vec<(S, Sampler)> = texels
-            .iter()
-            .flat_map(|texel| {
-                let pixel = UVec2::new(texel.place.x, first_row + texel.place.y);
-                let sampler = move |index| Sampler::new(view.sequence, pixel, index, view.seed);
-                indices.clone().map(move |index| (texel.receiver, sampler(index)))
-            })
-            .collect();
+        let mut sites: Vec<(S, Sampler)> = Vec::with_capacity(range.len() * indices.len());
+        let mut page = texels.pages.partition_point(|page| page.end <= range.start);
+        for (index, texel) in range.clone().zip(&texels.texels[range]) {
+            while texels.pages.get(page).is_some_and(|page| page.end <= index) {
+                page += 1;
+            }
+            let Texel { place, receiver } = *texel;
+            let pixel = UVec2::new(place.x, page as u32 * texels.size.y + place.y);
+            let sampler = |index| Sampler::new(view.sequence, pixel, index, view.seed);
+            sites.extend(indices.clone().map(|index| (receiver, sampler(index))));
+        }
         let samples = S::trace(gathering, &sites, cancel)?;
         for (sum, samples) in block.sums.iter_mut().zip(samples.chunks(indices.len())) {
             for sample in samples {

@@ -8,17 +8,23 @@
 //! Probes are for what lightmaps have no answer to. A [`reflection`] probe is what metals mirror: a picture of all directions ([`mod@cube`]), filtered
 //! for every roughness ([`prefilter`]). An irradiance [`volume`] lights what moves. [`placement`] says where they are.
 //!
-//! [`ktx2`] writes textures for graphics cards, and [`manifest`] says how the files belong together.
+//! [`job`] does all of it in turn, and can be watched and cancelled. [`ktx2`] writes textures for graphics cards, [`files`] writes everything, and [`manifest`] says how the files belong together.
 
+pub mod blueprint;
 pub mod cube;
+pub mod error;
+pub mod files;
 pub mod finish;
 pub mod gathering;
+pub mod job;
 pub mod ktx2;
 pub mod level;
 pub mod lightmap;
 pub mod manifest;
 pub mod placement;
 pub mod prefilter;
+pub mod probes;
+pub mod progress;
 pub mod reflection;
 pub mod seams;
 pub mod sides;

@@ -126,7 +126,7 @@ pub fn check_sight(gathering: &Gathering, world_from_box: &Affine3A) -> Result<(
 fn buried(gathering: &Gathering, grid: &Grid) -> Vec<bool> {
     let texels = grid.texels();
     let mut light = Lightmaps::new(texels.texels.len());
-    light.add_round(gathering, &texels, SAMPLES, &AtomicBool::new(false), |_| {});
+    light.add(gathering, &texels, SAMPLES, &AtomicBool::new(false));
     grid.buried(&light)
 }
 

@@ -17,16 +17,16 @@ pub fn outlook(world_from_box: &Affine3A, size: u32) -> Texels<Window> {
     windows(world_from_box.translation.into(), &world_from_box.matrix3, size)
 }
 
-/// The pictures of the probe whose texels, those of [`outlook`], have this light.
+/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light.
 pub fn finish(
     world_from_box: &Affine3A,
-    texels: &Texels<Window>,
+    size: u32,
     light: &Lightmaps,
     denoising: Option<Denoising>,
 ) -> Result<Prefiltered, DenoiseError> {
     let mut picture = CubePicture {
-        size: texels.size.x,
-        texels: (0..texels.texels.len()).map(|texel| light.light(texel)).collect(),
+        size,
+        texels: (0..light.texel_count()).map(|texel| light.light(texel)).collect(),
     };
     if let Some(denoising) = denoising {
         picture = denoised(&picture, denoising)?;

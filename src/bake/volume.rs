@@ -192,8 +192,8 @@ mod tests {
     fn texels_lie_where_the_shader_looks_and_buried_points_have_the_light_around() {
         let grid = Grid::new(boxed(Vec3::new(3.0, 1.0, 1.0)), Some(1.0)).expect("a grid");
         let mut light = Lightmaps::new(18);
-        light.samples = 2;
-        for (index, sum) in light.sums.iter_mut().enumerate() {
+        light.ends = vec![2];
+        for (index, sum) in light.groups[0].iter_mut().enumerate() {
             // The point in the middle sees backs alone.
             *sum = match index / 6 {
                 1 => TexelSum {

@@ -17,6 +17,18 @@ pub struct Progress {
     sequence: Option<InSequence>,
 }
 
+/// How far some work is.
+#[derive(Default)]
+pub struct Shown {
+    /// The part that is done, from 0 to 1.
+    pub done: f64,
+    /// The samples so far, or whatever else grows.
+    pub samples: u32,
+    /// The time so far.
+    pub seconds: f64,
+    pub message: String,
+}
+
 /// The place of a picture in a sequence of frames.
 #[derive(Clone)]
 pub struct InSequence {
@@ -112,33 +124,52 @@ impl Progress {
     }
 
     pub fn update(&mut self, status: &RenderStatus) {
-        let done = self.done(status);
-        let message = self.message(done, status);
+        let shown = self.shown(status);
+        self.show(&shown);
+    }
+
+    /// Shows the end of the render. `status` is that of the picture that is written.
+    pub fn finish(&mut self, status: &RenderStatus) {
+        let shown = self.shown(status);
+        self.end(&shown);
+    }
+
+    /// Shows how far any work is.
+    pub fn show(&mut self, shown: &Shown) {
         match &mut self.form {
             Form::Quiet => {}
             Form::Bar(bar) => {
-                bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(message);
+                bar.set_position((shown.done * STEPS as f64) as u64);
+                bar.set_message(shown.message.clone());
             }
             Form::Lines(lines) => {
-                if lines.is_due(done, status) {
-                    print(done, status, &message);
+                if lines.is_due(shown) {
+                    shown.print();
                 }
             }
         }
     }
 
-    /// Shows the end of the render. `status` is that of the picture that is written.
-    pub fn finish(&mut self, status: &RenderStatus) {
-        let done = self.done(status);
+    /// Shows the end of any work.
+    pub fn end(&mut self, shown: &Shown) {
         match &self.form {
             Form::Quiet => {}
             Form::Bar(bar) => bar.finish_and_clear(),
             Form::Lines(lines) => {
-                if lines.lack_the_end(status) {
-                    print(done, status, &self.message(done, status));
+                if lines.lack_the_end(shown) {
+                    shown.print();
                 }
             }
+        }
+    }
+
+    fn shown(&self, status: &RenderStatus) -> Shown {
+        let done = self.done(status);
+        Shown {
+            done,
+            samples: status.samples,
+            seconds: status.seconds,
+            message: self.message(done, status),
         }
     }
 
@@ -169,40 +200,44 @@ fn message(status: &RenderStatus, time: Option<Duration>) -> String {
     format!("{samples}{noise}  {:.2} Msamples/s", status.msamples_per_s)
 }
 
-fn print(done: f64, status: &RenderStatus, message: &str) {
-    let percent = (100.0 * done) as u32;
-    let seconds = status.seconds;
-    let left = seconds * (1.0 / done - 1.0);
-    report::line(format_args!(
-        "{percent:3} %  {message}  {seconds:.1} s, {left:.1} s to go"
-    ));
+impl Shown {
+    fn print(&self) {
+        let Self {
+            done, seconds, message, ..
+        } = self;
+        let percent = (100.0 * done) as u32;
+        let left = seconds * (1.0 / done - 1.0);
+        report::line(format_args!(
+            "{percent:3} %  {message}  {seconds:.1} s, {left:.1} s to go"
+        ));
+    }
 }
 
 impl Lines {
     /// Whether a line is to be printed before the end; it counts as printed then.
-    fn is_due(&mut self, done: f64, status: &RenderStatus) -> bool {
-        if done >= 1.0 {
+    fn is_due(&mut self, shown: &Shown) -> bool {
+        if shown.done >= 1.0 {
             return false;
         }
-        let tenths = (10.0 * done) as u32;
+        let tenths = (10.0 * shown.done) as u32;
         let is_due = match &self.0 {
             // The line about the first samples also tells when an interrupt leaves a whole picture.
-            None => status.samples > 0 || tenths > 0,
-            Some(said) => tenths > said.tenths || status.seconds >= said.seconds + LONGEST_SILENCE,
+            None => shown.samples > 0 || tenths > 0,
+            Some(said) => tenths > said.tenths || shown.seconds >= said.seconds + LONGEST_SILENCE,
         };
         if is_due {
             self.0 = Some(Said {
                 tenths,
-                samples: status.samples,
-                seconds: status.seconds,
+                samples: shown.samples,
+                seconds: shown.seconds,
             });
         }
         is_due
     }
 
     /// Whether the picture has got samples since the last line.
-    fn lack_the_end(&self, status: &RenderStatus) -> bool {
-        self.0.as_ref().map_or(0, |said| said.samples) != status.samples
+    fn lack_the_end(&self, shown: &Shown) -> bool {
+        self.0.as_ref().map_or(0, |said| said.samples) != shown.samples
     }
 }
 
@@ -213,12 +248,13 @@ mod tests {
     #[test]
     fn lines_come_every_few_seconds_and_the_last_one_has_the_final_samples() {
         let mut lines = Lines::default();
-        let status = |samples, seconds| RenderStatus {
+        let at = |done: f64, samples, seconds| Shown {
+            done,
             samples,
             seconds,
-            target: 1000,
-            ..RenderStatus::default()
+            message: String::new(),
         };
+        let status = |samples, seconds| at(f64::from(samples) / 1000.0, samples, seconds);
         let said: Vec<bool> = [
             (0, 4.0),
             (1, 5.0),
@@ -230,14 +266,14 @@ mod tests {
             (199, 15.1),
             (200, 15.3),
         ]
-        .map(|(samples, seconds)| lines.is_due(f64::from(samples) / 1000.0, &status(samples, seconds)))
+        .map(|(samples, seconds)| lines.is_due(&status(samples, seconds)))
         .to_vec();
         assert_eq!(said, [false, true, false, false, true, false, true, false, true]);
         assert!(!lines.lack_the_end(&status(200, 16.0)));
         assert!(lines.lack_the_end(&status(201, 16.0)));
         assert!(!Lines::default().lack_the_end(&status(0, 16.0)));
         // The end of the time may come before the last samples.
-        assert!(!lines.is_due(1.0, &status(201, 17.0)));
+        assert!(!lines.is_due(&at(1.0, 201, 17.0)));
         assert!(Lines::default().lack_the_end(&status(1, 16.0)));
     }
 }

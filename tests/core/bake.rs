@@ -71,21 +71,19 @@ fn point(at: Vec3, normal: Vec3) -> Texels {
 
 fn gather(gathering: &Gathering, texels: &Texels, samples: u32) -> Lightmaps {
     let mut light = Lightmaps::new(texels.texels.len());
-    assert!(light.add_round(gathering, texels, samples, &AtomicBool::new(false), |_| {}));
+    assert!(light.add(gathering, texels, samples, &AtomicBool::new(false)));
     assert_eq!(light.invalid, 0);
     light
 }
 
 /// The mean irradiance of all texels and its standard error.
 fn mean(light: &Lightmaps) -> (f32, f32) {
-    let (samples, texels) = (f64::from(light.samples), light.sums.len() as f64);
+    let (samples, texels) = (f64::from(light.samples()), light.texel_count() as f64);
     let of = |texel: usize| f64::from(luminance(light.light(texel)));
-    let sum: f64 = (0..light.sums.len()).map(of).sum();
-    let variances = light
-        .sums
-        .iter()
-        .enumerate()
-        .map(|(texel, sum)| (sum.luminance_squared / samples - of(texel).powi(2)).max(0.0) / (samples - 1.0));
+    let sum: f64 = (0..light.texel_count()).map(of).sum();
+    let sums = (0..light.texel_count()).map(|texel| (texel, light.sum(texel)));
+    let variances =
+        sums.map(|(texel, sum)| (sum.luminance_squared / samples - of(texel).powi(2)).max(0.0) / (samples - 1.0));
     ((sum / texels) as f32, (variances.sum::<f64>().sqrt() / texels) as f32)
 }
 
@@ -243,17 +241,17 @@ fn threads_and_rounds_change_no_bit() {
         let mut light = Lightmaps::new(texels.texels.len());
         pool.install(|| {
             for &samples in rounds {
-                assert!(light.add_round(&gathering, &texels, samples, &AtomicBool::new(false), |_| {}));
+                assert!(light.add(&gathering, &texels, samples, &AtomicBool::new(false)));
             }
         });
-        (light.sums, light.rays)
+        light
     };
     let one = with(1, &[7]);
     assert!(one == with(4, &[7]));
-    assert!(one == with(3, &[1, 4, 2]));
+    assert!(one == with(3, &[1, 1, 2, 3]));
     let mut light = Lightmaps::new(texels.texels.len());
-    assert!(!light.add_round(&gathering, &texels, 1, &AtomicBool::new(true), |_| {}));
-    assert_eq!((light.samples, light.rays), (0, 0));
+    assert!(!light.add(&gathering, &texels, 1, &AtomicBool::new(true)));
+    assert_eq!((light.samples(), light.rays), (0, 0));
 }
 
 #[test]

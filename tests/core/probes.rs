@@ -49,13 +49,7 @@ fn gathering<'a>(scene: &'a RenderScene, view: &'a View) -> Gathering<'a> {
 fn gather<S: Site>(scene: &RenderScene, texels: &Texels<S>, samples: u32) -> Lightmaps {
     let mut light = Lightmaps::new(texels.texels.len());
     let view = settings();
-    assert!(light.add_round(
-        &gathering(scene, &view),
-        texels,
-        samples,
-        &AtomicBool::new(false),
-        |_| {}
-    ));
+    assert!(light.add(&gathering(scene, &view), texels, samples, &AtomicBool::new(false)));
     assert_eq!(light.invalid, 0);
     light
 }
@@ -63,7 +57,7 @@ fn gather<S: Site>(scene: &RenderScene, texels: &Texels<S>, samples: u32) -> Lig
 fn reflection(scene: &RenderScene, world_from_box: &Affine3A, samples: u32) -> Prefiltered {
     let texels = outlook(world_from_box, 16);
     let light = gather(scene, &texels, samples);
-    finish(world_from_box, &texels, &light, None).expect("nothing is denoised")
+    finish(world_from_box, 16, &light, None).expect("nothing is denoised")
 }
 
 /// A long, low box that is turned.
@@ -329,13 +323,13 @@ fn threads_and_rounds_change_no_bit_of_a_probe() {
         pool.install(|| {
             let mut light = Lightmaps::new(texels.texels.len());
             for &samples in rounds {
-                assert!(light.add_round(&gathering, &texels, samples, &AtomicBool::new(false), |_| {}));
+                assert!(light.add(&gathering, &texels, samples, &AtomicBool::new(false)));
             }
-            let pictures = finish(&slanting(Vec3::Y), &texels, &light, None).expect("nothing is denoised");
-            (light.sums, pictures)
+            let pictures = finish(&slanting(Vec3::Y), 16, &light, None).expect("nothing is denoised");
+            (light, pictures)
         })
     };
     let one = with(1, &[7]);
     assert!(one == with(4, &[7]));
-    assert!(one == with(3, &[1, 4, 2]));
+    assert!(one == with(3, &[1, 1, 2, 3]));
 }

@@ -40,7 +40,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         &["math", "color", "memory", "geometry", "texture", "document"],
         false,
     ),
-    ("bake", &["KERNEL", "gltf"], false),
+    ("bake", &["KERNEL", "files", "gltf"], false),
     ("scene", &["math", "color", "layer", "files", "document"], true),
     (
         "scene/assets",
@@ -58,7 +58,11 @@ const RULES: &[(&str, &[&str], bool)] = &[
         true,
     ),
     ("engine", &["KERNEL", "document", "scene"], true),
-    ("app", &["KERNEL", "files", "document", "scene", "engine"], true),
+    (
+        "app",
+        &["KERNEL", "bake", "files", "document", "gltf", "scene", "engine"],
+        true,
+    ),
     // The program on top of the library: there everything goes.
     (
         "cli",

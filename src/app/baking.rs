@@ -1,0 +1,72 @@
+//! What `sunroom bake` and the window bake of a scene: its level and its probes.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::{Affine3A, Vec3};
+
+use crate::bake::files::replaceable;
+use crate::bake::manifest::BakedLight;
+use crate::bake::probes::{AskedKind, AskedProbe};
+use crate::files::Access;
+use crate::gltf::write::GltfWriter;
+use crate::scene::EmitterKind;
+use crate::scene::description::{EmitterDescription, SceneDescription};
+use crate::scene::export::{Baked, Collected, ExportError, Hidden, collect, first_in_use};
+
+/// The part of a [`crate::bake::job::BakeSource`] that comes from the description of a scene.
+#[derive(Debug)]
+pub struct BakedLevel {
+    /// The level as a glTF file that is being made.
+    pub writer: GltfWriter,
+    /// The probes of the scene.
+    pub probes: Vec<AskedProbe>,
+    /// One sentence for each thing of the level that the file does not say as the scene does.
+    pub messages: Vec<String>,
+}
+
+/// Makes the level that will be written to `folder`. It may not replace files that the scene is made of. `hidden` is left out; meshes and pictures are read as far
+/// as `access` permits.
+pub fn baked_level(
+    scene: &SceneDescription,
+    hidden: &Hidden,
+    light: BakedLight,
+    folder: &Path,
+    access: &Access,
+) -> Result<BakedLevel, ExportError> {
+    let baked = match light {
+        BakedLight::WithoutDirectPunctual => Baked::Skies,
+        BakedLight::All => Baked::All,
+    };
+    let Collected {
+        writer,
+        messages,
+        pictures_of_libraries,
+    } = collect(scene, hidden, baked, access)?;
+    let replaced = replaceable(folder);
+    if let Some(path) = first_in_use(scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {
+        let path = path.to_owned();
+        return Err(ExportError::InUse { path });
+    }
+    let shown = scene.emitters.iter().enumerate();
+    let shown = shown.filter(|(index, _)| !hidden.emitters.contains(index));
+    Ok(BakedLevel {
+        writer,
+        probes: shown.filter_map(|(_, emitter)| asked_probe(emitter)).collect(),
+        messages,
+    })
+}
+
+/// The probe that an emitter is; None if it is a light.
+pub fn asked_probe(emitter: &EmitterDescription) -> Option<AskedProbe> {
+    let kind = match emitter.emitter.kind {
+        EmitterKind::ReflectionProbe { parallax } => AskedKind::Reflection { parallax },
+        EmitterKind::IrradianceVolume { spacing } => AskedKind::Volume { spacing },
+        _ => return None,
+    };
+    Some(AskedProbe {
+        name: emitter.identity.name.to_string(),
+        // The cube of a scene is from -1 to 1.
+        world_from_box: emitter.to_world * Affine3A::from_scale(Vec3::splat(2.0)),
+        kind,
+    })
+}

@@ -1,0 +1,47 @@
+//! The reasons why a bake fails.
+
+use std::path::PathBuf;
+
+use super::level::LevelError;
+use super::placement::PlacementError;
+use super::volume::GridError;
+use crate::gltf::write::GltfWriteError;
+use crate::memory::Shortage;
+use crate::render::denoise::DenoiseError;
+
+/// The reason why a bake fails.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum BakeError {
+    #[error(transparent)]
+    Level(#[from] LevelError),
+    #[error(transparent)]
+    Export(#[from] GltfWriteError),
+    #[error("no surface is large enough for a texel: take more texels per unit")]
+    NoTexels,
+    /// A probe of the scene cannot be.
+    #[error("{name}: {source}")]
+    Probe { name: String, source: ProbeError },
+    /// The volume around the level cannot be.
+    #[error(transparent)]
+    Grid(GridError),
+    #[error("the probes need {0}")]
+    Memory(#[from] Shortage),
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
+    /// Cancelled before there was anything to write.
+    #[error("interrupted before the first samples: nothing is written")]
+    Cancelled,
+    #[error("cannot write {}: {reason}", path.display())]
+    Write { path: PathBuf, reason: String },
+}
+
+/// The reason why a probe cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum ProbeError {
+    #[error(transparent)]
+    Placement(#[from] PlacementError),
+    #[error(transparent)]
+    Grid(#[from] GridError),
+}

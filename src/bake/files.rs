@@ -1,0 +1,180 @@
+//! The files of a bake.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::blueprint::{Baked, Blueprint};
+use super::error::BakeError;
+use super::finish::LightmapPicture;
+use super::ktx2;
+use super::manifest::{LightmapFiles, Manifest, ReflectionFiles, VolumeFiles};
+use super::probes::{ProbeKind, ProbePicture};
+use crate::color::Rgb;
+use crate::files::{LARGEST_DATA, check_writable, read_text, write_atomically};
+use crate::render::image_io::{FileFormat, FileOptions, encode_layered};
+use crate::render::layered_image::LayeredImage;
+
+const LEVEL: &str = "level.glb";
+/// It is written last, so that the files that it names are there.
+const MANIFEST: &str = "lightmaps.json";
+/// How the names of all other files begin.
+const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
+
+/// Makes the folder, and tries whether files can be written there. The error is a sentence.
+pub fn prepare(folder: &Path) -> Result<(), String> {
+    let fails = |error| format!("cannot write to {}: {error}", folder.display());
+    if folder.is_file() {
+        return Err(format!("{} is a file: a bake needs a folder", folder.display()));
+    }
+    fs::create_dir_all(folder).map_err(fails)?;
+    check_writable(&folder.join(MANIFEST)).map_err(fails)
+}
+
+/// The files in the folder that a bake may replace.
+pub fn replaceable(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_ours = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name == LEVEL || name == MANIFEST || OURS.iter().any(|ours| name.starts_with(ours))
+    };
+    entries.map(|entry| entry.path()).filter(is_ours).collect()
+}
+
+/// The folder that files are written to.
+struct Folder<'a>(&'a Path);
+
+impl Folder<'_> {
+    /// Writes a file in one step.
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), BakeError> {
+        let path = self.0.join(name);
+        write_atomically(&path, bytes).map_err(|error| BakeError::Write {
+            path,
+            reason: error.to_string(),
+        })
+    }
+
+    fn write_lightmap(&self, number: usize, picture: &LightmapPicture) -> Result<LightmapFiles, BakeError> {
+        let files = LightmapFiles {
+            exr: format!("lightmap-{number}.exr"),
+            ktx2: format!("lightmap-{number}.ktx2"),
+            width: picture.size.x,
+            height: picture.size.y,
+        };
+        let white: Vec<Rgb> = picture
+            .irradiance
+            .iter()
+            .map(|light| *light / std::f32::consts::PI)
+            .collect();
+        let mut image = LayeredImage::new(files.width, files.height);
+        image.add_rgb("", &white);
+        let content = encode_layered(&image, FileFormat::Exr, &FileOptions::default());
+        let content = content.map_err(|error| BakeError::Write {
+            path: self.0.join(&files.exr),
+            reason: error.to_string(),
+        })?;
+        self.write(&files.exr, &content)?;
+        self.write(&files.ktx2, &ktx2::picture(picture.size, white))?;
+        Ok(files)
+    }
+}
+
+/// Writes all files, each in one step. Files of the bake before that are not needed any more are removed.
+pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), BakeError> {
+    let target = Folder(folder);
+    target.write(LEVEL, &blueprint.level)?;
+    let pictures = baked.lightmaps.iter().enumerate();
+    let lightmaps: Result<Vec<LightmapFiles>, BakeError> = pictures
+        .map(|(number, picture)| target.write_lightmap(number, picture))
+        .collect();
+    let lightmaps = lightmaps?;
+    let (mut reflection_probes, mut irradiance_volumes) = (Vec::new(), Vec::new());
+    for (probe, picture) in blueprint.probes.iter().zip(&baked.probes) {
+        let (name, place) = (probe.name.clone(), (&probe.world_from_box).into());
+        match (probe.kind, picture) {
+            (ProbeKind::Reflection { parallax, .. }, Some(ProbePicture::Reflection(pictures))) => {
+                let number = reflection_probes.len();
+                let files = ReflectionFiles {
+                    name,
+                    place,
+                    parallax,
+                    specular: format!("reflection-{number}-specular.ktx2"),
+                    diffuse: format!("reflection-{number}-diffuse.ktx2"),
+                };
+                target.write(&files.specular, &ktx2::cube(&pictures.specular))?;
+                target.write(&files.diffuse, &ktx2::cube(std::slice::from_ref(&pictures.diffuse)))?;
+                reflection_probes.push(files);
+            }
+            (ProbeKind::Volume { points }, Some(ProbePicture::Volume { samples, size, texels })) => {
+                let number = irradiance_volumes.len();
+                let files = VolumeFiles {
+                    name,
+                    place,
+                    points: points.to_array(),
+                    samples: *samples,
+                    ktx2: format!("irradiance-{number}.ktx2"),
+                };
+                target.write(&files.ktx2, &ktx2::volume(*size, texels.iter().copied()))?;
+                irradiance_volumes.push(files);
+            }
+            _ => {}
+        }
+    }
+    let of_lightmaps = lightmaps.iter().flat_map(|files| [&files.exr, &files.ktx2]);
+    let of_reflections = reflection_probes
+        .iter()
+        .flat_map(|files| [&files.specular, &files.diffuse]);
+    let of_volumes = irradiance_volumes.iter().map(|files| &files.ktx2);
+    let kept: HashSet<&String> = of_lightmaps.chain(of_reflections).chain(of_volumes).collect();
+    let mut outdated = files_of(folder);
+    outdated.retain(|name| !kept.contains(name));
+    let manifest = Manifest {
+        format: Manifest::FORMAT,
+        version: Manifest::VERSION,
+        generator: Manifest::GENERATOR,
+        level: LEVEL.to_owned(),
+        coordinates: Manifest::COORDINATES,
+        quantity: Manifest::QUANTITY,
+        light: blueprint.light,
+        texels_per_unit: blueprint.texels_per_unit,
+        samples: baked.samples,
+        seed: blueprint.seed,
+        denoised: blueprint.denoise,
+        lightmaps,
+        nodes: blueprint.nodes.clone(),
+        reflection_probes,
+        irradiance_volumes,
+    };
+    let text = manifest.text().map_err(|error| BakeError::Write {
+        path: folder.join(MANIFEST),
+        reason: error.to_string(),
+    })?;
+    target.write(MANIFEST, &text)?;
+    // What is there no longer needs no removal.
+    outdated
+        .iter()
+        .for_each(|name| drop(fs::remove_file(folder.join(name))));
+    Ok(())
+}
+
+/// The names of the lightmaps and probes of the bake that is in the folder.
+fn files_of(folder: &Path) -> Vec<String> {
+    let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).unwrap_or_default();
+    let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
+    if manifest["format"] != Manifest::FORMAT {
+        return Vec::new();
+    }
+    let lists = ["lightmaps", "reflection_probes", "irradiance_volumes"];
+    let files = lists
+        .iter()
+        .flat_map(|list| manifest[list].as_array().into_iter().flatten());
+    let names = files.flat_map(|files| ["exr", "ktx2", "specular", "diffuse"].map(|kind| &files[kind]));
+    let is_ours = |name: &&str| OURS.iter().any(|ours| name.starts_with(ours)) && !name.contains(['/', '\\']);
+    names
+        .filter_map(Value::as_str)
+        .filter(is_ours)
+        .map(str::to_owned)
+        .collect()
+}

@@ -1,0 +1,383 @@
+//! A bake as a job: a level is prepared, its light is gathered in rounds that can be watched and cancelled, and pictures are made of it.
+//!
+//! Whoever runs it hears of its progress, on the thread that runs it, between pieces of work of about half a second, and may look at the job meanwhile: its
+//! lightmaps can be shown as they are.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use rayon::ThreadPool;
+
+use super::blueprint::{Baked, Blueprint};
+use super::error::BakeError;
+use super::gathering::Gathering;
+use super::level::unwrap_level;
+use super::lightmap::Lightmaps;
+use super::manifest::BakedLight;
+use super::probes::{AskedProbe, Probe, ProbeSettings, ProbeSites, plan};
+use super::progress::{Gathered, Pace, Progress, Stage};
+use super::seams::{Seam, smooth_seams};
+use super::sides::lit_sides;
+use super::texels::{Texel, Texels, covered_texels};
+use super::unwrap::UnwrapSettings;
+use crate::gltf::write::GltfWriter;
+use crate::memory::Reservation;
+use crate::render::irradiance::ReceivedLight;
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+
+/// The samples of each texel where no limit is given.
+pub const USUAL_SAMPLES: u32 = 64;
+/// Noise is not judged by fewer samples.
+const LEAST_SAMPLES: u32 = 16;
+
+/// What is baked.
+pub struct BakeSource {
+    /// The scene that sends the light.
+    pub scene: RenderScene,
+    /// The settings of paths, the medium that all surfaces are in, and the random numbers with their seed.
+    pub view: View,
+    /// The level as a glTF file that is being made.
+    pub level: GltfWriter,
+    /// The probes of the scene.
+    pub probes: Vec<AskedProbe>,
+    /// The threads that trace rays.
+    pub pool: Arc<ThreadPool>,
+}
+
+/// How it is baked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// The size of lightmaps and of their texels.
+    pub unwrap: UnwrapSettings,
+    /// The light that is in the lightmaps.
+    pub light: BakedLight,
+    /// The probes; None is a bake without any.
+    pub probes: Option<ProbeSettings>,
+    /// Whether noise is removed.
+    pub denoise: bool,
+}
+
+/// What ends the gathering of light: the limit that is reached first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BakeLimits {
+    /// Samples of each texel. None is [`USUAL_SAMPLES`], or no limit where there is another one. Probes go by this number alone.
+    pub samples: Option<u32>,
+    /// The time for lightmaps.
+    pub time: Option<Duration>,
+    /// The noise of lightmaps.
+    pub noise: Option<f32>,
+}
+
+/// How a job has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BakeEnding {
+    /// Everything is baked.
+    Done,
+    /// It was cancelled.
+    Cancelled,
+}
+
+/// Hears of the progress, with the job as it is.
+pub type Watch<'a> = &'a mut dyn FnMut(&BakeJob, &Progress);
+
+/// A bake that is prepared or under way.
+pub struct BakeJob {
+    blueprint: Blueprint,
+    scene: RenderScene,
+    view: View,
+    pool: Arc<ThreadPool>,
+    texels: Texels,
+    /// The light of the lightmaps, and then that of each probe.
+    lights: Vec<Lightmaps>,
+    /// What is finished so far; None before the lightmaps are.
+    baked: Option<Baked>,
+    /// The time in which each light was gathered.
+    spent: Vec<Duration>,
+    warnings: Vec<String>,
+    _memory: Reservation,
+}
+
+impl BakeJob {
+    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch` hears of the stages.
+    pub fn prepare(
+        source: BakeSource,
+        settings: &BakeSettings,
+        cancel: &AtomicBool,
+        watch: &mut dyn FnMut(&Progress),
+    ) -> Result<Self, BakeError> {
+        let BakeSource {
+            scene,
+            view,
+            mut level,
+            probes,
+            pool,
+        } = source;
+        let gathering = Gathering {
+            scene: &scene,
+            view: &view,
+            light: received(settings.light),
+        };
+        let is_cancelled = || match cancel.load(Ordering::Relaxed) {
+            true => Err(BakeError::Cancelled),
+            false => Ok(()),
+        };
+        let mut warnings = Vec::new();
+        watch(&Progress::of(Stage::PlacingProbes));
+        let probes = match &settings.probes {
+            Some(settings) => pool.install(|| plan(&probes, settings, &gathering, &mut warnings))?,
+            None => Vec::new(),
+        };
+        is_cancelled()?;
+        watch(&Progress::of(Stage::Unwrapping));
+        let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles);
+        let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit))?;
+        is_cancelled()?;
+        let texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
+        if texels.texels.is_empty() {
+            return Err(BakeError::NoTexels);
+        }
+        let mut seams: Vec<Vec<Seam>> = vec![Vec::new(); baked.pages as usize];
+        for surface in &baked.surfaces {
+            seams[surface.page as usize].extend(smooth_seams(surface));
+        }
+        is_cancelled()?;
+        let blueprint = Blueprint {
+            level: level.binary()?,
+            light: settings.light,
+            seed: view.seed,
+            denoise: settings.denoise,
+            texels_per_unit: baked.texels_per_unit,
+            nodes: baked.nodes,
+            places: places(&texels),
+            seams,
+            probes,
+        };
+        let texel_counts = std::iter::once(texels.texels.len()).chain(blueprint.probes.iter().map(Probe::texel_count));
+        let lights: Vec<Lightmaps> = texel_counts.map(Lightmaps::new).collect();
+        Ok(Self {
+            blueprint,
+            scene,
+            view,
+            pool,
+            texels,
+            spent: vec![Duration::ZERO; lights.len()],
+            lights,
+            baked: None,
+            warnings,
+            _memory: baked.layout.memory,
+        })
+    }
+
+    /// What is baked.
+    pub fn blueprint(&self) -> &Blueprint {
+        &self.blueprint
+    }
+
+    /// Sentences about what could not be prepared as it was asked for.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The light of the lightmaps so far; see [`Blueprint::lightmap`].
+    pub fn light(&self) -> &Lightmaps {
+        &self.lights[0]
+    }
+
+    /// What is finished: nothing before the lightmaps are.
+    pub fn baked(&self) -> Option<&Baked> {
+        self.baked.as_ref()
+    }
+
+    /// The number of samples that were not finite, which count as black.
+    pub fn invalid_samples(&self) -> u64 {
+        self.lights.iter().map(|light| light.invalid).sum()
+    }
+
+    /// Gathers the light of the lightmaps and finishes them, and then those of each probe. It ends soon after `cancel` is set, and goes on where it was if it is
+    /// called again.
+    pub fn run(&mut self, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> Result<BakeEnding, BakeError> {
+        let is_open = limits.time.is_some() || limits.noise.is_some();
+        let target = limits.samples.unwrap_or(if is_open { u32::MAX } else { USUAL_SAMPLES });
+        if self.baked.is_none() {
+            if !self.gather(0, target, limits, cancel, watch) {
+                return Ok(BakeEnding::Cancelled);
+            }
+            self.finish_lightmaps(watch)?;
+        }
+        // The limits of time and noise are those of lightmaps.
+        let samples = limits.samples.unwrap_or(USUAL_SAMPLES);
+        for number in 0..self.blueprint.probes.len() {
+            if self.baked.as_ref().is_some_and(|baked| baked.probes[number].is_some()) {
+                continue;
+            }
+            let target = self.blueprint.probes[number].samples(samples);
+            if !self.gather(1 + number, target, &BakeLimits::default(), cancel, watch)
+                || !self.finish_probe(number, cancel, watch)?
+            {
+                return Ok(BakeEnding::Cancelled);
+            }
+        }
+        Ok(BakeEnding::Done)
+    }
+
+    /// After a job was cancelled: finishes lightmaps of the light that they have. Probes that are not finished are left out. An error if texels have no light.
+    pub fn finish_so_far(&mut self, watch: Watch) -> Result<(), BakeError> {
+        match self.lights[0].samples() {
+            0 => Err(BakeError::Cancelled),
+            _ if self.baked.is_some() => Ok(()),
+            _ => self.finish_lightmaps(watch),
+        }
+    }
+
+    /// Gathers light until a limit is reached; false if it was cancelled. `number` counts the lightmaps and then the probes.
+    fn gather(&mut self, number: usize, target: u32, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> bool {
+        let probe = number.checked_sub(1).map(|number| &self.blueprint.probes[number]);
+        let sites = probe.map(Probe::sites);
+        let begin = Instant::now();
+        let (samples_before, spent_before) = (self.lights[number].mean_samples(), self.spent[number]);
+        let mut pace = Pace::new(self.threads());
+        let mut noise = self.lights[number].noise();
+        loop {
+            let light = &self.lights[number];
+            let spent = spent_before + begin.elapsed();
+            self.spent[number] = spent;
+            let traced = (light.mean_samples() - samples_before) * light.texel_count() as f64;
+            let progress = Progress {
+                stage: if number == 0 {
+                    Stage::Lightmaps
+                } else {
+                    Stage::Probe(number - 1)
+                },
+                done: limits.done(light, target, spent, noise),
+                spent,
+                gathered: Some(Gathered {
+                    samples: light.samples(),
+                    target,
+                    noise,
+                    samples_per_second: traced / begin.elapsed().as_secs_f64().max(1e-9),
+                }),
+            };
+            watch(self, &progress);
+            if cancel.load(Ordering::Relaxed) {
+                return false;
+            }
+            let light = &self.lights[number];
+            // A round that has begun is finished.
+            let is_between_rounds = light.mean_samples() == f64::from(light.samples());
+            if light.reached() >= target || is_between_rounds && limits.are_reached(light.samples(), spent, noise) {
+                return true;
+            }
+            let (end, blocks) = (light.round_end(target), pace.blocks());
+            if pace.measure(|| self.go_on(number, sites.as_ref(), end, blocks, cancel)) {
+                noise = self.lights[number].noise();
+            }
+        }
+    }
+
+    fn go_on(
+        &mut self,
+        number: usize,
+        sites: Option<&ProbeSites>,
+        end: u32,
+        blocks: usize,
+        cancel: &AtomicBool,
+    ) -> bool {
+        // Lights without extent, which the level brings along, light what moves themselves, with shadows.
+        let light = match number {
+            0 => received(self.blueprint.light),
+            _ => ReceivedLight::WithoutDelta,
+        };
+        let gathering = Gathering {
+            scene: &self.scene,
+            view: &self.view,
+            light,
+        };
+        let light = &mut self.lights[number];
+        let texels = &self.texels;
+        self.pool.install(|| match sites {
+            None => light.go_on(&gathering, texels, end, blocks, cancel),
+            Some(ProbeSites::Points(texels)) => light.go_on(&gathering, texels, end, blocks, cancel),
+            Some(ProbeSites::Outlook(texels)) => light.go_on(&gathering, texels, end, blocks, cancel),
+        })
+    }
+
+    fn finish_lightmaps(&mut self, watch: Watch) -> Result<(), BakeError> {
+        let begin = Instant::now();
+        let told = |done| Progress {
+            done,
+            spent: begin.elapsed(),
+            ..Progress::of(Stage::FinishingLightmaps)
+        };
+        let light = &self.lights[0];
+        let lightmaps = self
+            .blueprint
+            .lightmaps(light, self.threads(), |done| watch(self, &told(done)))?;
+        self.baked = Some(Baked {
+            lightmaps,
+            samples: light.samples(),
+            probes: vec![None; self.blueprint.probes.len()],
+        });
+        Ok(())
+    }
+
+    fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// False if it was cancelled.
+    fn finish_probe(&mut self, number: usize, cancel: &AtomicBool, watch: Watch) -> Result<bool, BakeError> {
+        watch(self, &Progress::of(Stage::FinishingProbe(number)));
+        let (light, threads) = (&self.lights[1 + number], self.threads());
+        let finish = || self.blueprint.probe(number, light, threads, cancel);
+        let picture = self.pool.install(finish)?;
+        let is_finished = picture.is_some();
+        if let Some(baked) = &mut self.baked {
+            baked.probes[number] = picture;
+        }
+        Ok(is_finished)
+    }
+}
+
+impl BakeLimits {
+    fn are_reached(&self, samples: u32, spent: Duration, noise: Option<f32>) -> bool {
+        let is_quiet = self.noise.zip(noise).is_some_and(|(limit, noise)| noise <= limit);
+        let is_late = self.time.is_some_and(|limit| spent >= limit);
+        samples >= LEAST_SAMPLES && is_quiet || samples > 0 && is_late
+    }
+
+    /// The part that is done by the limit that will be reached first.
+    fn done(&self, light: &Lightmaps, target: u32, spent: Duration, noise: Option<f32>) -> f64 {
+        let by_samples = light.mean_samples() / f64::from(target.max(1));
+        let by_time = self
+            .time
+            .map_or(0.0, |limit| spent.as_secs_f64() / limit.as_secs_f64().max(1e-9));
+        // The error of random samples falls by the root of their number.
+        let by_noise = self
+            .noise
+            .zip(noise)
+            .map_or(0.0, |(limit, noise)| f64::from(limit / noise).powi(2));
+        by_samples.max(by_time).max(by_noise).min(1.0)
+    }
+}
+
+fn received(light: BakedLight) -> ReceivedLight {
+    match light {
+        BakedLight::All => ReceivedLight::All,
+        BakedLight::WithoutDirectPunctual => ReceivedLight::WithoutDelta,
+    }
+}
+
+fn places(texels: &Texels) -> Texels<()> {
+    let place = |texel: &Texel| Texel {
+        place: texel.place,
+        receiver: (),
+    };
+    Texels {
+        size: texels.size,
+        texels: texels.texels.iter().map(place).collect(),
+        pages: texels.pages.clone(),
+    }
+}

@@ -1,0 +1,97 @@
+//! What whoever runs a bake hears of it, and how often.
+
+use std::time::{Duration, Instant};
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stage {
+    /// Places for probes are looked for, and those of the scene are tried.
+    #[default]
+    PlacingProbes,
+    /// The level is unwrapped.
+    Unwrapping,
+    /// Light of the lightmaps is gathered.
+    Lightmaps,
+    /// The lightmaps are finished.
+    FinishingLightmaps,
+    /// Light of this probe is gathered. It is the index in [`super::blueprint::Blueprint::probes`].
+    Probe(usize),
+    /// This probe is finished: denoised, and filtered for each roughness.
+    FinishingProbe(usize),
+}
+
+/// How far a stage is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: Stage,
+    /// The part of it that is done, from 0 to 1.
+    pub done: f64,
+    /// The time that it has taken, in all runs of the job.
+    pub spent: Duration,
+    /// What there is of the light, while light is gathered.
+    pub gathered: Option<Gathered>,
+}
+
+/// How far the gathering of light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gathered {
+    /// Samples that every texel has.
+    pub samples: u32,
+    /// Samples that are asked for; [`u32::MAX`] is no limit.
+    pub target: u32,
+    /// The noise, if it is known.
+    pub noise: Option<f32>,
+    /// Samples of all texels per second.
+    pub samples_per_second: f64,
+}
+
+/// How many blocks of texels are worked on at once, so that they take about half a second.
+pub(super) struct Pace {
+    blocks: usize,
+    threads: usize,
+}
+
+/// What is worked on at once takes between these times.
+const SHORTEST: Duration = Duration::from_millis(250);
+const LONGEST: Duration = Duration::from_secs(1);
+
+impl Pace {
+    /// The pace of so many threads.
+    pub fn new(threads: usize) -> Self {
+        Self { blocks: 1, threads }
+    }
+
+    /// The number of blocks, at least one for each thread.
+    pub fn blocks(&self) -> usize {
+        self.blocks * self.threads
+    }
+
+    /// Works, and learns from the time that it takes.
+    pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = work();
+        let time = begin.elapsed();
+        if time < SHORTEST {
+            self.blocks = self.blocks.saturating_mul(2).min(1 << 20);
+        } else if time > LONGEST {
+            self.blocks = (self.blocks / 2).max(1);
+        }
+        result
+    }
+}
+
+impl Progress {
+    /// The beginning of a stage.
+    pub(super) fn of(stage: Stage) -> Self {
+        Self {
+            stage,
+            ..Self::default()
+        }
+    }
+
+    /// The time left at the same speed; None before there is any.
+    pub fn left(&self) -> Option<Duration> {
+        (self.done > 0.0).then(|| self.spent.mul_f64((1.0 / self.done - 1.0).max(0.0)))
+    }
+}
