@@ -32,9 +32,11 @@ pub const CLIPBOARD: &str = "/clipboard.xml";
 pub fn new_scene(world: &mut World) {
     scene::new_scene(world);
     world.resource_mut::<History>().clear();
+    world.resource_mut::<Requests>().leave_start_page();
 }
 
 pub fn open_scene(world: &mut World, path: PathBuf) {
+    world.resource_mut::<Requests>().leave_start_page();
     let defines = world.resource::<SceneDefines>().0.clone();
     let keeps_edits = false;
     let request = OpenScene {

@@ -5,7 +5,7 @@ use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, Window
 
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::tutorial::Tutorial;
@@ -35,9 +35,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         }
         ShellCommand::ShowTutorial(step) => {
             world.get_resource_or_init::<Tutorial>().go_to(step);
-            // The start page would cover the tutorial that was begun from it.
-            let sheet = &mut world.resource_mut::<Requests>().sheet;
-            *sheet = sheet.filter(|sheet| *sheet != Sheet::Start);
+            world.resource_mut::<Requests>().leave_start_page();
         }
         ShellCommand::AddAssetFolder(folder) => world.get_resource_or_init::<Preferences>().add_asset_folder(folder),
         ShellCommand::RemoveAssetFolder(folder) => {

@@ -37,3 +37,10 @@ pub struct Requests {
     /// Imported meshes whose size is told when they have been read.
     pub imported: Vec<Entity>,
 }
+
+impl Requests {
+    /// Closes the start page, which would cover what was begun.
+    pub fn leave_start_page(&mut self) {
+        self.sheet = self.sheet.filter(|sheet| *sheet != Sheet::Start);
+    }
+}

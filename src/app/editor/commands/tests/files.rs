@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::app::editor::command::file_access::Question;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Tone;
 use crate::app::editor::session::trust::TrustedFolders;
@@ -120,4 +121,18 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     say(&mut world, answer);
     apply_commands(&mut world);
     assert_eq!(world.query::<&Shape>().iter(&world).count(), 1);
+}
+
+#[test]
+fn an_opened_scene_is_not_behind_the_start_page() {
+    let opens = || Command::OpenScene(PathBuf::from("/there/scene.xml"));
+    for command in [opens(), Command::NewScene] {
+        let mut world = bare_world();
+        world.init_resource::<SceneDefines>();
+        for (sheet, then) in [(Sheet::Start, None), (Sheet::Keys, Some(Sheet::Keys))] {
+            world.resource_mut::<Requests>().sheet = Some(sheet);
+            apply_now(&mut world, command.clone()).expect("nothing is lost by it");
+            assert_eq!(world.resource::<Requests>().sheet, then, "{command:?}");
+        }
+    }
 }
