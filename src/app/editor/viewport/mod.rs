@@ -380,21 +380,27 @@ fn paint_over(
         notes.push(format!("{drawn} of {total} triangles as lines"));
     }
     let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
+    // Words that begin in a low, wide picture, or have many lines, are beside the tools.
+    let tools = toolbar::column_place(panel);
+    let beside_tools = |corner: egui::Pos2, words: &str| {
+        let height = 6.0 + 15.0 * words.lines().count() as f32;
+        match Rect::from_min_size(corner, egui::vec2(1.0, height)).intersects(tools) {
+            true => egui::pos2(tools.right() + 8.0, corner.y),
+            false => corner,
+        }
+    };
     if !notes.is_empty() {
         // Together they may be wider than the picture.
         if let Some(hint) = hint {
             corner.y = hint.bottom() + 4.0;
         }
-        // A low, wide picture begins beside the tools.
-        let tools = toolbar::column_place(panel);
-        if Rect::from_min_size(corner, egui::vec2(1.0, 20.0)).intersects(tools) {
-            corner.x = tools.right() + 8.0;
-        }
-        corner.y = tag(&painter, corner, Align2::LEFT_TOP, &notes.join("   ")).bottom() + 4.0;
+        let notes = notes.join("   ");
+        let place = beside_tools(corner, &notes);
+        corner.y = tag(&painter, place, Align2::LEFT_TOP, &notes).bottom() + 4.0;
     }
     if model.keys.overlay.shown && model.picture.is_some() {
         let figures = model.boxes.figures(&model.keys.overlay);
-        tag(&painter, corner, Align2::LEFT_TOP, &figures);
+        tag(&painter, beside_tools(corner, &figures), Align2::LEFT_TOP, &figures);
     }
     if model.pose.is_some() && state.speed.is_shown(ui) {
         let speed = format!(
