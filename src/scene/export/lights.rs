@@ -78,7 +78,13 @@ impl Stage<'_> {
             }
             EmitterKind::Projector { .. } if self.baked == Baked::All => return,
             // A bake has them as files of their own.
-            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => return,
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. }
+                if self.baked != Baked::Nothing =>
+            {
+                return;
+            }
+            EmitterKind::ReflectionProbe { .. } => return self.leave_out_probe("reflection probe", name),
+            EmitterKind::IrradianceVolume { .. } => return self.leave_out_probe("irradiance volume", name),
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),
@@ -138,6 +144,14 @@ impl Stage<'_> {
     fn leave_out(&mut self, name: &str, what: &str) {
         self.messages
             .left_out("light", name, format!("glTF has no counterpart of {what}"));
+    }
+
+    fn leave_out_probe(&mut self, kind: &'static str, name: &str) {
+        self.messages.left_out(
+            kind,
+            name,
+            "glTF has no place for it; `sunroom bake` writes it beside the level",
+        );
     }
 
     /// Adds a camera.
