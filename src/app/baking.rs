@@ -3,15 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::{Name, World};
 
 use crate::bake::files::replaceable;
 use crate::bake::manifest::BakedLight;
 use crate::bake::probes::{AskedKind, AskedProbe};
+use crate::engine::PackedScene;
 use crate::files::Access;
 use crate::gltf::write::GltfWriter;
-use crate::scene::EmitterKind;
-use crate::scene::description::{EmitterDescription, SceneDescription};
+use crate::scene::description::SceneDescription;
 use crate::scene::export::{Baked, Collected, ExportError, Hidden, collect, first_in_use};
+use crate::scene::{Emitter, EmitterKind, ToWorld};
 
 /// The part of a [`crate::bake::job::BakeSource`] that comes from the description of a scene.
 #[derive(Debug)]
@@ -51,22 +53,41 @@ pub fn baked_level(
     let shown = shown.filter(|(index, _)| !hidden.emitters.contains(index));
     Ok(BakedLevel {
         writer,
-        probes: shown.filter_map(|(_, emitter)| asked_probe(emitter)).collect(),
+        probes: shown
+            .filter_map(|(_, about)| asked_probe(&about.identity.name, &about.emitter, &about.to_world))
+            .collect(),
         messages,
     })
 }
 
 /// The probe that an emitter is; None if it is a light.
-pub fn asked_probe(emitter: &EmitterDescription) -> Option<AskedProbe> {
-    let kind = match emitter.emitter.kind {
+fn asked_probe(name: &str, emitter: &Emitter, to_world: &Affine3A) -> Option<AskedProbe> {
+    let kind = match emitter.kind {
         EmitterKind::ReflectionProbe { parallax } => AskedKind::Reflection { parallax },
         EmitterKind::IrradianceVolume { spacing } => AskedKind::Volume { spacing },
         _ => return None,
     };
     Some(AskedProbe {
-        name: emitter.identity.name.to_string(),
+        name: name.to_owned(),
         // The cube of a scene is from -1 to 1.
-        world_from_box: emitter.to_world * Affine3A::from_scale(Vec3::splat(2.0)),
+        world_from_box: *to_world * Affine3A::from_scale(Vec3::splat(2.0)),
         kind,
     })
+}
+
+/// What is wrong with the probes of a scene that is open, as far as it can be told without tracing rays: a sentence for each.
+pub fn probe_faults(world: &mut World) -> Vec<String> {
+    let scene = world.resource::<PackedScene>().scene.as_ref();
+    let bounds = scene
+        .map(|scene| scene.geometry.bounds())
+        .filter(|bounds| !bounds.is_empty());
+    let mut emitters = world.query::<(&Emitter, &ToWorld, Option<&Name>)>();
+    let asked = emitters
+        .iter(world)
+        .filter_map(|(emitter, to_world, name)| asked_probe(name.map_or("", Name::as_str), emitter, &to_world.0));
+    let fault = |probe: AskedProbe| {
+        let error = probe.check(bounds.as_ref()).err()?;
+        Some(format!("{}: {error}", probe.title()))
+    };
+    asked.filter_map(fault).collect()
 }

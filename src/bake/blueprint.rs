@@ -1,14 +1,18 @@
 //! Everything about a bake but its light: what is needed to make its files of the sums of samples.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
+
+use rayon::ThreadPool;
 
 use super::finish::{Denoising, LightmapPicture, finish};
 use super::level::BakedNode;
 use super::lightmap::Lightmaps;
 use super::manifest::BakedLight;
 use super::probes::{Probe, ProbePicture};
+use super::progress::Work;
 use super::seams::Seam;
 use super::texels::Texels;
+use super::unwrap::TEXEL_BYTES;
 use crate::render::denoise::DenoiseError;
 
 /// A bake without its light.
@@ -51,6 +55,20 @@ impl Blueprint {
         self.places.pages.len()
     }
 
+    /// A line about the lightmaps.
+    pub fn summary(&self) -> String {
+        let several = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
+        format!(
+            "{} in {} of {} x {}, {:.4} texels per unit, {}",
+            several(self.nodes.len(), "shape"),
+            several(self.page_count(), "lightmap"),
+            self.places.size.x,
+            self.places.size.y,
+            self.texels_per_unit,
+            several(self.places.texels.len(), "texel"),
+        )
+    }
+
     /// A lightmap of the light so far.
     pub fn lightmap(
         &self,
@@ -86,17 +104,42 @@ impl Blueprint {
         (0..count).map(picture).collect()
     }
 
-    /// The pictures of a probe of its light; None if `cancel` was set in the meantime.
+    /// The pictures of a probe of its light; None if the work was cancelled.
     pub(super) fn probe(
         &self,
         number: usize,
         light: &Lightmaps,
-        threads: usize,
-        cancel: &AtomicBool,
+        work: &mut Work,
     ) -> Result<Option<ProbePicture>, DenoiseError> {
-        match self.probes[number].finished(light, self.denoising(threads, cancel)) {
-            Err(DenoiseError::Cancelled) if cancel.load(Ordering::Relaxed) => Ok(None),
-            finished => finished.map(Some),
-        }
+        self.probes[number].finished(light, self.denoise, work)
+    }
+
+    /// Finishes everything of the light of the lightmaps and of each probe.
+    pub fn finished(&self, lights: &[Lightmaps], pool: &ThreadPool) -> Result<Baked, DenoiseError> {
+        let work = &mut Work {
+            pool,
+            cancel: &AtomicBool::new(false),
+            watch: &mut |_| {},
+        };
+        let probes = lights[1..].iter().enumerate();
+        Ok(Baked {
+            lightmaps: self.lightmaps(&lights[0], pool.current_num_threads(), |_| {})?,
+            samples: lights[0].samples(),
+            probes: probes
+                .map(|(number, light)| self.probe(number, light, work))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The number of texels of the lightmaps, and then that of each probe.
+    pub(super) fn texel_counts(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.places.texels.len()).chain(self.probes.iter().map(Probe::texel_count))
+    }
+
+    /// Bytes of memory while everything is made.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        let page = u64::from(self.places.size.x) * u64::from(self.places.size.y);
+        let probes: u64 = self.probes.iter().map(Probe::memory_bytes).sum();
+        TEXEL_BYTES * page * self.page_count() as u64 + probes
     }
 }

@@ -4,7 +4,6 @@
 //! before, as Bevy does, since cube maps are left-handed. Directions here are those of the right-handed space.
 
 use glam::{Mat3A, UVec2, Vec2, Vec3};
-use rayon::prelude::*;
 
 use super::texels::{Texel, Texels};
 use crate::color::Rgb;
@@ -31,13 +30,11 @@ pub struct CubePicture {
 
 impl CubePicture {
     /// The picture whose texels are what `light` says of the middle of each, as a direction of the cube of any length.
-    pub fn of(size: u32, light: impl Fn(Vec3) -> Rgb + Sync) -> Self {
-        let whole = Mat3A::IDENTITY;
-        let places: Vec<(usize, UVec2)> = places(size).collect();
-        let middle = |&(side, place): &(usize, UVec2)| window(Vec3::ZERO, &whole, side, place, size).middle();
+    #[cfg(test)]
+    pub(super) fn of(size: u32, light: impl Fn(Vec3) -> Rgb) -> Self {
         Self {
             size,
-            texels: places.par_iter().map(|place| light(middle(place))).collect(),
+            texels: middles(size).into_iter().map(light).collect(),
         }
     }
 
@@ -63,6 +60,12 @@ impl CubePicture {
         };
         places.map(|place| self.at(direction(place))).collect()
     }
+}
+
+/// The middles of the texels as directions of the cube, in the order of [`CubePicture::texels`].
+pub(super) fn middles(size: u32) -> Vec<Vec3> {
+    let middle = |(side, place)| window(Vec3::ZERO, &Mat3A::IDENTITY, side, place, size).middle();
+    places(size).map(middle).collect()
 }
 
 /// The index of a texel in [`CubePicture::texels`].

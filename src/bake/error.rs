@@ -25,8 +25,10 @@ pub enum BakeError {
     /// The volume around the level cannot be.
     #[error(transparent)]
     Grid(GridError),
-    #[error("the probes need {0}")]
+    #[error("the probes need {0}; fewer or smaller ones need less")]
     Memory(#[from] Shortage),
+    #[error("the sums of a share's groups of samples need {0}")]
+    MemoryOfShare(Shortage),
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
     /// Cancelled before there was anything to write.

@@ -17,7 +17,7 @@ use super::level::unwrap_level;
 use super::lightmap::Lightmaps;
 use super::manifest::BakedLight;
 use super::probes::{AskedProbe, Probe, ProbeSettings, ProbeSites, plan};
-use super::progress::{Gathered, Pace, Progress, Stage};
+use super::progress::{Gathered, Pace, Progress, Stage, Work};
 use super::seams::{Seam, smooth_seams};
 use super::sides::lit_sides;
 use super::texels::{Texel, Texels, covered_texels};
@@ -85,19 +85,20 @@ pub type Watch<'a> = &'a mut dyn FnMut(&BakeJob, &Progress);
 
 /// A bake that is prepared or under way.
 pub struct BakeJob {
-    blueprint: Blueprint,
+    pub(super) blueprint: Blueprint,
     scene: RenderScene,
     view: View,
     pool: Arc<ThreadPool>,
     texels: Texels,
     /// The light of the lightmaps, and then that of each probe.
-    lights: Vec<Lightmaps>,
+    pub(super) lights: Vec<Lightmaps>,
     /// What is finished so far; None before the lightmaps are.
     baked: Option<Baked>,
     /// The time in which each light was gathered.
-    spent: Vec<Duration>,
+    pub(super) spent: Vec<Duration>,
     warnings: Vec<String>,
-    _memory: Reservation,
+    /// What is held of the budget.
+    pub(super) memory: Vec<Reservation>,
 }
 
 impl BakeJob {
@@ -124,15 +125,21 @@ impl BakeJob {
             true => Err(BakeError::Cancelled),
             false => Ok(()),
         };
-        let mut warnings = Vec::new();
-        watch(&Progress::of(Stage::PlacingProbes));
-        let probes = match &settings.probes {
-            Some(settings) => pool.install(|| plan(&probes, settings, &gathering, &mut warnings))?,
-            None => Vec::new(),
+        let plan = match &settings.probes {
+            Some(settings) => {
+                let begin = Instant::now();
+                let work = &mut Work {
+                    pool: &pool,
+                    cancel,
+                    watch: &mut |done| watch(&Progress::new(Stage::PlacingProbes, done, begin.elapsed())),
+                };
+                Some(plan(&probes, settings, &gathering, work)?)
+            }
+            None => None,
         };
         is_cancelled()?;
-        watch(&Progress::of(Stage::Unwrapping));
-        let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles);
+        watch(&Progress::new(Stage::Unwrapping, 0.0, Duration::ZERO));
+        let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles, cancel);
         let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit))?;
         is_cancelled()?;
         let texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
@@ -144,6 +151,10 @@ impl BakeJob {
             seams[surface.page as usize].extend(smooth_seams(surface));
         }
         is_cancelled()?;
+        let (probes, memory_of_probes, warnings) = match plan {
+            Some(plan) => (plan.probes, Some(plan.memory), plan.warnings),
+            None => Default::default(),
+        };
         let blueprint = Blueprint {
             level: level.binary()?,
             light: settings.light,
@@ -155,8 +166,7 @@ impl BakeJob {
             seams,
             probes,
         };
-        let texel_counts = std::iter::once(texels.texels.len()).chain(blueprint.probes.iter().map(Probe::texel_count));
-        let lights: Vec<Lightmaps> = texel_counts.map(Lightmaps::new).collect();
+        let lights: Vec<Lightmaps> = blueprint.texel_counts().map(Lightmaps::new).collect();
         Ok(Self {
             blueprint,
             scene,
@@ -167,7 +177,7 @@ impl BakeJob {
             lights,
             baked: None,
             warnings,
-            _memory: baked.layout.memory,
+            memory: std::iter::once(baked.layout.memory).chain(memory_of_probes).collect(),
         })
     }
 
@@ -191,6 +201,11 @@ impl BakeJob {
         self.baked.as_ref()
     }
 
+    /// Rays traced, shadow rays included, in all runs of the job.
+    pub fn rays(&self) -> u64 {
+        self.lights.iter().map(|light| light.rays).sum()
+    }
+
     /// The number of samples that were not finite, which count as black.
     pub fn invalid_samples(&self) -> u64 {
         self.lights.iter().map(|light| light.invalid).sum()
@@ -199,8 +214,7 @@ impl BakeJob {
     /// Gathers the light of the lightmaps and finishes them, and then those of each probe. It ends soon after `cancel` is set, and goes on where it was if it is
     /// called again.
     pub fn run(&mut self, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> Result<BakeEnding, BakeError> {
-        let is_open = limits.time.is_some() || limits.noise.is_some();
-        let target = limits.samples.unwrap_or(if is_open { u32::MAX } else { USUAL_SAMPLES });
+        let target = limits.target();
         if self.baked.is_none() {
             if !self.gather(0, target, limits, cancel, watch) {
                 return Ok(BakeEnding::Cancelled);
@@ -233,7 +247,14 @@ impl BakeJob {
     }
 
     /// Gathers light until a limit is reached; false if it was cancelled. `number` counts the lightmaps and then the probes.
-    fn gather(&mut self, number: usize, target: u32, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> bool {
+    pub(super) fn gather(
+        &mut self,
+        number: usize,
+        target: u32,
+        limits: &BakeLimits,
+        cancel: &AtomicBool,
+        watch: Watch,
+    ) -> bool {
         let probe = number.checked_sub(1).map(|number| &self.blueprint.probes[number]);
         let sites = probe.map(Probe::sites);
         let begin = Instant::now();
@@ -306,11 +327,7 @@ impl BakeJob {
 
     fn finish_lightmaps(&mut self, watch: Watch) -> Result<(), BakeError> {
         let begin = Instant::now();
-        let told = |done| Progress {
-            done,
-            spent: begin.elapsed(),
-            ..Progress::of(Stage::FinishingLightmaps)
-        };
+        let told = |done| Progress::new(Stage::FinishingLightmaps, done, begin.elapsed());
         let light = &self.lights[0];
         let lightmaps = self
             .blueprint
@@ -329,10 +346,19 @@ impl BakeJob {
 
     /// False if it was cancelled.
     fn finish_probe(&mut self, number: usize, cancel: &AtomicBool, watch: Watch) -> Result<bool, BakeError> {
-        watch(self, &Progress::of(Stage::FinishingProbe(number)));
-        let (light, threads) = (&self.lights[1 + number], self.threads());
-        let finish = || self.blueprint.probe(number, light, threads, cancel);
-        let picture = self.pool.install(finish)?;
+        let begin = Instant::now();
+        let mut told = |done| {
+            watch(
+                self,
+                &Progress::new(Stage::FinishingProbe(number), done, begin.elapsed()),
+            )
+        };
+        let work = &mut Work {
+            pool: &self.pool,
+            cancel,
+            watch: &mut told,
+        };
+        let picture = self.blueprint.probe(number, &self.lights[1 + number], work)?;
         let is_finished = picture.is_some();
         if let Some(baked) = &mut self.baked {
             baked.probes[number] = picture;
@@ -342,6 +368,12 @@ impl BakeJob {
 }
 
 impl BakeLimits {
+    /// The samples that a texel of a lightmap gets at most.
+    pub fn target(&self) -> u32 {
+        let is_open = self.time.is_some() || self.noise.is_some();
+        self.samples.unwrap_or(if is_open { u32::MAX } else { USUAL_SAMPLES })
+    }
+
     fn are_reached(&self, samples: u32, spent: Duration, noise: Option<f32>) -> bool {
         let is_quiet = self.noise.zip(noise).is_some_and(|(limit, noise)| noise <= limit);
         let is_late = self.time.is_some_and(|limit| spent >= limit);
@@ -350,7 +382,7 @@ impl BakeLimits {
 
     /// The part that is done by the limit that will be reached first.
     fn done(&self, light: &Lightmaps, target: u32, spent: Duration, noise: Option<f32>) -> f64 {
-        let by_samples = light.mean_samples() / f64::from(target.max(1));
+        let by_samples = light.mean_samples() / f64::from(target.saturating_sub(light.first).max(1));
         let by_time = self
             .time
             .map_or(0.0, |limit| spent.as_secs_f64() / limit.as_secs_f64().max(1e-9));

@@ -142,6 +142,24 @@ impl Lightmaps {
         true
     }
 
+    /// Adds the light of a share whose samples follow on these, which begin with number 0. False if they do not, or if it has other texels.
+    pub fn append(&mut self, share: Self) -> bool {
+        let follows = self.first == 0 && self.ends.iter().all(|end| *end == share.first);
+        if !follows || self.texel_count() != share.texel_count() {
+            return false;
+        }
+        for group in &share.groups {
+            self.groups[0]
+                .iter_mut()
+                .zip(group)
+                .for_each(|(sum, more)| sum.add(more));
+        }
+        self.ends = share.ends;
+        self.rays += share.rays;
+        self.invalid += share.invalid;
+        true
+    }
+
     /// The sums of a texel over all of its samples.
     pub fn sum(&self, texel: usize) -> TexelSum {
         let mut sum = TexelSum::default();

@@ -8,9 +8,10 @@
 //! Probes are for what lightmaps have no answer to. A [`reflection`] probe is what metals mirror: a picture of all directions ([`mod@cube`]), filtered
 //! for every roughness ([`prefilter`]). An irradiance [`volume`] lights what moves. [`placement`] says where they are.
 //!
-//! [`job`] does all of it in turn, and can be watched and cancelled. [`ktx2`] writes textures for graphics cards, [`files`] writes everything, and [`manifest`] says how the files belong together.
+//! [`job`] does all of it in turn, and can be watched and cancelled; [`part`] keeps its light in files, and [`merging`] puts shares of it together. [`ktx2`] writes textures for graphics cards, [`files`] writes everything, and [`manifest`] says how the files belong together.
 
 pub mod blueprint;
+mod blueprint_bytes;
 pub mod cube;
 pub mod error;
 pub mod files;
@@ -21,11 +22,14 @@ pub mod ktx2;
 pub mod level;
 pub mod lightmap;
 pub mod manifest;
+pub mod merging;
+pub mod part;
 pub mod placement;
 pub mod prefilter;
 pub mod probes;
 pub mod progress;
 pub mod reflection;
+mod saving;
 pub mod seams;
 pub mod sides;
 pub mod texels;

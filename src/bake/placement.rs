@@ -49,13 +49,13 @@ pub fn around(bounds: &Aabb) -> Option<Affine3A> {
 }
 
 /// The box for a reflection probe of a whole level: around all of it, and around the place next to its middle that does not lie inside of something. It reaches
-/// farther than the level where that place is not the middle itself. None if there is no such place.
-pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A) -> Option<Affine3A> {
+/// farther than the level where that place is not the middle itself. None if there is no such place, or if `cancel` was set.
+pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A, cancel: &AtomicBool) -> Option<Affine3A> {
     let grid = Grid {
         world_from_box: *world_from_level,
         points: glam::UVec3::splat(TRIALS),
     };
-    let buried = buried(gathering, &grid);
+    let buried = buried(gathering, &grid, cancel)?;
     let size = Vec3::new(
         world_from_level.x_axis.length(),
         world_from_level.y_axis.length(),
@@ -110,24 +110,29 @@ pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementErr
     }
 }
 
-/// Whether a reflection probe sees anything from the middle of its box.
-pub fn check_sight(gathering: &Gathering, world_from_box: &Affine3A) -> Result<(), PlacementError> {
+/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set it may do.
+pub fn check_sight(
+    gathering: &Gathering,
+    world_from_box: &Affine3A,
+    cancel: &AtomicBool,
+) -> Result<(), PlacementError> {
     let grid = Grid {
         world_from_box: *world_from_box,
         points: glam::UVec3::ONE,
     };
-    match buried(gathering, &grid).contains(&true) {
+    match buried(gathering, &grid, cancel).is_some_and(|buried| buried.contains(&true)) {
         true => Err(PlacementError::Buried),
         false => Ok(()),
     }
 }
 
-/// The points of the grid that lie inside of something.
-fn buried(gathering: &Gathering, grid: &Grid) -> Vec<bool> {
+/// The points of the grid that lie inside of something; None if `cancel` was set.
+fn buried(gathering: &Gathering, grid: &Grid, cancel: &AtomicBool) -> Option<Vec<bool>> {
     let texels = grid.texels();
     let mut light = Lightmaps::new(texels.texels.len());
-    light.add(gathering, &texels, SAMPLES, &AtomicBool::new(false));
-    grid.buried(&light)
+    light
+        .add(gathering, &texels, SAMPLES, cancel)
+        .then(|| grid.buried(&light))
 }
 
 #[cfg(test)]

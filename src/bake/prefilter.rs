@@ -7,9 +7,13 @@
 //! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, texels are taken together by fours, sixteens and so on, as Barnes
 //! and Hut take far bodies together.
 
-use glam::{Mat3A, UVec2, Vec3};
+use std::sync::atomic::Ordering;
 
-use super::cube::{CubePicture, index, places, windows};
+use glam::{Mat3A, UVec2, Vec3};
+use rayon::prelude::*;
+
+use super::cube::{CubePicture, index, middles, places, windows};
+use super::progress::{Pace, Work};
 use super::texels::Texel;
 use crate::color::Rgb;
 use crate::render::outlook::Window;
@@ -21,6 +25,9 @@ const SMALLEST: u32 = 4;
 const DIFFUSE: u32 = 16;
 /// Texels are taken together if they are not wider than so much of the width over which the weight changes.
 const FINENESS: f32 = 0.07;
+
+/// Texels that are filtered by a thread in one go.
+const SLICE: usize = 16;
 
 /// A picture for mirrors, one for each roughness, and one for diffuse surfaces.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,26 +56,66 @@ struct Pyramid {
     levels: Vec<(u32, Vec<Node>)>,
 }
 
+/// Whether a picture may have this size.
+pub fn is_size(size: u32) -> bool {
+    size.is_power_of_two() && SIZES.contains(&size)
+}
+
 /// Filters a picture of radiance. The cube is stretched and turned by `world_from_cube`: a direction of it that is looked up is that of the cube, and the angles
-/// that the filters go by are those of the world. The size is one of [`SIZES`], a power of two.
-pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A) -> Prefiltered {
+/// that the filters go by are those of the world. The size is one of [`SIZES`], a power of two. None if the work was cancelled.
+pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A, work: &mut Work) -> Option<Prefiltered> {
     let pyramid = Pyramid::new(&picture, world_from_cube);
-    let in_world = |direction: Vec3| (*world_from_cube * direction).normalize();
-    let cosine = |cosine: f32| cosine;
-    let diffuse = CubePicture::of(DIFFUSE, |direction| pyramid.mean(in_world(direction), 0.5, cosine));
     let levels = (picture.size / SMALLEST).ilog2();
     let rough = (1..=levels).map(|level| {
         let perceptual = level as f32 / levels as f32;
-        let alpha = perceptual * perceptual;
-        CubePicture::of(picture.size >> level, |direction| {
-            pyramid.mean(in_world(direction), 2.0 * alpha, |cosine| reflected(alpha, cosine))
-        })
+        (picture.size >> level, Some(perceptual * perceptual))
     });
-    let rough: Vec<CubePicture> = rough.collect();
-    Prefiltered {
-        specular: std::iter::once(picture).chain(rough).collect(),
-        diffuse,
+    let wanted: Vec<(u32, Option<f32>)> = std::iter::once((DIFFUSE, None)).chain(rough).collect();
+    let cost = |&(size, alpha): &(u32, Option<f32>)| f64::from(size * size) * nodes_of_mean(width_of(alpha));
+    let whole: f64 = wanted.iter().map(cost).sum();
+    let (mut before, mut filtered) = (0.0, Vec::new());
+    for what in &wanted {
+        let (size, alpha) = *what;
+        let directions = middles(size);
+        let mut texels: Vec<Rgb> = Vec::with_capacity(directions.len());
+        let mut pace = Pace::new(work.pool.current_num_threads());
+        while texels.len() < directions.len() {
+            (work.watch)((before + cost(what) * texels.len() as f64 / directions.len() as f64) / whole);
+            if work.cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            let end = directions.len().min(texels.len() + pace.blocks() * SLICE);
+            let slice = directions[texels.len()..end].par_iter();
+            let means = slice.map(|direction| {
+                let normal = (*world_from_cube * *direction).normalize();
+                match alpha {
+                    Some(alpha) => pyramid.mean(normal, width_of(Some(alpha)), |cosine| reflected(alpha, cosine)),
+                    None => pyramid.mean(normal, width_of(None), |cosine| cosine),
+                }
+            });
+            let more: Vec<Rgb> = pace.measure(|| work.pool.install(|| means.collect()));
+            texels.extend(more);
+        }
+        filtered.push(CubePicture { size, texels });
+        before += cost(what);
     }
+    let diffuse = filtered.remove(0);
+    filtered.insert(0, picture);
+    Some(Prefiltered {
+        specular: filtered,
+        diffuse,
+    })
+}
+
+/// The angle over which the weight of a mirror of this roughness changes, or that of a diffuse surface.
+fn width_of(alpha: Option<f32>) -> f32 {
+    alpha.map_or(0.5, |alpha| 2.0 * alpha)
+}
+
+/// About how many nodes a mean visits, but for a factor: the integral of 1 / (width + distance)^2 over the hemisphere, flattened.
+fn nodes_of_mean(width: f32) -> f64 {
+    let (width, farthest) = (f64::from(width), std::f64::consts::SQRT_2);
+    ((width + farthest) / width).ln() - farthest / (width + farthest)
 }
 
 /// What a GGX surface of this roughness reflects to a viewer straight above it of light from a direction with this cosine to the normal, times that cosine and but
@@ -158,8 +205,40 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use std::f32::consts::PI;
+    use std::sync::atomic::AtomicBool;
 
     use super::*;
+
+    fn filtered(picture: CubePicture, cube: &Mat3A) -> Prefiltered {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+        let mut told = Vec::new();
+        let work = &mut Work {
+            pool: &pool,
+            cancel: &AtomicBool::new(false),
+            watch: &mut |done| told.push(done),
+        };
+        let filtered = prefilter(picture, cube, work).expect("nothing cancels it");
+        assert!(
+            told.is_sorted() && told.iter().all(|done| (0.0..1.0).contains(done)),
+            "{told:?}"
+        );
+        filtered
+    }
+
+    #[test]
+    fn a_filter_that_is_cancelled_ends() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("threads");
+        let cancel = AtomicBool::new(false);
+        let work = &mut Work {
+            pool: &pool,
+            cancel: &cancel,
+            watch: &mut |done| cancel.store(done > 0.0, Ordering::Relaxed),
+        };
+        assert_eq!(
+            prefilter(CubePicture::of(32, |_| Rgb::ONE), &Mat3A::IDENTITY, work),
+            None
+        );
+    }
 
     fn assert_near(what: &str, found: Rgb, expected: f32, tolerance: f32) {
         assert!(
@@ -171,7 +250,7 @@ mod tests {
     #[test]
     fn what_is_the_same_everywhere_stays_so() {
         let stretched = Mat3A::from_diagonal(Vec3::new(1.0, 4.0, 0.3));
-        let filtered = prefilter(CubePicture::of(32, |_| Rgb::splat(3.0)), &stretched);
+        let filtered = filtered(CubePicture::of(32, |_| Rgb::splat(3.0)), &stretched);
         let sizes: Vec<u32> = filtered.specular.iter().map(|level| level.size).collect();
         assert_eq!(sizes, [32, 16, 8, 4]);
         for picture in filtered.specular.iter().chain([&filtered.diffuse]) {
@@ -187,7 +266,7 @@ mod tests {
         for stretch in [Vec3::ONE, Vec3::new(2.0, 0.5, 1.0)] {
             let cube = Mat3A::from_diagonal(stretch);
             let sky = CubePicture::of(64, |direction| Rgb::splat(if direction.y > 0.0 { 1.0 } else { 0.0 }));
-            let filtered = prefilter(sky, &cube);
+            let filtered = filtered(sky, &cube);
             let middle = |texel: &Texel<Window>| texel.receiver.middle().normalize();
             let normals = windows(Vec3::ZERO, &cube, filtered.diffuse.size).texels;
             for (normal, light) in normals.iter().map(middle).zip(&filtered.diffuse.texels) {

@@ -1,21 +1,24 @@
 //! The probes of a bake: where they are, and what becomes of their light.
 
-use glam::{Affine3A, UVec3};
+use glam::{Affine3A, UVec3, Vec3};
 
 use super::error::{BakeError, ProbeError};
-use super::finish::Denoising;
 use super::gathering::Gathering;
 use super::lightmap::Lightmaps;
 use super::placement::{around, check, check_sight, is_enclosed, seeing};
-use super::prefilter::Prefiltered;
+use super::prefilter::{Prefiltered, SIZES};
+use super::progress::Work;
 use super::reflection;
 use super::texels::Texels;
 use super::volume::Grid;
 use crate::color::Rgb;
 use crate::math::Aabb;
+use crate::memory::{self, Reservation};
 use crate::render::denoise::DenoiseError;
 use crate::render::outlook::Window;
 
+/// Bytes for each place while a probe is made, at most: its place, its sums, and pictures with their levels.
+const TEXEL_BYTES: u64 = 320;
 /// A volume has so many samples for each one of a texel.
 const SAMPLES_OF_POINTS: u32 = 8;
 
@@ -105,14 +108,29 @@ pub enum ProbePicture {
 }
 
 impl AskedProbe {
-    /// The probe, if its box can be.
-    fn planned(&self, settings: &ProbeSettings, level: &Aabb) -> Result<Probe, ProbeError> {
+    /// Checks what can be told without tracing rays: the box, and the number of points. None is a level without bounds.
+    pub fn check(&self, level: Option<&Aabb>) -> Result<(), ProbeError> {
+        let all = Aabb {
+            min: Vec3::NEG_INFINITY,
+            max: Vec3::INFINITY,
+        };
+        self.planned(*SIZES.start(), level.unwrap_or(&all)).map(drop)
+    }
+
+    /// The probe as messages name it.
+    pub fn title(&self) -> String {
+        let plugin = match self.kind {
+            AskedKind::Reflection { .. } => "reflectionprobe",
+            AskedKind::Volume { .. } => "irradiancevolume",
+        };
+        format!("{plugin} `{}`", self.name)
+    }
+
+    /// The probe, if its box can be. A reflection probe has sides of `size` texels.
+    fn planned(&self, size: u32, level: &Aabb) -> Result<Probe, ProbeError> {
         check(&self.world_from_box, level)?;
         let kind = match self.kind {
-            AskedKind::Reflection { parallax } => ProbeKind::Reflection {
-                size: settings.size,
-                parallax,
-            },
+            AskedKind::Reflection { parallax } => ProbeKind::Reflection { size, parallax },
             AskedKind::Volume { spacing } => ProbeKind::Volume {
                 points: Grid::new(self.world_from_box, Some(spacing))?.points,
             },
@@ -150,21 +168,27 @@ impl Probe {
         }
     }
 
-    /// Makes its pictures of the light.
+    /// Bytes of memory while it is made: its places, its sums, and the pictures of it.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.texel_count() as u64 * TEXEL_BYTES
+    }
+
+    /// Makes its pictures of the light; None if the work was cancelled.
     pub(super) fn finished(
         &self,
         light: &Lightmaps,
-        denoising: Option<Denoising>,
-    ) -> Result<ProbePicture, DenoiseError> {
+        denoise: bool,
+        work: &mut Work,
+    ) -> Result<Option<ProbePicture>, DenoiseError> {
         match self.kind {
             ProbeKind::Reflection { size, .. } => {
-                let pictures = reflection::finish(&self.world_from_box, size, light, denoising)?;
-                Ok(ProbePicture::Reflection(pictures))
+                let pictures = reflection::finish(&self.world_from_box, size, light, denoise, work)?;
+                Ok(pictures.map(ProbePicture::Reflection))
             }
             ProbeKind::Volume { points } => {
                 let (size, texels) = self.grid(points).texture(light);
                 let samples = light.samples();
-                Ok(ProbePicture::Volume { samples, size, texels })
+                Ok(Some(ProbePicture::Volume { samples, size, texels }))
             }
         }
     }
@@ -177,57 +201,83 @@ impl Probe {
     }
 }
 
-/// The probes of the scene, and those around the whole level where it has none of a kind. `warnings` gets a sentence where there can be none.
+/// Probes that have places.
+pub(super) struct Plan {
+    /// Reflection probes, and then volumes.
+    pub probes: Vec<Probe>,
+    /// The memory for them.
+    pub memory: Reservation,
+    /// Sentences about probes that cannot be.
+    pub warnings: Vec<String>,
+}
+
+/// The probes of the scene, and those around the whole level where it has none of a kind. No ray is traced before it is known that there is memory for them.
 pub(super) fn plan(
     asked: &[AskedProbe],
     settings: &ProbeSettings,
     gathering: &Gathering,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<Probe>, BakeError> {
+    work: &mut Work,
+) -> Result<Plan, BakeError> {
     let bounds = gathering.scene.geometry.bounds();
-    let (mut reflections, mut volumes) = (Vec::new(), Vec::new());
+    let (mut reflections, mut volumes, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for probe in asked {
-        let (plugin, list) = match probe.kind {
-            AskedKind::Reflection { .. } => ("reflectionprobe", &mut reflections),
-            AskedKind::Volume { .. } => ("irradiancevolume", &mut volumes),
-        };
-        let failed = |source: ProbeError| BakeError::Probe {
-            name: format!("{plugin} `{}`", probe.name),
+        let planned = probe.planned(settings.size, &bounds);
+        let planned = planned.map_err(|source| BakeError::Probe {
+            name: probe.title(),
             source,
-        };
-        let planned = probe.planned(settings, &bounds).map_err(failed)?;
-        if let ProbeKind::Reflection { .. } = planned.kind {
-            check_sight(gathering, &planned.world_from_box).map_err(|error| failed(error.into()))?;
-        }
-        list.push(planned);
-    }
-    if let Some(world_from_level) = around(&bounds) {
-        let name = || "level".to_owned();
-        if reflections.is_empty() {
-            match seeing(gathering, &world_from_level) {
-                Some(world_from_box) => reflections.push(Probe {
-                    name: name(),
-                    world_from_box,
-                    kind: ProbeKind::Reflection {
-                        size: settings.size,
-                        parallax: is_enclosed(gathering.scene, &world_from_box),
-                    },
-                }),
-                None => warnings.push(
-                    "there is no reflection probe, because no place for it was found that is not inside of something"
-                        .to_owned(),
-                ),
-            }
-        }
-        if volumes.is_empty() {
-            let grid = Grid::new(world_from_level, settings.spacing).map_err(BakeError::Grid)?;
-            volumes.push(Probe {
-                name: name(),
-                world_from_box: world_from_level,
-                kind: ProbeKind::Volume { points: grid.points },
-            });
+        })?;
+        match planned.kind {
+            ProbeKind::Reflection { .. } => reflections.push((probe, planned)),
+            ProbeKind::Volume { .. } => volumes.push(planned),
         }
     }
-    reflections.append(&mut volumes);
-    Ok(reflections)
+    let around_level = around(&bounds);
+    let of_level = |world_from_box, kind| Probe {
+        name: "level".to_owned(),
+        world_from_box,
+        kind,
+    };
+    if let Some(world_from_level) = around_level.filter(|_| volumes.is_empty()) {
+        let grid = Grid::new(world_from_level, settings.spacing).map_err(BakeError::Grid)?;
+        volumes.push(of_level(world_from_level, ProbeKind::Volume { points: grid.points }));
+    }
+    let reflection_of = |parallax| ProbeKind::Reflection {
+        size: settings.size,
+        parallax,
+    };
+    let one_more = around_level.filter(|_| reflections.is_empty());
+    let own = reflections.iter().map(|(_, probe)| probe).chain(&volumes);
+    let bytes: u64 = own.map(Probe::memory_bytes).sum();
+    let bytes_of_one_more = one_more.map_or(0, |place| of_level(place, reflection_of(true)).memory_bytes());
+    let memory = memory::reserve(bytes + bytes_of_one_more)?;
+
+    let mut probes = Vec::new();
+    let count = reflections.len();
+    for (number, (asked, probe)) in reflections.into_iter().enumerate() {
+        (work.watch)(number as f64 / count as f64);
+        let sight = work
+            .pool
+            .install(|| check_sight(gathering, &probe.world_from_box, work.cancel));
+        sight.map_err(|error| BakeError::Probe {
+            name: asked.title(),
+            source: error.into(),
+        })?;
+        probes.push(probe);
+    }
+    if let Some(world_from_level) = one_more {
+        (work.watch)(0.0);
+        match work.pool.install(|| seeing(gathering, &world_from_level, work.cancel)) {
+            Some(place) => probes.push(of_level(place, reflection_of(is_enclosed(gathering.scene, &place)))),
+            None => warnings.push(
+                "there is no reflection probe, because no place for it was found that is not inside of something"
+                    .to_owned(),
+            ),
+        }
+    }
+    probes.append(&mut volumes);
+    Ok(Plan {
+        probes,
+        memory,
+        warnings,
+    })
 }

@@ -1,6 +1,10 @@
 //! What whoever runs a bake hears of it, and how often.
 
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+
+use rayon::ThreadPool;
 
 /// What is being done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +50,28 @@ pub struct Gathered {
     pub samples_per_second: f64,
 }
 
+/// How some work is done.
+pub struct Work<'a> {
+    /// The threads that do it.
+    pub pool: &'a ThreadPool,
+    /// Ends it when set.
+    pub cancel: &'a AtomicBool,
+    /// Hears of the part that is done, from 0 to 1, on the thread that asks for the work.
+    pub watch: &'a mut dyn FnMut(f64),
+}
+
+impl Work<'_> {
+    /// Does `act` as this part of the work.
+    pub(super) fn part<T>(&mut self, part: Range<f64>, act: impl FnOnce(&mut Work) -> T) -> T {
+        let watch = &mut *self.watch;
+        act(&mut Work {
+            pool: self.pool,
+            cancel: self.cancel,
+            watch: &mut |done| watch(part.start + done * (part.end - part.start)),
+        })
+    }
+}
+
 /// How many blocks of texels are worked on at once, so that they take about half a second.
 pub(super) struct Pace {
     blocks: usize,
@@ -82,11 +108,13 @@ impl Pace {
 }
 
 impl Progress {
-    /// The beginning of a stage.
-    pub(super) fn of(stage: Stage) -> Self {
+    /// How far a stage is that gathers no light.
+    pub(super) fn new(stage: Stage, done: f64, spent: Duration) -> Self {
         Self {
             stage,
-            ..Self::default()
+            done,
+            spent,
+            gathered: None,
         }
     }
 

@@ -3,9 +3,9 @@
 use glam::{Affine3A, UVec2};
 
 use super::cube::{CubePicture, windows};
-use super::finish::Denoising;
 use super::lightmap::Lightmaps;
 use super::prefilter::{Prefiltered, prefilter};
+use super::progress::Work;
 use super::texels::Texels;
 use crate::color::Rgb;
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
@@ -17,29 +17,38 @@ pub fn outlook(world_from_box: &Affine3A, size: u32) -> Texels<Window> {
     windows(world_from_box.translation.into(), &world_from_box.matrix3, size)
 }
 
-/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light.
+/// The part of the work that removing noise is, more or less.
+const DENOISING: f64 = 0.1;
+
+/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light. None if the work was cancelled.
 pub fn finish(
     world_from_box: &Affine3A,
     size: u32,
     light: &Lightmaps,
-    denoising: Option<Denoising>,
-) -> Result<Prefiltered, DenoiseError> {
+    denoise: bool,
+    work: &mut Work,
+) -> Result<Option<Prefiltered>, DenoiseError> {
     let mut picture = CubePicture {
         size,
         texels: (0..light.texel_count()).map(|texel| light.light(texel)).collect(),
     };
-    if let Some(denoising) = denoising {
-        picture = denoised(&picture, denoising)?;
+    let begin = if denoise { DENOISING } else { 0.0 };
+    if denoise {
+        match work.part(0.0..begin, |work| denoised(&picture, work)) {
+            Err(DenoiseError::Cancelled) => return Ok(None),
+            denoised => picture = denoised?,
+        }
     }
-    Ok(prefilter(picture, &world_from_box.matrix3))
+    Ok(work.part(begin..1.0, |work| prefilter(picture, &world_from_box.matrix3, work)))
 }
 
 /// The picture without noise. Each side is denoised with a border, so that it goes with the one beside it.
-fn denoised(picture: &CubePicture, denoising: Denoising) -> Result<CubePicture, DenoiseError> {
+fn denoised(picture: &CubePicture, work: &mut Work) -> Result<CubePicture, DenoiseError> {
     let border = (picture.size / 8).max(8);
     let width = picture.size + 2 * border;
     let mut texels: Vec<Rgb> = Vec::with_capacity(picture.texels.len());
     for side in 0..6 {
+        (work.watch)(side as f64 / 6.0);
         let color = picture.bordered(side, border);
         let input = DenoiseInput {
             width,
@@ -49,9 +58,9 @@ fn denoised(picture: &CubePicture, denoising: Denoising) -> Result<CubePicture, 
             normal: None,
             prefilter: false,
             quality: DenoiseQuality::High,
-            threads: denoising.threads,
+            threads: Some(work.pool.current_num_threads()),
         };
-        let filtered = denoise(&input, denoising.cancel)?;
+        let filtered = denoise(&input, work.cancel)?;
         let places = (0..picture.size).flat_map(|y| (0..picture.size).map(move |x| UVec2::new(x, y)));
         let inner = places.map(|place| place + border);
         texels.extend(inner.map(|place| filtered[(place.y * width + place.x) as usize]));

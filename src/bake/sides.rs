@@ -15,8 +15,8 @@ const PATHS: u32 = 16;
 /// The dimension of the place of a point; the paths from there use others.
 const PLACE: u32 = 0;
 
-/// Whether any light comes to the front and to the back of these triangles, as far as some points on them tell.
-pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]]) -> (bool, bool) {
+/// Whether any light comes to the front and to the back of these triangles, as far as some points on them tell. Once `cancel` is set the answer is no.
+pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]], cancel: &AtomicBool) -> (bool, bool) {
     let regular: Vec<([Vec3; 3], Vec3)> = triangles
         .iter()
         .filter_map(|triangle| {
@@ -30,7 +30,8 @@ pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]]) -> (bool, bool)
             Some((place_in(corners, sampler(gathering, point, 0, 0).at_2d(PLACE)), *normal))
         })
         .collect();
-    (is_lit(gathering, &places, 1.0), is_lit(gathering, &places, -1.0))
+    let is_lit = |sign| is_lit(gathering, &places, sign, cancel);
+    (is_lit(1.0), is_lit(-1.0))
 }
 
 fn sampler(gathering: &Gathering, point: u32, side: u32, index: u32) -> Sampler {
@@ -48,7 +49,7 @@ fn place_in([a, b, c]: &[Vec3; 3], u: Vec2) -> Vec3 {
 }
 
 /// Whether light comes to one of these points with the normals of their triangles, on the side of that sign.
-fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32) -> bool {
+fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32, cancel: &AtomicBool) -> bool {
     let side = if sign > 0.0 { 1 } else { 2 };
     let jobs: Vec<IrradianceJob> = (0..)
         .zip(places)
@@ -66,7 +67,6 @@ fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32) -> bool {
             })
         })
         .collect();
-    let never = AtomicBool::new(false);
-    let samples = trace_irradiance(gathering.scene, gathering.view, ReceivedLight::All, &jobs, &never);
+    let samples = trace_irradiance(gathering.scene, gathering.view, ReceivedLight::All, &jobs, cancel);
     samples.is_some_and(|samples| samples.iter().any(|sample| sample.irradiance != Rgb::ZERO))
 }

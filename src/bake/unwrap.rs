@@ -118,7 +118,7 @@ pub enum UnwrapError {
 }
 
 /// Bytes for each texel of a lightmap while it is made: its place, its sums, and the pictures of it.
-const TEXEL_BYTES: u64 = 224;
+pub(super) const TEXEL_BYTES: u64 = 224;
 /// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
 const LEAST_HEIGHT: f64 = 2e-6;
 /// The most texels of all lightmaps together.

@@ -13,7 +13,7 @@ use crate::render::irradiance::Receiver;
 /// The normals of the six sides.
 const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 /// The most points along an axis. Graphics cards have room for 2048 texels along each side of a texture, which has a point three times.
-const MOST_ALONG: u32 = 512;
+pub(super) const MOST_ALONG: u32 = 512;
 /// The most points of a volume.
 pub const MOST_POINTS: u32 = 1 << 18;
 /// The number of points that a volume without a spacing has, more or less.

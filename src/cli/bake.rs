@@ -1,8 +1,11 @@
 //! `sunroom bake`: from a scene file to a level with lightmaps.
 
 mod args;
+mod keeping;
 mod progress;
+mod shares;
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,6 +13,8 @@ use std::sync::atomic::AtomicBool;
 use bevy::prelude::App;
 use sunroom::app::baking::{BakedLevel, baked_level};
 use sunroom::app::headless::render_only;
+use sunroom::app::origin::origin;
+use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::app::threads::worker_count;
 use sunroom::bake::files;
 use sunroom::bake::job::{BakeEnding, BakeJob, BakeLimits, BakeSettings, BakeSource};
@@ -18,21 +23,23 @@ use sunroom::bake::probes::ProbeSettings;
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
 use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
+use sunroom::files::{check_writable, record_reads};
 use sunroom::render::denoise::DenoiseError;
-use sunroom::render::scene::RenderScene;
-use sunroom::render::view::View;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::Hidden;
 use sunroom::scene::{OpenScene, SceneStatus, read};
 
 pub use self::args::BakeArgs;
+pub use self::shares::Shares;
 
+use self::keeping::Keeper;
 use self::progress::BakeProgress;
 
 use super::check::{has_only_warnings, report_left_out, report_scene};
-use super::ending::INTERRUPTED;
+use super::ending::{INTERRUPTED, TERMINATED};
 use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, counted};
+use super::share::{Settings, check_cut};
 
 pub fn run(args: BakeArgs) -> ExitCode {
     args.memory.apply();
@@ -44,34 +51,80 @@ pub fn run(args: BakeArgs) -> ExitCode {
 }
 
 fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
-    if !args.no_denoise && !cfg!(feature = "denoise") {
+    let Some(samples) = &args.samples else {
+        check_denoiser(!args.no_denoise)?;
+        return within_folder(&args.output, || bake_whole(args));
+    };
+    check_cut(samples)?;
+    if args.spp.is_some_and(|spp| samples.end > spp) {
+        let message = "the range of --samples goes beyond --spp, the samples of the whole bake";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let name = args.output.display();
+    if args.output.is_dir() {
         return Err(Failure::Usage(format!(
-            "{}; --no-denoise bakes without it",
-            DenoiseError::NotBuilt
+            "{name} is a folder: a share of a bake is one file"
         )));
     }
-    let is_new = !args.output.exists();
-    files::prepare(&args.output)?;
-    let result = bake_into(args);
-    // Nothing is left of a bake that has failed.
+    check_writable(&args.output).map_err(|error| format!("cannot write {name}: {error}"))?;
+    bake_share(args, [samples.start, samples.end])
+}
+
+/// Refuses to remove noise where the program has no denoiser.
+fn check_denoiser(denoise: bool) -> Result<(), Failure> {
+    match denoise && !cfg!(feature = "denoise") {
+        true => Err(Failure::Usage(format!(
+            "{}; --no-denoise bakes without it",
+            DenoiseError::NotBuilt
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Makes the folder and has it filled. Nothing is left of a bake that has failed.
+fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
+    let is_new = !folder.exists();
+    files::prepare(folder)?;
+    let result = fill();
     if is_new && !matches!(result, Ok(ExitCode::SUCCESS)) {
-        let _ = std::fs::remove_dir(&args.output);
+        // It fails where there are files.
+        let _ = std::fs::remove_dir(folder);
     }
     result
 }
 
-/// Bakes into a folder that is there.
-fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
+/// A job, and what looks after it.
+struct Begun<'a> {
+    job: BakeJob,
+    keeper: Keeper<'a>,
+    progress: BakeProgress,
+    cancel: Arc<AtomicBool>,
+}
+
+/// Prepares the bake of so many samples of each texel, and lets it go on with a checkpoint; None if the scene is refused, which has been reported.
+fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<Option<Begun<'a>>, Failure> {
     let cancel = cancel_on_interrupt()?;
-    let Some((scene, mut view)) = packed(args, &cancel)? else {
-        return Ok(ExitCode::FAILURE);
+    if args.checkpoints.checkpoint.is_some() {
+        note_termination(cancel.clone());
+    }
+    if args.samples.is_some() || args.checkpoints.are_given() {
+        record_reads();
+    }
+    let Some(mut app) = packed(args, &cancel)? else {
+        return Ok(None);
     };
     let Some(level) = level(args)? else {
-        return Ok(ExitCode::FAILURE);
+        return Ok(None);
     };
-    if let Some(seed) = args.seed {
+    let mut packed = app.world_mut().resource_mut::<PackedScene>();
+    if let (Some(seed), Some(view)) = (args.seed, &mut packed.view) {
         view.seed = seed;
     }
+    let (Some(scene), Some(view)) = (packed.scene.clone(), packed.view.clone()) else {
+        return Err(format!("{}: there is nothing to bake", args.scene.scene.display()).into());
+    };
+    let origin = origin(app.world_mut(), &args.scene.scene, settings_by_name(args))?;
+    drop(app);
     let threads = worker_count(args.threads.threads, false).get();
     let source = BakeSource {
         scene,
@@ -80,46 +133,83 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
         probes: level.probes,
         pool: Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
     };
-    let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |_| {})?;
+    let mut progress = BakeProgress::new(args.quiet, limits);
+    let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now| progress.prepare(now))?;
+    progress.end();
     for warning in job.warnings() {
         report::line(format_args!("warning: {warning}"));
     }
-    let blueprint = job.blueprint();
-    if !args.quiet {
-        report::line(format_args!(
-            "{} in {} of {} x {}, {:.4} texels per unit, {}",
-            counted(blueprint.nodes.len(), "shape"),
-            counted(blueprint.page_count(), "lightmap"),
-            blueprint.places.size.x,
-            blueprint.places.size.y,
-            blueprint.texels_per_unit,
-            counted(blueprint.places.texels.len(), "texel"),
-        ));
+    if args.strict && !job.warnings().is_empty() {
+        report::refused_for_warnings(&args.scene.scene);
+        return Ok(None);
     }
+    if args.samples.is_some() {
+        job.begin_share(samples)?;
+    }
+    let keeper = Keeper::new(args, origin, samples);
+    keeper.take_up(&mut job, args)?;
+    if !args.quiet {
+        report::line(job.blueprint().summary());
+    }
+    Ok(Some(Begun {
+        job,
+        keeper,
+        progress,
+        cancel,
+    }))
+}
+
+/// Bakes into a folder that is there.
+fn bake_whole(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let limits = BakeLimits {
         samples: args.spp,
         time: args.time,
         noise: args.noise,
     };
-    let mut progress = BakeProgress::new(args.quiet, &limits);
-    let ending = job.run(&limits, &cancel, &mut |job, now| progress.show(job, now))?;
-    if ending == BakeEnding::Cancelled {
-        job.finish_so_far(&mut |job, now| progress.show(job, now))?;
-    }
+    let Some(begun) = begin(args, [0, limits.target()], &limits)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    let Begun {
+        mut job,
+        mut keeper,
+        mut progress,
+        cancel,
+    } = begun;
+    let ending = job.run(&limits, &cancel, &mut |job, now| {
+        keeper.look(job, now);
+        progress.show(job, now);
+    })?;
     progress.end();
+    let is_saved = keeper.save(&job);
+    let kept = args.checkpoints.checkpoint.as_ref().filter(|_| is_saved);
+    if ending == BakeEnding::Cancelled {
+        if let Some(path) = kept.filter(|_| is_terminated()) {
+            report::line(format_args!("terminated; {} has what was gathered", path.display()));
+            return Ok(ExitCode::from(TERMINATED));
+        }
+        if let Some(path) = kept.filter(|_| job.light().samples() == 0) {
+            let path = path.display();
+            report::error(format_args!(
+                "interrupted before the first samples of all texels; {path} has what was gathered, and no lightmap is written"
+            ));
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        job.finish_so_far(&mut |job, now| progress.show(job, now))?;
+        progress.end();
+    }
     let Some(baked) = job.baked() else {
         return Err("there is nothing to write".into());
     };
     files::write(&args.output, job.blueprint(), baked)?;
-    if job.invalid_samples() > 0 {
-        let samples = counted(job.invalid_samples(), "sample");
-        report::line(format_args!("warning: {samples} not finite, which count as black"));
-    }
+    report_invalid(job.invalid_samples());
     let place = args.output.display();
     if ending == BakeEnding::Cancelled {
         let samples = counted(baked.samples, "sample");
+        let more = kept.map_or_else(String::new, |path| {
+            format!("; {} has what was gathered", path.display())
+        });
         report::error(format_args!(
-            "interrupted; the lightmaps in {place} have {samples} per texel, and probes that were not finished are left out"
+            "interrupted; the lightmaps in {place} have {samples} per texel, and probes that were not finished are left out{more}"
         ));
         return Ok(ExitCode::from(INTERRUPTED));
     }
@@ -127,6 +217,76 @@ fn bake_into(args: &BakeArgs) -> Result<ExitCode, Failure> {
         report::line(format_args!("the level is in {place}"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Gathers a share and writes its file.
+fn bake_share(args: &BakeArgs, samples: [u32; 2]) -> Result<ExitCode, Failure> {
+    let limits = BakeLimits {
+        samples: Some(samples[1]),
+        ..BakeLimits::default()
+    };
+    let Some(begun) = begin(args, samples, &limits)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    let Begun {
+        mut job,
+        mut keeper,
+        mut progress,
+        cancel,
+    } = begun;
+    let is_finished = job.gather_share(samples[1], &cancel, &mut |job, now| {
+        keeper.look(job, now);
+        progress.show(job, now);
+    });
+    progress.end();
+    let is_saved = keeper.save(&job);
+    if let Some(path) = args
+        .checkpoints
+        .checkpoint
+        .as_ref()
+        .filter(|_| is_saved && is_terminated())
+    {
+        report::line(format_args!("terminated; {} has what was gathered", path.display()));
+        return Ok(ExitCode::from(TERMINATED));
+    }
+    keeper.write_share(&job, &args.output)?;
+    report_invalid(job.invalid_samples());
+    let place = args.output.display();
+    if !is_finished {
+        report::error(format_args!("interrupted; {place} has what was gathered, for --resume"));
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    if !args.quiet {
+        report::line(format_args!("the share is in {place}"));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn report_invalid(samples: u64) {
+    if samples > 0 {
+        let samples = counted(samples, "sample");
+        report::line(format_args!("warning: {samples} not finite, which count as black"));
+    }
+}
+
+/// What samples depend on beside the scene and the view.
+fn settings_by_name(args: &BakeArgs) -> Settings {
+    let or_default = |number: Option<f32>| number.map_or_else(|| "not given".to_owned(), |number| number.to_string());
+    let probes = match args.no_probes {
+        true => "none".to_owned(),
+        false => format!("{} texels, spacing {}", args.probe_size, or_default(args.probe_spacing)),
+    };
+    let own = [
+        ("the bake", "lightmaps and probes".to_owned()),
+        ("--indirect-only", args.indirect_only.to_string()),
+        ("--texels-per-unit", or_default(args.texels_per_unit)),
+        ("--atlas-size", args.atlas_size.to_string()),
+        ("the size of probes", probes),
+    ];
+    let own = own.into_iter().map(|(name, value)| (name.to_owned(), value));
+    let defines = args.scene.defines.defines.iter();
+    own.chain(defines.map(|(name, value)| (format!("-D {name}"), value.clone())))
+        .collect()
 }
 
 fn light(args: &BakeArgs) -> BakedLight {
@@ -152,8 +312,8 @@ fn settings(args: &BakeArgs) -> BakeSettings {
     }
 }
 
-/// The scene as it is rendered; None if it is refused, which has been reported.
-fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<(RenderScene, View)>, Failure> {
+/// The app with the scene as it is rendered; None if it is refused, which has been reported.
+fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Failure> {
     let trust = args.trust.trust(&args.scene.scene)?;
     let open = OpenScene {
         path: args.scene.scene.clone(),
@@ -184,11 +344,7 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<(RenderSce
         }
         return Ok(None);
     }
-    let packed = app.world().resource::<PackedScene>();
-    match (packed.scene.clone(), packed.view.clone()) {
-        (Some(scene), Some(view)) => Ok(Some((scene, view))),
-        _ => Err(format!("{}: there is nothing to bake", args.scene.scene.display()).into()),
-    }
+    Ok(Some(app))
 }
 
 /// The level and the probes as they are in the file of the scene; None if it is refused, which has been reported. Messages about the scene itself have been printed when

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::World;
 use clap::Args;
+use sunroom::app::baking::probe_faults;
 use sunroom::app::headless::render_only;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
@@ -58,6 +59,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     app.insert_resource(trust);
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
+    let faults = probe_faults(app.world_mut());
     let status = app.world().resource::<SceneStatus>();
     let is_good = report_scene(status, args.strict);
     let has_errors = status.has_errors() || !status.damaged_pictures.is_empty();
@@ -69,8 +71,12 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     }
     let engine = app.world().resource::<RenderStatus>();
     let is_shown = report_left_out(engine, scene, args.strict);
-    let found = summary(status, engine);
-    if has_errors || !engine.shortages.is_empty() {
+    // Pictures do not depend on them, but the scene cannot be baked.
+    for fault in &faults {
+        report::error(format_args!("{shown}: {fault}"));
+    }
+    let found = summary(status, engine, faults.len());
+    if has_errors || !engine.shortages.is_empty() || !faults.is_empty() {
         report::line(format_args!("{shown}: {found}"));
         return false;
     }
@@ -88,12 +94,12 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     true
 }
 
-/// The numbers of errors and warnings, those of the engine among them, such as "2 errors, 1 warning".
-fn summary(status: &SceneStatus, engine: &RenderStatus) -> String {
+/// The numbers of errors and warnings, those of the engine and the faults of probes among them, such as "2 errors, 1 warning".
+fn summary(status: &SceneStatus, engine: &RenderStatus, faults: usize) -> String {
     let all = status.all_diagnostics();
     let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));
     let numbers = [
-        (all.error_count() + engine.shortages.len(), "error"),
+        (all.error_count() + engine.shortages.len() + faults, "error"),
         (all.warning_count() + left_out.count(), "warning"),
     ];
     let named = numbers.into_iter().filter(|&(number, _)| number > 0);

@@ -1,4 +1,4 @@
-//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once.
+//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once, and from shares of a bake to its level.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use sunroom::app::threads::worker_count;
+use sunroom::bake::part::is_part;
 use sunroom::engine::PictureNames;
 use sunroom::layer::Layer;
 use sunroom::memory;
@@ -19,21 +20,25 @@ use sunroom::scene::Film as SensorFilm;
 use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::args::{MemoryArgs, ThreadArgs};
+use super::bake::Shares;
 use super::outputs;
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::report::{self, Failure};
 
 #[derive(Args)]
 pub struct MergeArgs {
-    /// Files that `sunroom render --samples` or `--crop` has written, in any order
+    /// Files that `sunroom render --samples` or `--crop` has written, or `sunroom bake --samples`, in any order
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
-    /// Image file, as of `sunroom render`; may be given several times
+    /// Image file, as of `sunroom render`; may be given several times. Of shares of a bake: its folder
     #[arg(short, long, required = true, value_name = "OUT")]
     output: Vec<PathBuf>,
     /// Remove the noise with Open Image Denoise
     #[arg(long)]
     denoise: bool,
+    /// Keep the noise of the lightmaps and probes of a bake, which is removed otherwise
+    #[arg(long, conflicts_with = "denoise")]
+    no_denoise: bool,
     /// Merge parts even if the scene, the settings or the version differ
     #[arg(long)]
     force: bool,
@@ -60,6 +65,17 @@ pub fn run(args: &MergeArgs) -> ExitCode {
 }
 
 fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
+    if args.parts.iter().any(|part| is_part(part)) {
+        let shares = Shares {
+            paths: &args.parts,
+            outputs: &args.output,
+            denoise: !args.no_denoise,
+            force: args.force,
+            threads: worker_count(args.threads.threads, false).get(),
+            quiet: args.quiet,
+        };
+        return shares.merge();
+    }
     outputs::check_pictures(&args.output)?;
     if args.denoise && !cfg!(feature = "denoise") {
         return Err(DenoiseError::NotBuilt.into());

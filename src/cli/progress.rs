@@ -206,10 +206,11 @@ impl Shown {
             done, seconds, message, ..
         } = self;
         let percent = (100.0 * done) as u32;
-        let left = seconds * (1.0 / done - 1.0);
-        report::line(format_args!(
-            "{percent:3} %  {message}  {seconds:.1} s, {left:.1} s to go"
-        ));
+        let left = match *done > 0.0 {
+            true => format!(", {:.1} s to go", seconds * (1.0 / done - 1.0)),
+            false => String::new(),
+        };
+        report::line(format_args!("{percent:3} %  {message}  {seconds:.1} s{left}"));
     }
 }
 

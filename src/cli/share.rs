@@ -38,10 +38,10 @@ pub struct CheckpointArgs {
     pub every: Duration,
     /// Go on with what a checkpoint has; if it is the file of --checkpoint and does not exist, begin
     #[arg(long, value_name = "FILE")]
-    resume: Option<PathBuf>,
+    pub resume: Option<PathBuf>,
     /// Go on even if the scene, the settings or the version have changed
     #[arg(long, requires = "resume")]
-    force: bool,
+    pub force: bool,
 }
 
 impl CheckpointArgs {
@@ -83,16 +83,19 @@ impl ShareArgs {
                 path.display()
             )));
         }
-        match self.samples.as_ref().filter(|samples| !is_cut(samples.start)) {
-            Some(samples) => {
-                let (start, around) = (samples.start, chunk_of(samples.start));
-                Err(Failure::Usage(format!(
-                    "samples are summed up in fixed groups, and a range cannot begin at {start}: {} and {} are the nearest",
-                    around.start, around.end
-                )))
-            }
-            None => Ok(()),
-        }
+        self.samples.as_ref().map_or(Ok(()), check_cut)
+    }
+}
+
+/// Refuses samples that cannot be merged with those before them.
+pub fn check_cut(samples: &Range<u32>) -> Result<(), Failure> {
+    let (start, around) = (samples.start, chunk_of(samples.start));
+    match is_cut(start) {
+        true => Ok(()),
+        false => Err(Failure::Usage(format!(
+            "samples are summed up in fixed groups, and a range cannot begin at {start}: {} and {} are the nearest",
+            around.start, around.end
+        ))),
     }
 }
 

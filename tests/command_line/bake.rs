@@ -230,6 +230,20 @@ fn probes_are_baked_around_the_level_and_where_the_scene_has_them() {
     assert_eq!(manifest(&folder)["reflection_probes"], serde_json::json!([]));
     assert!(!folder.join("irradiance-0.ktx2").exists() && !folder.join("reflection-0-diffuse.ktx2").exists());
 
+    let exported = sunroom()
+        .arg("convert")
+        .args([&placed, &shop.path("level.glb")])
+        .output()
+        .expect("it starts");
+    assert_code(&exported, 0);
+    let said = String::from_utf8_lossy(&exported.stderr);
+    for words in [
+        "reflection probe `corner` is left out: glTF has no place for it",
+        "irradiance volume `air` is left out: glTF has no place for it",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+
     let portable = shop.path("portable.xml");
     let converted = sunroom()
         .arg("convert")
@@ -248,10 +262,12 @@ fn probes_that_cannot_be_are_said_before_anything_is_baked() {
     let folder = shop.path("level");
     let fails = |emitter: &str, words: &str| {
         let scene = shop.scene(&SCENE.replace("</scene>", &format!("{emitter}</scene>")));
-        let output = bake(&scene, &folder, &[]);
-        assert_code(&output, 1);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(said.contains(words) && !folder.exists(), "{said}");
+        let checked = sunroom().arg("check").arg(&scene).output().expect("it starts");
+        for output in [bake(&scene, &folder, &[]), checked] {
+            assert_code(&output, 1);
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(said.contains(words) && !folder.exists(), "{said}");
+        }
     };
     let probe = |transform: &str| {
         format!(
@@ -263,6 +279,10 @@ fn probes_that_cannot_be_are_said_before_anything_is_baked() {
         "reflectionprobe `it`: it lies outside of the level",
     );
     fails(&probe(r#"<scale x="1" y="0" z="1"/>"#), "it flattens the space");
+    fails(
+        &probe(r#"<rotate z="1" angle="30"/><scale x="1" y="3" z="1"/>"#),
+        "reflectionprobe `it`: its box is skewed",
+    );
     let fine = r#"<emitter type="irradiancevolume" id="it"><float name="spacing" value="0.001"/></emitter>"#;
     fails(fine, "a volume may have 262144 points");
     let scene = shop.scene(SCENE);
@@ -277,6 +297,32 @@ fn probes_that_cannot_be_are_said_before_anything_is_baked() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(said.contains(words), "{said}");
     }
+    let output = bake(&scene, &folder, &["--memory", "300MB", "--probe-size", "512"]);
+    assert_code(&output, 1);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the probes need ") && said.contains("budget"), "{said}");
+    // Everything is inside of the cube.
+    let solid = shop.write(
+        "solid.xml",
+        r#"<scene version="3.0.0"><sensor type="perspective"/><shape type="cube"/><emitter type="constant"/></scene>"#,
+    );
+    let quick = [
+        "--spp",
+        "1",
+        "--no-denoise",
+        "--atlas-size",
+        "64",
+        "--probe-spacing",
+        "1",
+    ];
+    let warning = "warning: there is no reflection probe, because no place for it was found";
+    for (more, code) in [(&["--strict"][..], 1), (&[], 0)] {
+        let output = bake(&solid, &folder, &[&quick[..], more].concat());
+        assert_code(&output, code);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(warning) && folder.exists() == (code == 0), "{said}");
+    }
+    std::fs::remove_dir_all(&folder).expect("the bake");
     let output = bake(&scene, &folder, &["--probe-spacing", "0.001"]);
     assert_code(&output, 1);
     assert!(!folder.exists());

@@ -2,6 +2,7 @@
 
 mod auto;
 mod bake;
+mod bake_shares;
 mod bench;
 mod commands;
 mod diff;

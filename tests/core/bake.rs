@@ -308,11 +308,12 @@ fn sides_are_lit_where_light_comes() {
             Vec3::new(1.0, height, 0.0),
         ]]
     };
-    assert_eq!(lit_sides(&gathering, &at(0.0)), (true, false));
+    let never = AtomicBool::new(false);
+    assert_eq!(lit_sides(&gathering, &at(0.0), &never), (true, false));
     let turned = at(0.0).map(|[a, b, c]| [a, c, b]);
-    assert_eq!(lit_sides(&gathering, &turned), (false, true));
-    assert_eq!(lit_sides(&gathering, &at(2.0)), (false, false));
-    assert_eq!(lit_sides(&gathering, &[[Vec3::ZERO; 3]]), (false, false));
+    assert_eq!(lit_sides(&gathering, &turned, &never), (false, true));
+    assert_eq!(lit_sides(&gathering, &at(2.0), &never), (false, false));
+    assert_eq!(lit_sides(&gathering, &[[Vec3::ZERO; 3]], &never), (false, false));
 }
 
 /// Cubes of one mesh: two of one size, one of another, one mirrored, one that is clear, and one that moves.
@@ -545,4 +546,37 @@ fn each_side_of_a_square_is_one_chart() {
         .map(|sheet| writer.vectors::<3>(sheet.attributes["POSITION"]).len())
         .collect();
     assert_eq!(vertices, [4, 4]);
+}
+
+#[test]
+fn shares_and_interruptions_change_no_bit() {
+    let scene = corner();
+    let texels = covered_texels(
+        &[patch(Vec3::ZERO, Vec3::Y, 1.0, 24.0, Vec2::splat(2.0))],
+        UVec2::splat(28),
+        1,
+    );
+    let view = settings(Strategy::Mis);
+    let gathering = gathering(&scene, &view);
+    let never = AtomicBool::new(false);
+    let whole = gather(&gathering, &texels, 50);
+    // Block by block, as a job does that is cancelled in the middle of a round.
+    let mut piecewise = Lightmaps::new(texels.texels.len());
+    let mut calls = 0;
+    while piecewise.reached() < 50 {
+        let end = piecewise.round_end(50);
+        piecewise.go_on(&gathering, &texels, end, 1, &never);
+        calls += 1;
+    }
+    assert!(piecewise == whole && calls > 16, "{calls} calls");
+    let mut merged = Lightmaps::new(texels.texels.len());
+    for range in [0..16, 16..48, 48..50] {
+        let mut share = Lightmaps::beginning_at(range.start, texels.texels.len());
+        assert!(share.add(&gathering, &texels, range.end - range.start, &never));
+        assert!(merged.append(share));
+    }
+    assert!(merged == whole);
+    // Gaps and other texels are refused.
+    assert!(!merged.append(Lightmaps::beginning_at(64, texels.texels.len())));
+    assert!(!merged.append(Lightmaps::beginning_at(50, 3)));
 }

@@ -9,6 +9,7 @@ use sunroom::bake::gathering::{Gathering, Site};
 use sunroom::bake::lightmap::Lightmaps;
 use sunroom::bake::placement::{PlacementError, around, check_sight, is_enclosed, seeing};
 use sunroom::bake::prefilter::Prefiltered;
+use sunroom::bake::progress::Work;
 use sunroom::bake::reflection::{finish, outlook};
 use sunroom::bake::texels::Texels;
 use sunroom::bake::volume::Grid;
@@ -57,7 +58,17 @@ fn gather<S: Site>(scene: &RenderScene, texels: &Texels<S>, samples: u32) -> Lig
 fn reflection(scene: &RenderScene, world_from_box: &Affine3A, samples: u32) -> Prefiltered {
     let texels = outlook(world_from_box, 16);
     let light = gather(scene, &texels, samples);
-    finish(world_from_box, 16, &light, None).expect("nothing is denoised")
+    finished(world_from_box, &light)
+}
+
+fn finished(world_from_box: &Affine3A, light: &Lightmaps) -> Prefiltered {
+    let work = &mut Work {
+        pool: &rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads"),
+        cancel: &AtomicBool::new(false),
+        watch: &mut |_| {},
+    };
+    let finished = finish(world_from_box, 16, light, false, work).expect("nothing is denoised");
+    finished.expect("nothing cancels it")
 }
 
 /// A long, low box that is turned.
@@ -293,11 +304,12 @@ fn points_inside_of_things_have_the_light_around_them_and_probes_stand_beside() 
 
     let view = settings();
     let gathering = gathering(&scene, &view);
-    assert_eq!(check_sight(&gathering, &level), Err(PlacementError::Buried));
-    let placed = seeing(&gathering, &level).expect("a place");
+    let never = AtomicBool::new(false);
+    assert_eq!(check_sight(&gathering, &level, &never), Err(PlacementError::Buried));
+    let placed = seeing(&gathering, &level, &never).expect("a place");
     let middle = Vec3::from(placed.translation);
     assert!(middle.abs().max_element() > 1.0 && middle.length() < 1.5, "{middle}");
-    assert_eq!(check_sight(&gathering, &placed), Ok(()));
+    assert_eq!(check_sight(&gathering, &placed, &never), Ok(()));
     assert!(is_enclosed(&scene, &placed));
     let outside = Affine3A::from_translation(Vec3::X * 3.5);
     assert!(!is_enclosed(&scene, &outside), "half of it is sky");
@@ -325,7 +337,7 @@ fn threads_and_rounds_change_no_bit_of_a_probe() {
             for &samples in rounds {
                 assert!(light.add(&gathering, &texels, samples, &AtomicBool::new(false)));
             }
-            let pictures = finish(&slanting(Vec3::Y), 16, &light, None).expect("nothing is denoised");
+            let pictures = finished(&slanting(Vec3::Y), &light);
             (light, pictures)
         })
     };

@@ -1,20 +1,22 @@
 //! The arguments of `sunroom bake`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use sunroom::bake::prefilter::SIZES;
+use sunroom::bake::prefilter::{SIZES, is_size};
 use sunroom::bake::unwrap::ATLAS_SIZES;
 
 use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
+use crate::cli::share::CheckpointArgs;
 
 #[derive(Args)]
 pub struct BakeArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Folder for the level, its lightmaps and lightmaps.json; it is made if it is not there
+    /// Folder for the level, its lightmaps and lightmaps.json, which is made if it is not there; with --samples the file of the share
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Texels per unit of length [default: as many as fit in one lightmap, if all shapes do]
@@ -32,6 +34,11 @@ pub struct BakeArgs {
     /// Stop at this noise, such as 0.01 or 1%: the root mean square error of texels relative to their luminance, as estimated
     #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
     pub noise: Option<f32>,
+    /// Gather only these samples of each texel, such as 0..32 (32 is not one of them); `sunroom merge` puts the shares together
+    #[arg(long, value_name = "A..B", value_parser = parse::samples, conflicts_with_all = ["time", "noise", "no_denoise"])]
+    pub samples: Option<Range<u32>>,
+    #[command(flatten)]
+    pub checkpoints: CheckpointArgs,
     /// Leave the direct light of points, spots and directional lights to the game, which has them in the level; that of shining surfaces and of the sky
     /// is baked all the same
     #[arg(long)]
@@ -42,8 +49,8 @@ pub struct BakeArgs {
     /// Width of each side of a reflection probe in texels, a power of two
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = probe_size, conflicts_with = "no_probes")]
     pub probe_size: u32,
-    /// Distance between the points of the irradiance volume around the level, which is made where the scene has none [default: such that there are about
-    /// 4096 points]
+    /// Distance between neighbouring points of light of the irradiance volume, in the scene's units of length. It is for the volume around the whole level, which
+    /// is made where the scene has none of its own [default: such that there are about 4096 points]
     #[arg(long, value_name = "LENGTH", value_parser = parse::density, allow_negative_numbers = true, conflicts_with = "no_probes")]
     pub probe_spacing: Option<f32>,
     /// Keep the noise instead of removing it with Open Image Denoise
@@ -71,9 +78,6 @@ fn atlas_size() -> impl clap::builder::TypedValueParser<Value = u32> {
 }
 
 fn probe_size(text: &str) -> Result<u32, String> {
-    let size = text
-        .parse()
-        .ok()
-        .filter(|size: &u32| size.is_power_of_two() && SIZES.contains(size));
+    let size = text.parse().ok().filter(|size| is_size(*size));
     size.ok_or_else(|| format!("a power of two from {} to {}", SIZES.start(), SIZES.end()))
 }

@@ -9,6 +9,9 @@ use sunroom::bake::progress::{Gathered, Progress as Now, Stage};
 use crate::cli::progress::{Progress, Shown};
 use crate::cli::report;
 
+/// Work that gathers no light is shown when it has taken so long.
+const WORTH_SAYING: Duration = Duration::from_secs(1);
+
 pub struct BakeProgress {
     quiet: bool,
     time: Option<Duration>,
@@ -27,32 +30,54 @@ impl BakeProgress {
         }
     }
 
+    /// Shows how far the preparation of a job is.
+    pub fn prepare(&mut self, now: &Now) {
+        let message = match now.stage {
+            Stage::PlacingProbes => "placing the probes",
+            _ => "unwrapping the level",
+        };
+        self.step(now, message.to_owned());
+    }
+
     /// Shows how far the job is now.
     pub fn show(&mut self, job: &BakeJob, now: &Now) {
-        if self.stage.as_ref().is_none_or(|(stage, ..)| *stage != now.stage) {
+        let probe = |number: usize| &job.blueprint().probes[number];
+        if let Stage::Probe(number) = now.stage
+            && self.is_new(now.stage)
+            && !self.quiet
+        {
             self.end();
-            if let Stage::Probe(number) = now.stage
-                && !self.quiet
-            {
-                report::line(title(&job.blueprint().probes[number]));
-            }
+            report::line(title(probe(number)));
         }
-        let Some(gathered) = &now.gathered else {
+        let message = match (now.stage, &now.gathered) {
+            (_, Some(gathered)) => self.message(now.stage, gathered),
+            (Stage::FinishingProbe(number), _) => format!("filtering `{}`", probe(number).name),
+            _ => "finishing the lightmaps".to_owned(),
+        };
+        self.step(now, message);
+    }
+
+    fn is_new(&self, stage: Stage) -> bool {
+        self.stage.as_ref().is_none_or(|(known, ..)| *known != stage)
+    }
+
+    fn step(&mut self, now: &Now, message: String) {
+        if self.is_new(now.stage) {
+            self.end();
+            self.stage = Some((now.stage, Progress::new(self.quiet, None), Shown::default()));
+        }
+        let Some((_, progress, last)) = &mut self.stage else {
             return;
         };
-        let shown = Shown {
+        *last = Shown {
             done: now.done,
-            samples: gathered.samples,
+            samples: now.gathered.map_or(0, |gathered| gathered.samples),
             seconds: now.spent.as_secs_f64(),
-            message: self.message(now.stage, gathered),
+            message,
         };
-        let (_, _, last) = self.stage.get_or_insert_with(|| {
-            let progress = Progress::new(self.quiet, None);
-            (now.stage, progress, Shown::default())
-        });
-        *last = shown;
-        if let Some((_, progress, shown)) = &mut self.stage {
-            progress.show(shown);
+        // What takes a moment is not worth a line.
+        if now.gathered.is_some() || now.spent >= WORTH_SAYING {
+            progress.show(last);
         }
     }
 

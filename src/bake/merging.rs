@@ -1,0 +1,134 @@
+//! Puts the shares of a bake together, with the bits of a bake in one go.
+
+use std::path::PathBuf;
+
+use super::blueprint::Blueprint;
+use super::lightmap::Lightmaps;
+use super::part::{PartError, PartHeader, read_header, read_part};
+use crate::memory::{self, Reservation, Shortage};
+
+/// The reason why shares make no bake.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum MergeError {
+    #[error("there are no shares")]
+    Nothing,
+    #[error("{name} {source}")]
+    Part { name: String, source: PartError },
+    #[error(
+        "{0} is a checkpoint: `sunroom bake --resume` goes on with it, and a share is made by `sunroom bake --samples`"
+    )]
+    Checkpoint(String),
+    #[error("{0} is not finished: resume it by `sunroom bake --samples ... --resume {0}`")]
+    Unfinished(String),
+    #[error("{name} is a share of another bake than {first}: {text}")]
+    Foreign { name: String, first: String, text: String },
+    #[error("{name} is a share of another bake than {first}: its texels or probes are others")]
+    Other { name: String, first: String },
+    #[error("{first} and {second} both have samples {}..{}", .samples[0], .samples[1])]
+    Overlap {
+        first: String,
+        second: String,
+        samples: [u32; 2],
+    },
+    #[error("no share has samples {}..{}", .samples[0], .samples[1])]
+    Gap { samples: [u32; 2] },
+    #[error("the lightmaps: {0}")]
+    Memory(#[from] Shortage),
+}
+
+/// A bake that is put together.
+#[derive(Debug)]
+pub struct Merged {
+    /// Everything but the light.
+    pub blueprint: Blueprint,
+    /// The light of the lightmaps, and then that of each probe.
+    pub lights: Vec<Lightmaps>,
+    _memory: Reservation,
+}
+
+/// Puts shares together, in whatever order they come. `force` is for those of other scenes, settings or versions, as long as they have the same texels.
+pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
+    let mut parts: Vec<(String, &PathBuf, PartHeader)> = Vec::new();
+    for path in paths {
+        let name = path.display().to_string();
+        match read_header(path) {
+            Ok(header) => parts.push((name, path, header)),
+            Err(source) => return Err(MergeError::Part { name, source }),
+        }
+    }
+    check(&parts, force)?;
+    parts.sort_by_key(|(_, _, header)| header.samples);
+    let mut merged: Option<Merged> = None;
+    for (name, path, _) in &parts {
+        let failed = |source| MergeError::Part {
+            name: name.clone(),
+            source,
+        };
+        let (_, blueprint, light) = read_part(path).map_err(failed)?;
+        let blueprint = blueprint.ok_or_else(|| MergeError::Checkpoint(name.clone()))?;
+        let Some(merged) = &mut merged else {
+            merged = Some(Merged {
+                _memory: memory::reserve(blueprint.memory_bytes())?,
+                blueprint,
+                lights: light.lights,
+            });
+            continue;
+        };
+        let other = || MergeError::Other {
+            name: name.clone(),
+            first: parts[0].0.clone(),
+        };
+        if blueprint != merged.blueprint {
+            return Err(other());
+        }
+        for (sum, more) in merged.lights.iter_mut().zip(light.lights) {
+            if !sum.append(more) {
+                return Err(other());
+            }
+        }
+    }
+    merged.ok_or(MergeError::Nothing)
+}
+
+/// Refuses what are no finished shares of one bake, and shares that do not make up a whole one.
+fn check(parts: &[(String, &PathBuf, PartHeader)], force: bool) -> Result<(), MergeError> {
+    let Some((first_name, _, first)) = parts.first() else {
+        return Err(MergeError::Nothing);
+    };
+    for (name, _, header) in parts {
+        if !header.is_share {
+            return Err(MergeError::Checkpoint(name.clone()));
+        }
+        if !header.is_finished {
+            return Err(MergeError::Unfinished(name.clone()));
+        }
+        let differences = header.origin.differences(&first.origin);
+        if !differences.is_empty() && !force {
+            return Err(MergeError::Foreign {
+                name: name.clone(),
+                first: first_name.clone(),
+                text: differences.join("; "),
+            });
+        }
+    }
+    let mut sorted: Vec<(&String, [u32; 2])> = parts.iter().map(|(name, _, header)| (name, header.samples)).collect();
+    sorted.sort_by_key(|(_, samples)| *samples);
+    let (mut reached, mut last) = (0, first_name);
+    for (name, [start, end]) in sorted {
+        if start > reached {
+            return Err(MergeError::Gap {
+                samples: [reached, start],
+            });
+        }
+        if start < reached {
+            return Err(MergeError::Overlap {
+                first: last.clone(),
+                second: name.clone(),
+                samples: [start, end.min(reached)],
+            });
+        }
+        (reached, last) = (end, name);
+    }
+    Ok(())
+}

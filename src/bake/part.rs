@@ -1,0 +1,235 @@
+//! Checkpoints and shares of a bake: the exact sums of the samples so far, from which a bake goes on, or which are put together.
+//!
+//! The file is `SUNBAKE` and a line feed, the version of the format, what the bake is of, in a share everything that its files need but the light, the sums, and
+//! a checksum of all of it. Numbers are stored least significant byte first.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use flate2::Crc;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::blueprint::Blueprint;
+use super::lightmap::{BLOCK, Lightmaps, TexelSum};
+use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
+use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::part::Origin;
+
+const MAGIC: &[u8; 8] = b"SUNBAKE\n";
+/// The version of the format.
+const FORMAT: u32 = 1;
+/// Bytes of the sums of a texel.
+const TEXEL: usize = 4 * 8 + 4;
+
+/// What the file is of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartHeader {
+    /// What the samples depend on.
+    pub origin: Origin,
+    /// The samples of each texel of a lightmap: the first, and the end of those that are asked for.
+    pub samples: [u32; 2],
+    /// Whether everything has the samples that are asked for.
+    pub is_finished: bool,
+    /// Whether the file is a share, which has everything that the files of the bake need.
+    pub is_share: bool,
+}
+
+/// The light of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartLight {
+    /// The light of the lightmaps, and then that of each probe.
+    pub lights: Vec<Lightmaps>,
+    /// The time in which each was gathered.
+    pub spent: Vec<Duration>,
+}
+
+/// The reason why a file cannot be read. The messages do not name the file.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum PartError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("is no checkpoint or share of a bake, which begins with `SUNBAKE`")]
+    Foreign,
+    #[error("was written by another version of Sunroom: its format is {0}, and this version reads {FORMAT}")]
+    Format(u32),
+    #[error("is damaged: its content and its checksum do not belong together")]
+    Damaged,
+}
+
+impl From<Damaged> for PartError {
+    fn from(_: Damaged) -> Self {
+        Self::Damaged
+    }
+}
+
+/// Whether a file begins as a checkpoint or share of a bake does.
+pub fn is_part(path: &Path) -> bool {
+    let mut start = [0; MAGIC.len()];
+    let file = files::open(path, LARGEST_DATA);
+    file.is_ok_and(|mut file| io::Read::read_exact(&mut file, &mut start).is_ok()) && start == *MAGIC
+}
+
+/// Writes a file in one step: after a failure the old one is there. A share has a blueprint.
+pub fn write_part(
+    path: &Path,
+    header: &PartHeader,
+    blueprint: Option<&Blueprint>,
+    lights: &[Lightmaps],
+    spent: &[Duration],
+) -> io::Result<()> {
+    write_atomically_with(path, |file| {
+        let mut file = Summed { file, crc: Crc::new() };
+        let text = serde_json::to_vec(header)?;
+        let mut start = Writer::default();
+        start.0.extend_from_slice(MAGIC);
+        start.u32(FORMAT);
+        start.u64(text.len() as u64);
+        start.0.extend(text);
+        if let Some(blueprint) = blueprint {
+            blueprint.write(&mut start);
+        }
+        start.u32(lights.len() as u32);
+        file.write(&start.0)?;
+        for (light, spent) in lights.iter().zip(spent) {
+            write_light(light, *spent, &mut file)?;
+        }
+        let sum = file.crc.sum();
+        file.file.write_all(&sum.to_le_bytes())
+    })
+}
+
+struct Summed<'a> {
+    file: &'a mut dyn Write,
+    crc: Crc,
+}
+
+impl Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.crc.update(bytes);
+        self.file.write_all(bytes)
+    }
+}
+
+fn write_light(light: &Lightmaps, spent: Duration, file: &mut Summed) -> io::Result<()> {
+    let mut start = Writer::default();
+    start.u64(light.texel_count() as u64);
+    start.u32(light.first);
+    start.u32(light.groups.len() as u32);
+    start.u64(light.rays);
+    start.u64(light.invalid);
+    start.f64(spent.as_secs_f64());
+    light.ends.iter().for_each(|end| start.u32(*end));
+    file.write(&start.0)?;
+    for group in &light.groups {
+        for sums in group.chunks(1 << 14) {
+            let mut bytes = Writer(Vec::with_capacity(sums.len() * TEXEL));
+            for sum in sums {
+                sum.light.to_array().iter().for_each(|number| bytes.f64(*number));
+                bytes.f64(sum.luminance_squared);
+                bytes.u32(sum.backs);
+            }
+            file.write(&bytes.0)?;
+        }
+    }
+    Ok(())
+}
+
+fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
+    let count = usize::try_from(bytes.u64()?).map_err(|_| Damaged)?;
+    let (first, groups) = (bytes.u32()?, bytes.u32()?);
+    let (rays, invalid) = (bytes.u64()?, bytes.u64()?);
+    let spent = Duration::try_from_secs_f64(bytes.f64()?).map_err(|_| Damaged)?;
+    let mut ends = Reader(bytes.bytes(count.div_ceil(BLOCK).checked_mul(4).ok_or(Damaged)?)?);
+    let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.u32()).collect();
+    let ends = ends?;
+    if groups == 0 || (first == 0 && groups != 1) || ends.iter().any(|end| *end < first) {
+        return Err(Damaged);
+    }
+    // The bytes are there before memory is taken for what they say.
+    let groups: Result<Vec<Vec<TexelSum>>, Damaged> = (0..groups)
+        .map(|_| {
+            let mut sums = Reader(bytes.bytes(count.checked_mul(TEXEL).ok_or(Damaged)?)?);
+            (0..count).map(|_| read_sum(&mut sums)).collect()
+        })
+        .collect();
+    let light = Lightmaps {
+        first,
+        groups: groups?,
+        ends,
+        rays,
+        invalid,
+    };
+    Ok((light, spent))
+}
+
+fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
+    Ok(TexelSum {
+        light: DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?),
+        luminance_squared: bytes.f64()?,
+        backs: bytes.u32()?,
+    })
+}
+
+/// Reads what a file is of.
+pub fn read_header(path: &Path) -> Result<PartHeader, PartError> {
+    Ok(header(&mut Reader(&content(path)?))?)
+}
+
+/// Reads a whole file; a share has a blueprint.
+pub fn read_part(path: &Path) -> Result<(PartHeader, Option<Blueprint>, PartLight), PartError> {
+    let content = content(path)?;
+    let mut bytes = Reader(&content);
+    let header = header(&mut bytes)?;
+    let blueprint = match header.is_share {
+        true => Some(Blueprint::read(&mut bytes)?),
+        false => None,
+    };
+    let (mut lights, mut spent) = (Vec::new(), Vec::new());
+    for _ in 0..bytes.u32()? {
+        let (light, time) = read_light(&mut bytes)?;
+        lights.push(light);
+        spent.push(time);
+    }
+    let fits = blueprint.as_ref().is_none_or(|blueprint| {
+        let counts = lights.iter().map(Lightmaps::texel_count);
+        counts.eq(blueprint.texel_counts())
+    });
+    match fits && bytes.0.is_empty() && !lights.is_empty() {
+        true => Ok((header, blueprint, PartLight { lights, spent })),
+        false => Err(PartError::Damaged),
+    }
+}
+
+/// What is between the version and the checksum.
+fn content(path: &Path) -> Result<Vec<u8>, PartError> {
+    let mut bytes = files::read(path, LARGEST_DATA)?;
+    if !bytes.starts_with(MAGIC) {
+        return Err(PartError::Foreign);
+    }
+    let start = MAGIC.len() + 4;
+    let end = bytes.len().checked_sub(4).filter(|end| *end >= start).ok_or(Damaged)?;
+    let format = Reader(&bytes[MAGIC.len()..]).u32()?;
+    if format != FORMAT {
+        return Err(PartError::Format(format));
+    }
+    let mut crc = Crc::new();
+    crc.update(&bytes[..end]);
+    if Reader(&bytes[end..]).u32()? != crc.sum() {
+        return Err(PartError::Damaged);
+    }
+    bytes.truncate(end);
+    bytes.drain(..start);
+    Ok(bytes)
+}
+
+fn header(bytes: &mut Reader) -> Result<PartHeader, Damaged> {
+    let length = usize::try_from(bytes.u64()?).map_err(|_| Damaged)?;
+    let header: PartHeader = serde_json::from_slice(bytes.bytes(length)?).map_err(|_| Damaged)?;
+    match header.samples[0] < header.samples[1] {
+        true => Ok(header),
+        false => Err(Damaged),
+    }
+}

@@ -1,0 +1,45 @@
+//! Shares of a bake are put together.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use sunroom::bake::files;
+use sunroom::bake::merging::merge;
+
+use super::{check_denoiser, report_invalid, within_folder};
+use crate::cli::report::{self, Failure};
+
+/// What `sunroom merge` is asked for.
+pub struct Shares<'a> {
+    pub paths: &'a [PathBuf],
+    /// The folder of the bake, and no other.
+    pub outputs: &'a [PathBuf],
+    pub denoise: bool,
+    /// Shares of other scenes, settings or versions are merged as well.
+    pub force: bool,
+    pub threads: usize,
+    pub quiet: bool,
+}
+
+impl Shares<'_> {
+    pub fn merge(&self) -> Result<ExitCode, Failure> {
+        check_denoiser(self.denoise)?;
+        let [folder] = self.outputs else {
+            return Err(Failure::Usage(
+                "the shares of a bake make one folder: give one `-o`".to_owned(),
+            ));
+        };
+        within_folder(folder, || {
+            let mut merged = merge(self.paths, self.force)?;
+            merged.blueprint.denoise = self.denoise;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+            let baked = merged.blueprint.finished(&merged.lights, &pool)?;
+            files::write(folder, &merged.blueprint, &baked)?;
+            report_invalid(merged.lights.iter().map(|light| light.invalid).sum());
+            if !self.quiet {
+                report::line(format_args!("the level is in {}", folder.display()));
+            }
+            Ok(ExitCode::SUCCESS)
+        })
+    }
+}
