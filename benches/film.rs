@@ -24,7 +24,7 @@ fn main() {
         .into_iter()
         .map(|pass| tiles.iter().map(|&tile| samples_of(tile, pass.clone())).collect())
         .collect();
-    let (mut film, mut noise) = (Film::default(), PictureNoise::default());
+    let (mut film, mut noise) = (Film::default(), PictureNoise::new(0));
     let mut adding = least(|| {
         film.begin(SIZE[0], SIZE[1], Default::default());
         noise = PictureNoise::new(tiles.len());

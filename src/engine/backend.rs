@@ -8,6 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use super::priority;
 use super::schedule::WorkItem;
 use crate::render::adaptive::{PilotTile, render_pilot};
+use crate::render::replicas::{ReplicaSums, render_replicas};
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, render_blocks, render_preview};
@@ -32,6 +33,7 @@ pub(super) enum TileResult {
         index: usize,
         pilot: PilotTile,
     },
+    Replicas(ReplicaSums),
     Samples {
         index: usize,
         samples: TileSamples,
@@ -83,6 +85,10 @@ impl Backend {
                 WorkItem::Pilot { index, number, samples } => {
                     let pilot = render_pilot(&scene, &view, tiles[*index], *number, *samples, cancel)?;
                     Some(TileResult::Pilot { index: *index, pilot })
+                }
+                WorkItem::Replicas(missing) => {
+                    let sums = render_replicas(&scene, &view, shutter.as_ref(), missing, cancel)?;
+                    Some(TileResult::Replicas(sums))
                 }
                 WorkItem::Samples { index, samples, blocks } => {
                     let (tile, samples, blocks) = (tiles[*index], samples.clone(), blocks.clone());

@@ -107,7 +107,8 @@ pub(super) fn dispatch_job(
         *job = Some(new);
     }
     if let Some(job) = job {
-        job.run(backend, &stop, EventLoopWaker::new(&demand.wake_up));
+        let shown = film.bypass_change_detection();
+        job.run(backend, &stop, shown, EventLoopWaker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
             // The last picture stays in the film until the first tile of the new one has arrived.
             job.begin_in(film.bypass_change_detection());

@@ -24,6 +24,7 @@ use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
 use crate::render::clamp::BrightnessLimit;
 use crate::render::noise::PictureNoise;
 use crate::render::passes::pass_end;
+use crate::render::replicas::Replicas;
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
@@ -86,6 +87,8 @@ pub(super) struct Job {
     /// What asked for the present round, and its end in samples.
     round: (Rounds, u32),
     adaptation: Adaptation,
+    /// None until a limit of noise is asked for.
+    replicas: Option<Replicas>,
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
     /// The indices in `tiles` of those in the region.
@@ -139,6 +142,7 @@ impl Job {
             judged: None,
             round: (Rounds::default(), 0),
             adaptation,
+            replicas: None,
             region: None,
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
@@ -217,6 +221,7 @@ impl Job {
         let samples = self.least_samples();
         // A limit that comes later than the judgement counts at the end of the pass that has been begun.
         let judged = self.judged_at(samples).filter(|_| self.are_equal(samples));
+        let judged = judged.filter(|judged| judged.is_corrected || !self.has_replicas_at(samples));
         stop.reached(samples, self.seconds(), judged.map(|judged| judged.noise))
     }
 
@@ -243,6 +248,8 @@ impl Job {
             self.adaptation.go_on_in(&self.active);
             self.noise = None;
             self.judged = None;
+            self.replicas = None;
+            self.noise_of_tiles.correct(1.0);
             self.round = (Rounds::default(), 0);
         }
     }
@@ -254,7 +261,7 @@ impl Job {
     }
 
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
-    pub fn run(&mut self, backend: &Backend, stop: &StopCondition, waker: EventLoopWaker) {
+    pub fn run(&mut self, backend: &Backend, stop: &StopCondition, film: &mut RenderFilm, waker: EventLoopWaker) {
         self.set_region(stop.region);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {
@@ -290,7 +297,7 @@ impl Job {
         // Samples go on as they would have without an interruption, not with the previews.
         let queue = match self.is_resumed && !previews.is_empty() {
             true => WorkQueue::new(&[], 0, &previews, step),
-            false => self.next_queue(stop, asked, &previews, step),
+            false => self.next_queue(stop, asked, film, &previews, step),
         };
         self.running_since = Some(Instant::now());
         let work = backend.work(
@@ -398,6 +405,13 @@ impl Job {
                 self.adaptation.add(index, pilot, done, &self.active, &film.film);
                 0
             }
+            TileResult::Replicas(rendered) => {
+                self.rays += rendered.rays;
+                if let Some(replicas) = &mut self.replicas {
+                    replicas.add(&rendered);
+                }
+                1
+            }
             TileResult::Samples { index, samples } => {
                 spent.previews.extend(self.begin_in(film));
                 self.early.insert((index, samples.samples.start), samples);
@@ -419,8 +433,8 @@ impl Job {
             self.tiles.iter().for_each(|&tile| film.mark(tile));
         }
         film.samples = samples;
-        self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         self.judge(film);
+        self.note_noise();
     }
 
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {

@@ -13,6 +13,7 @@ use bevy::math::{Rect, UVec2};
 use super::adaptation::TileRound;
 use crate::render::adaptive::PerBlock;
 use crate::render::passes::pass_end;
+use crate::render::replicas::Missing;
 use crate::render::tile::Tile;
 
 /// Sorts tiles from the middle of the picture outwards, for that is where people look.
@@ -54,6 +55,8 @@ pub(super) enum WorkItem {
         number: u32,
         samples: u32,
     },
+    /// Samples of some replicas.
+    Replicas(Arc<[Missing]>),
     /// Samples of all pixels, or of each block its own.
     Samples {
         index: usize,
@@ -61,6 +64,9 @@ pub(super) enum WorkItem {
         blocks: Option<Arc<PerBlock<Range<u32>>>>,
     },
 }
+
+/// The number of replicas in a piece of work.
+const REPLICAS_AT_ONCE: usize = 16;
 
 /// Deals out a job's work, pass after pass. Each worker claims its next item, so that none waits while there is work.
 pub(super) struct WorkQueue {
@@ -77,8 +83,8 @@ struct QueueState {
     /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
-    /// The pilots that are not claimed yet, the next one last.
-    pilots: Vec<WorkItem>,
+    /// The pilots or replicas that are not claimed yet, the next one last.
+    beside: Vec<WorkItem>,
     /// The rounds of tiles whose blocks differ.
     rounds: BTreeMap<usize, TileRound>,
 }
@@ -94,7 +100,7 @@ impl WorkQueue {
                 previews: previews.iter().rev().copied().collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
-                pilots: Vec::new(),
+                beside: Vec::new(),
                 rounds: BTreeMap::new(),
             }),
         }
@@ -104,7 +110,15 @@ impl WorkQueue {
     pub fn of_pilot(tiles: &[usize], number: u32, samples: u32) -> Self {
         let queue = Self::new(&[], 0, &[], 1);
         let pilot = |&index: &usize| WorkItem::Pilot { index, number, samples };
-        queue.state().pilots = tiles.iter().rev().map(pilot).collect();
+        queue.state().beside = tiles.iter().rev().map(pilot).collect();
+        queue
+    }
+
+    /// A queue of what is missing of replicas.
+    pub fn of_replicas(missing: &[Missing]) -> Self {
+        let queue = Self::new(&[], 0, &[], 1);
+        let pieces = missing.chunks(REPLICAS_AT_ONCE).rev();
+        queue.state().beside = pieces.map(|piece| WorkItem::Replicas(piece.into())).collect();
         queue
     }
 
@@ -122,8 +136,8 @@ impl WorkQueue {
                 step: state.step,
             });
         }
-        if let Some(pilot) = state.pilots.pop() {
-            return Some(pilot);
+        if let Some(item) = state.beside.pop() {
+            return Some(item);
         }
         let &Reverse((done, index)) = state.waiting.peek()?;
         if done >= state.target {
@@ -176,7 +190,7 @@ mod tests {
             .map(|item| match item {
                 WorkItem::Preview { index, .. } => (index, 0, 0),
                 WorkItem::Samples { index, samples, .. } => (index, samples.start, samples.end),
-                WorkItem::Pilot { .. } => unreachable!("none was asked for"),
+                WorkItem::Pilot { .. } | WorkItem::Replicas(_) => unreachable!("none was asked for"),
             })
             .collect()
     }

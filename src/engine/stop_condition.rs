@@ -34,7 +34,7 @@ pub enum StopReason {
 }
 
 /// Below this number of samples the spread says little: few samples of a rare bright thing have missed it, and agree.
-const FEWEST_FOR_NOISE: u32 = 16;
+pub const FEWEST_FOR_NOISE: u32 = 16;
 
 /// From this number of samples on a picture without light is taken for one.
 const FEWEST_FOR_BLACK: u32 = 1024;
@@ -49,6 +49,8 @@ pub type Rounds = (Option<f32>, bool);
 pub struct JudgedNoise {
     pub samples: u32,
     pub noise: Option<f32>,
+    /// Whether replicas have told.
+    pub is_corrected: bool,
 }
 
 /// What the sensor's film asks for.

@@ -50,6 +50,8 @@ pub struct Film {
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,
+    /// How many times the estimate the squared errors of the pixels' own samples are, where [`super::replicas`] have told.
+    correction: Option<f32>,
 }
 
 impl Film {
@@ -91,6 +93,7 @@ impl Film {
         self.begun.clear();
         self.begun.resize(tiles, None);
         self.chunks = None;
+        self.correction = None;
         std::mem::replace(&mut self.previews, vec![None; tiles])
     }
 

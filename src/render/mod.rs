@@ -35,6 +35,7 @@ pub mod path;
 mod path_state;
 mod photon_map;
 pub mod photon_rounds;
+pub mod replicas;
 mod roulette;
 pub mod scene;
 pub mod shutter;

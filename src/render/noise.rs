@@ -7,10 +7,11 @@ use super::tile::Tile;
 pub const DARK: f32 = 0.1;
 
 /// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a frame may.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct PictureNoise {
     tiles: Vec<TileNoise>,
     whole: TileNoise,
+    correction: f32,
 }
 
 /// Sums over the pixels that have two samples or more.
@@ -21,6 +22,8 @@ struct TileNoise {
     light: f64,
     /// The sum of the squared standard errors relative to the luminance.
     squares: f64,
+    /// The part of it that is by splats.
+    by_splats: f64,
 }
 
 impl PictureNoise {
@@ -28,12 +31,13 @@ impl PictureNoise {
     pub fn new(tiles: usize) -> Self {
         Self {
             tiles: vec![TileNoise::default(); tiles],
-            ..Self::default()
+            whole: TileNoise::default(),
+            correction: 1.0,
         }
     }
 
-    /// The relative noise of these tiles of a film, see [`Self::relative`]: the same bits in whatever order their samples came.
-    pub fn of(film: &Film, tiles: &[Tile]) -> Option<f32> {
+    /// The noise of these tiles of a film alone: the same bits in whatever order their samples came.
+    pub fn of(film: &Film, tiles: &[Tile]) -> Self {
         let mut noise = Self::new(tiles.len());
         // The first round finds the mean luminance, by which the second one knows what is dark.
         for _ in 0..2 {
@@ -42,7 +46,30 @@ impl PictureNoise {
                 .enumerate()
                 .for_each(|(index, &tile)| noise.update(index, film, tile));
         }
-        noise.relative(0..tiles.len())
+        noise
+    }
+
+    /// Says how many times what is estimated from the pixels' own samples their squared errors are, see [`super::replicas`]; 1 at first.
+    pub fn correct(&mut self, correction: f32) {
+        self.correction = correction;
+    }
+
+    /// What [`Self::correct`] was told.
+    pub fn correction(&self) -> f32 {
+        self.correction
+    }
+
+    /// The luminance below which pixels are judged as if they had it.
+    pub(super) fn dark(&self) -> f32 {
+        match self.whole.pixels {
+            0 => 0.0,
+            pixels => DARK * (self.whole.light / pixels as f64) as f32,
+        }
+    }
+
+    /// The sum over all pixels of what is estimated from their own samples: their squared standard errors relative to the luminance.
+    pub(super) fn own_squares(&self) -> f64 {
+        self.tiles.iter().map(|tile| tile.squares - tile.by_splats).sum()
     }
 
     /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
@@ -52,17 +79,22 @@ impl PictureNoise {
         let mut new = TileNoise {
             pixels: pixels.len() as u64,
             light: pixels.iter().map(|(mean, _)| f64::from(mean.abs())).sum(),
-            squares: 0.0,
+            ..TileNoise::default()
         };
-        let old = &mut self.tiles[index];
+        let old = self.tiles[index];
         self.whole.pixels += new.pixels - old.pixels;
         self.whole.light += new.light - old.light;
         if self.whole.light > 0.0 {
-            let least = DARK * (self.whole.light / self.whole.pixels as f64) as f32;
+            let least = self.dark();
             let relative = |&(mean, squared_error): &(f32, f32)| squared_error / mean.abs().max(least).powi(2);
             new.squares = pixels.iter().map(|pixel| f64::from(relative(pixel))).sum();
+            if film.has_splats() {
+                let splats = pixels.iter().zip(film.splat_variances(tile));
+                let relative = |((mean, _), variance): (&(f32, f32), f32)| f64::from(relative(&(*mean, variance)));
+                new.by_splats = splats.map(relative).sum();
+            }
         }
-        *old = new;
+        self.tiles[index] = new;
     }
 
     /// The root mean square over the pixels of the estimated standard error of a pixel's luminance relative to that luminance; 0.01 is
@@ -70,12 +102,14 @@ impl PictureNoise {
     ///
     /// Over the pixels of the tiles at `indices` that have two samples or more; None if there are none, or where all is black.
     pub fn relative(&self, indices: impl IntoIterator<Item = usize>) -> Option<f32> {
-        let (mut pixels, mut light, mut squares) = (0.0, 0.0, 0.0);
+        let (mut pixels, mut light, mut squares, mut own) = (0.0, 0.0, 0.0, 0.0);
         for tile in indices.into_iter().map(|index| &self.tiles[index]) {
             pixels += tile.pixels as f64;
             light += tile.light;
             squares += tile.squares;
+            own += tile.squares - tile.by_splats;
         }
+        squares += f64::from(self.correction - 1.0) * own;
         (light > 0.0).then(|| (squares / pixels).sqrt() as f32)
     }
 }

@@ -50,6 +50,12 @@ impl Shutter {
         Self(self.0.iter().map(moment).collect())
     }
 
+    /// The same moments with other random numbers.
+    pub fn with_seed(&self, seed: u32) -> Self {
+        let moment = |(scene, view): &Moment| (scene.clone(), View { seed, ..view.clone() });
+        Self(self.0.iter().map(moment).collect())
+    }
+
     /// The number of moments.
     pub fn moments(&self) -> usize {
         self.0.len()

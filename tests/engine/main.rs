@@ -10,6 +10,7 @@ mod auto;
 mod flying;
 mod large;
 mod light_mixing;
+mod noise;
 mod rebuilding;
 mod stopping;
 mod view_size;

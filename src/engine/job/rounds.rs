@@ -1,10 +1,11 @@
-//! The rounds of a job: where they end, the pilots between them, and the noise that is judged at their ends.
+//! The rounds of a job: where they end, the pilots between them, and the noise that is judged at their ends with the help of replicas.
 
 use super::Job;
 use crate::engine::film::RenderFilm;
 use crate::engine::schedule::WorkQueue;
-use crate::engine::stop_condition::{JudgedNoise, Rounds, StopCondition};
+use crate::engine::stop_condition::{FEWEST_FOR_NOISE, JudgedNoise, Rounds, StopCondition};
 use crate::render::noise::PictureNoise;
+use crate::render::replicas::{Missing, Replicas, has_replicas};
 use crate::render::tile::Tile;
 
 /// The least samples at the end of a round in which blocks differ.
@@ -26,6 +27,7 @@ impl Job {
         &mut self,
         stop: &StopCondition,
         asked: Rounds,
+        film: &mut RenderFilm,
         previews: &[usize],
         step: u32,
     ) -> WorkQueue {
@@ -33,6 +35,13 @@ impl Job {
         // An interrupted round goes on to its own end. Where else it ended would depend on the moment of the interruption, and so would the picture.
         let (asked_then, end) = self.round;
         let goes_on = asked_then == asked && end != u32::MAX && done < end;
+        if !goes_on && previews.is_empty() && asked.0.is_some() {
+            let missing = self.missing_replicas(done, film);
+            if !missing.is_empty() {
+                return WorkQueue::of_replicas(&missing);
+            }
+            self.judge(film);
+        }
         if !goes_on && let Some(pilot) = self.begin_round(done, stop, asked, previews.is_empty()) {
             return pilot;
         }
@@ -81,23 +90,71 @@ impl Job {
         None
     }
 
-    /// Judges the noise once all pixels of the region have the same number of samples. The tiles are read in a fixed order, so that the result does not
-    /// depend on the threads.
-    pub(super) fn judge(&mut self, film: &RenderFilm) {
+    /// Whether replicas tell the noise after so many samples, if a limit of it is asked for. Of a share it is not asked.
+    pub(super) fn has_replicas_at(&self, samples: u32) -> bool {
+        samples >= FEWEST_FOR_NOISE && self.share.is_none() && has_replicas(self.view.integrator)
+    }
+
+    /// What replicas lack to tell the noise once all pixels of the region have `done` samples.
+    fn missing_replicas(&mut self, done: u32, film: &RenderFilm) -> Vec<Missing> {
+        if !self.has_replicas_at(done) || !self.are_equal(done) {
+            return Vec::new();
+        }
+        let replicas = self.replicas.take();
+        let replicas = replicas.unwrap_or_else(|| Replicas::choose(&film.film, &self.active_tiles(), self.view.seed));
+        self.replicas.insert(replicas).missing(&film.film)
+    }
+
+    fn active_tiles(&self) -> Vec<Tile> {
+        self.active.iter().map(|&index| self.tiles[index]).collect()
+    }
+
+    /// Judges the noise once all pixels of the region have the same number of samples, and replicas as many where there are any. The tiles are read in a
+    /// fixed order, so that the result does not depend on the threads.
+    pub(super) fn judge(&mut self, film: &mut RenderFilm) {
         let samples = self.least_samples();
-        if !self.are_equal(samples) || samples == 0 || self.judged_at(samples).is_some() {
+        if !self.are_equal(samples) || samples == 0 {
+            return;
+        }
+        let replicas = self.replicas.as_ref();
+        let replicas = replicas.filter(|replicas| self.has_replicas_at(samples) && replicas.are_whole(&film.film));
+        if self
+            .judged_at(samples)
+            .is_some_and(|judged| judged.is_corrected || replicas.is_none())
+        {
             return;
         }
         // Within a round it depends on the threads when tiles are equal, and a limit of noise must not.
         let ((noise_asked, _), end) = self.round;
-        if noise_asked.is_some() && samples != end {
+        if noise_asked.is_some() && replicas.is_none() && samples != end {
             return;
         }
-        let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
-        self.noise = PictureNoise::of(&film.film, &tiles);
+        let mut noise = PictureNoise::of(&film.film, &self.active_tiles());
+        noise.correct(self.noise_of_tiles.correction());
+        if let Some(replicas) = replicas {
+            noise.correct(replicas.correction(&film.film, &noise));
+        }
         self.judged = Some(JudgedNoise {
             samples,
-            noise: self.noise,
+            noise: noise.relative(0..self.active.len()),
+            is_corrected: replicas.is_some(),
         });
+        self.correct_noise(noise.correction(), film);
+    }
+
+    /// Has all that is told of noise from now on be so many times what the samples foretell.
+    pub(super) fn correct_noise(&mut self, correction: f32, film: &mut RenderFilm) {
+        self.noise_of_tiles.correct(correction);
+        if self.replicas.is_some() && film.film.correct_errors(correction) {
+            self.active.iter().for_each(|&index| film.mark(self.tiles[index]));
+        }
+    }
+
+    /// Takes note of the noise: as it was judged, or as far as it is known between rounds.
+    pub(super) fn note_noise(&mut self) {
+        let samples = self.least_samples();
+        let judged = self.judged_at(samples).filter(|_| self.are_equal(samples));
+        let known = || self.noise_of_tiles.relative(self.active.iter().copied());
+        self.noise = judged.map_or_else(known, |judged| judged.noise);
     }
 }

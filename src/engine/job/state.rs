@@ -2,11 +2,14 @@
 
 use std::time::Duration;
 
+use bevy::math::UVec2;
+
 use super::Job;
 use crate::engine::film::RenderFilm;
 use crate::engine::stop_condition::JudgedNoise;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
+use crate::render::replicas::Replicas;
 
 impl Job {
     /// Writes the state. Passes under way are not saved; they are rendered again.
@@ -24,9 +27,15 @@ impl Job {
         to.u32(u32::from(is_adaptive));
         to.u32(end);
         to.u32(u32::from(self.judged.is_some()));
-        if let Some(JudgedNoise { samples, noise }) = self.judged {
-            to.u32(samples);
-            write_optional(noise, &mut to);
+        if let Some(judged) = self.judged {
+            to.u32(judged.samples);
+            write_optional(judged.noise, &mut to);
+            to.u32(u32::from(judged.is_corrected));
+        }
+        to.u32(u32::from(self.replicas.is_some()));
+        if let Some(replicas) = &self.replicas {
+            to.f32(self.noise_of_tiles.correction());
+            replicas.write(&mut to);
         }
         self.adaptation.write(&mut to);
         to.0
@@ -49,9 +58,16 @@ impl Job {
             true => Some(JudgedNoise {
                 samples: from.u32()?,
                 noise: read_optional(&mut from)?,
+                is_corrected: from.flag()?,
             }),
             false => None,
         };
+        let mut correction = 1.0;
+        if from.flag()? {
+            correction = from.f32()?;
+            let size = UVec2::new(self.view.width, self.view.height);
+            self.replicas = Some(Replicas::read(&mut from, size)?);
+        }
         self.adaptation.read(&mut from)?;
         self.is_resumed = true;
         film.begin_with(self.begun, &self.light_groups, self.is_coarse, saved);
@@ -60,7 +76,8 @@ impl Job {
             self.noise_of_tiles.update(index, &film.film, tile);
             film.mark(tile);
         }
-        self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
+        self.correct_noise(correction, film);
+        self.note_noise();
         Ok(())
     }
 }
@@ -159,7 +176,8 @@ mod tests {
         fn render(&mut self, stop: &StopCondition, most: usize) -> usize {
             let mut count = 0;
             while self.job.reached(stop).is_none() {
-                let queue = self.job.next_queue(stop, (stop.noise, stop.is_adaptive), &[], 1);
+                let asked = (stop.noise, stop.is_adaptive);
+                let queue = self.job.next_queue(stop, asked, &mut self.film, &[], 1);
                 while let Some(item) = queue.claim() {
                     if count == most {
                         return count;
@@ -264,7 +282,8 @@ mod tests {
             (16, Some(16))
         );
         assert_eq!(picture.job.reached(&stop(Some(100.0))), None);
-        assert_eq!(picture.render(&stop(Some(100.0)), usize::MAX), 3);
+        // Three tiles end the pass, and replicas tell whether it is quiet.
+        assert!((4..30).contains(&picture.render(&stop(Some(100.0)), usize::MAX)));
         assert!(picture.job.are_equal(32));
     }
 }

@@ -84,18 +84,44 @@ impl Film {
             })
     }
 
-    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated: `render/mean_error.rs`.
+    /// The estimated variance of the light of splats in the pixels that [`Self::mean_errors`] has.
+    pub(in crate::render) fn splat_variances(&self, tile: Tile) -> impl Iterator<Item = f32> {
+        (tile.y..tile.y + tile.height)
+            .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| self.index(x, y)))
+            .filter(|&place| self.counts[place] >= 2)
+            .map(|place| self.splat_variance(place))
+    }
+
+    /// The mean luminance of a pixel's own samples, and that of splats.
+    pub(in crate::render) fn mean_luminances(&self, x: u32, y: u32) -> [f32; 2] {
+        let place = self.index(x, y);
+        let own = self.sum(x, y).radiance / self.counts[place].max(1) as f32;
+        [own, self.splatted(place)].map(luminance)
+    }
+
+    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated: `render/mean_error.rs`, and
+    /// `render/replicas.rs` where there are replicas.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let place = self.index(x, y);
-        let count = self.counts[place];
+        let own = self.own_variance(x, y)? * self.correction.unwrap_or(1.0);
+        Some((own + self.splat_variance(place)).sqrt())
+    }
+
+    /// The estimated variance of the mean luminance of a pixel's own samples, without replicas; None below two samples.
+    pub(in crate::render) fn own_variance(&self, x: u32, y: u32) -> Option<f32> {
+        let count = self.counts[self.index(x, y)];
         if count < 2 {
             return None;
         }
         let tile = self.tile_index(x, y);
         let block = &self.errors[tile * BLOCKS + block_of(x, y)];
         let efficiency = block.efficiency(count, self.share_of_doubling(tile));
-        let own = squared_deviation(&self.sum(x, y), count) * efficiency;
-        Some((own + self.splat_variance(place)).sqrt())
+        Some(squared_deviation(&self.sum(x, y), count) * efficiency)
+    }
+
+    /// Says how many times what is estimated from a pixel's own samples their squared error is. Returns whether that is new.
+    pub fn correct_errors(&mut self, correction: f32) -> bool {
+        self.correction.replace(correction) != Some(correction)
     }
 }
 

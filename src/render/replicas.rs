@@ -1,0 +1,429 @@
+//! Replicas: a few pixels that are rendered a second time, with random numbers of their own, to find out how noisy a picture is.
+//!
+//! How the error of a well spread set of samples falls with their number is not to be seen in the set: over a straight edge it falls in jumps. What
+//! `render/mean_error.rs` foretells is therefore compared with what two independent renders of the same pixels with equally many samples give. Half the square of
+//! their difference has the variance of either as its expectation, whatever the samples are, so that the sum over a random choice of pixels, each divided by the
+//! probability of being chosen, estimates the squared error of the picture without bias (Horvitz and Thompson, A generalization of sampling without replacement
+//! from a finite universe, Journal of the American Statistical Association 47, 1952). The ratio of this sum to the one foretold corrects all that is foretold.
+//!
+//! Pixels are chosen once: most where the picture's first samples say that noise is, and near it, and some evenly over the picture. That the choice depends on
+//! samples of the picture makes no bias, since for any picture the expectation over the choice is the sum over all pixels.
+//!
+//! Errors are relative to the mean of both renders. Relative to the picture's alone a bright sample in the replica of a dark pixel would count for too much.
+//!
+//! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is bright. What tells how far it is to be
+//! believed is the number of equal replicas that would be as uncertain, the square of the sum over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of
+//! the ratio is taken times the share that the spread of true ratios has in its whole spread.
+//!
+//! Replicas are no part of the picture. Of light by splats they know nothing, since that is light from all pixels.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use glam::UVec2;
+
+use super::bytes::{Damaged, Reader, Writer};
+use super::film::Film;
+use super::layers::Layers;
+use super::light_layers::LightGroups;
+use super::noise::PictureNoise;
+use super::scene::RenderScene;
+use super::shutter::Shutter;
+use super::tile::{Tile, render_tile};
+use super::view::{Integrator, View};
+use crate::color::luminance;
+use crate::sampling::hash::pcg3d;
+
+/// One pixel in so many has a replica.
+const SHARE: u32 = 50;
+/// The fewest and the most replicas of a picture. How well they tell its noise depends on their number, not on the size of the picture.
+const NUMBERS: [u32; 2] = [256, 4096];
+/// The share of the replicas that is spread evenly.
+const EVENLY: f64 = 0.1;
+/// The squared spread of the logarithm of what is found over what is foretold, from scene to scene, if replicas are many.
+const SPREAD: f64 = 0.2;
+/// What replicas that differ nowhere are taken to have found, over what was foretold.
+const LEAST_RATIO: f64 = 1e-6;
+/// The most samples that are traced at once.
+const AT_ONCE: usize = 1024;
+/// Makes the random numbers of replicas and of their choice others than those of the picture and of pilots.
+const SEEDS: [u32; 2] = [0x7f4a_7c15, 0xbf58_476d];
+
+/// A pixel that is rendered a second time.
+#[derive(Clone, Debug, PartialEq)]
+struct Replica {
+    pixel: UVec2,
+    /// The probability of its being chosen.
+    probability: f64,
+    /// The samples so far.
+    samples: u32,
+    /// The sum of their luminances.
+    sum: f64,
+}
+
+/// The replicas of a picture, as far as they are rendered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replicas(Vec<Replica>);
+
+/// The samples that a replica lacks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The replica's place among those of the picture.
+    place: usize,
+    pixel: UVec2,
+    samples: Range<u32>,
+}
+
+/// What was rendered of some replicas.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplicaSums {
+    /// The place of each, the end of its samples, and the sum of the new ones' luminances.
+    sums: Vec<(usize, u32, f64)>,
+    /// The rays that were traced.
+    pub rays: u64,
+}
+
+/// Whether what this integrator makes has replicas. Photons are shared by all samples of a round, and others would have to be traced for replicas.
+pub fn has_replicas(integrator: Integrator) -> bool {
+    !matches!(integrator, Integrator::Merging(..))
+}
+
+impl Replicas {
+    /// Chooses pixels of these tiles of a film, in their order. `seed` is that of the picture.
+    pub fn choose(film: &Film, tiles: &[Tile], seed: u32) -> Self {
+        let dark = PictureNoise::of(film, tiles).dark();
+        let noises: Vec<Vec<f32>> = tiles.iter().map(|tile| noise_near(film, *tile, dark)).collect();
+        let pixels = noises.iter().map(Vec::len).sum::<usize>() as u32;
+        let all: f64 = noises.iter().flatten().map(|&noise| f64::from(noise)).sum();
+        let number = f64::from((pixels / SHARE).clamp(NUMBERS[0], NUMBERS[1]));
+        let even = number / f64::from(pixels.max(1));
+        let probability = |noise: f32| match all > 0.0 {
+            true => (EVENLY * even + (1.0 - EVENLY) * number * f64::from(noise) / all).min(1.0),
+            false => even.min(1.0),
+        };
+        // Along the pixels the probabilities add up, and each whole step of the sum from a random begin on is one that is chosen.
+        let [bits, ..] = pcg3d([seed, SEEDS[0], SEEDS[1]]);
+        let mut sum = f64::from(bits) / 2f64.powi(32);
+        let mut chosen = Vec::new();
+        for (tile, noises) in tiles.iter().zip(&noises) {
+            let places =
+                (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| UVec2::new(tile.x + x, tile.y + y)));
+            for (pixel, &noise) in places.zip(noises) {
+                let probability = probability(noise);
+                let next = sum + probability;
+                if next.floor() > sum.floor() {
+                    chosen.push(Replica {
+                        pixel,
+                        probability,
+                        samples: 0,
+                        sum: 0.0,
+                    });
+                }
+                sum = next;
+            }
+        }
+        Self(chosen)
+    }
+
+    /// The samples that they lack beside those of a film.
+    pub fn missing(&self, film: &Film) -> Vec<Missing> {
+        let missing = |(place, replica): (usize, &Replica)| {
+            let end = film.samples(replica.pixel.x, replica.pixel.y);
+            (replica.samples < end).then_some(Missing {
+                place,
+                pixel: replica.pixel,
+                samples: replica.samples..end,
+            })
+        };
+        self.0.iter().enumerate().filter_map(missing).collect()
+    }
+
+    /// Whether all have as many samples as a film has there.
+    pub fn are_whole(&self, film: &Film) -> bool {
+        let is_whole = |replica: &Replica| replica.samples == film.samples(replica.pixel.x, replica.pixel.y);
+        self.0.iter().all(is_whole)
+    }
+
+    /// Adds what was rendered.
+    pub fn add(&mut self, rendered: &ReplicaSums) {
+        for &(place, end, sum) in &rendered.sums {
+            let replica = &mut self.0[place];
+            replica.samples = end;
+            replica.sum += sum;
+        }
+    }
+
+    /// How many times what is foretold the squared error of a film is; `noise` is that of the tiles from which they were chosen.
+    pub fn correction(&self, film: &Film, noise: &PictureNoise) -> f32 {
+        let squared = |replica: &Replica| {
+            let [own, splatted] = film.mean_luminances(replica.pixel.x, replica.pixel.y).map(f64::from);
+            let other = replica.sum / f64::from(replica.samples.max(1));
+            let mean = 0.5 * (own + other) + splatted;
+            let scale = mean.abs().max(f64::from(noise.dark()));
+            match scale > 0.0 {
+                true => 0.5 * ((own - other) / scale).powi(2) / replica.probability,
+                false => 0.0,
+            }
+        };
+        let found = self.0.iter().map(squared);
+        let (sum, squares) = found.fold((0.0, 0.0), |(sum, squares), found| {
+            (sum + found, squares + found * found)
+        });
+        believed(sum / noise.own_squares(), sum * sum / squares)
+    }
+
+    /// Writes them.
+    pub fn write(&self, to: &mut Writer) {
+        to.u32(self.0.len() as u32);
+        for replica in &self.0 {
+            [replica.pixel.x, replica.pixel.y, replica.samples]
+                .into_iter()
+                .for_each(|number| to.u32(number));
+            to.f64(replica.probability);
+            to.f64(replica.sum);
+        }
+    }
+
+    /// What [`Self::write`] has written for a picture of `size`.
+    pub fn read(from: &mut Reader, size: UVec2) -> Result<Self, Damaged> {
+        let mut replicas = Vec::new();
+        for _ in 0..from.u32()? {
+            let pixel = UVec2::new(from.u32()?, from.u32()?);
+            let replica = Replica {
+                pixel,
+                samples: from.u32()?,
+                probability: from.f64()?,
+                sum: from.f64()?,
+            };
+            if pixel.cmpge(size).any() || !(replica.probability > 0.0 && replica.probability <= 1.0) {
+                return Err(Damaged);
+            }
+            replicas.push(replica);
+        }
+        Ok(Self(replicas))
+    }
+}
+
+/// The relative standard error of each pixel of a tile, which has two samples or more, averaged with that of the pixels around it: where there is an edge, a pixel
+/// may have missed it so far.
+fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
+    let noise = |(mean, squared): (f32, f32)| {
+        let noise = squared.sqrt() / mean.abs().max(dark).max(f32::MIN_POSITIVE);
+        if noise.is_finite() { noise } else { 0.0 }
+    };
+    let own: Vec<f32> = film.mean_errors(tile).map(noise).collect();
+    let around = |at: u32, size: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
+    let near = |x: u32, y: u32| {
+        let places =
+            around(y, tile.height).flat_map(|y| around(x, tile.width).map(move |x| (y * tile.width + x) as usize));
+        let (sum, count) = places.fold((0.0, 0.0f32), |(sum, count), place| (sum + own[place], count + 1.0));
+        0.5 * (own[(y * tile.width + x) as usize] + sum / count)
+    };
+    (0..tile.height)
+        .flat_map(|y| (0..tile.width).map(move |x| (x, y)))
+        .map(|(x, y)| near(x, y))
+        .collect()
+}
+
+/// The correction by replicas that have found so many times what was foretold, most of it by so many of them.
+fn believed(ratio: f64, effective: f64) -> f32 {
+    if !ratio.is_finite() {
+        // Nothing was foretold.
+        return 1.0;
+    }
+    // Where replicas differ nowhere, their number is unknown.
+    let effective = effective.max(1.0);
+    ratio.max(LEAST_RATIO).powf(SPREAD / (SPREAD + effective.recip())) as f32
+}
+
+/// Renders what is missing of some replicas; None if cancelled. With a shutter, samples see its moments.
+pub fn render_replicas(
+    scene: &RenderScene,
+    view: &View,
+    shutter: Option<&Shutter>,
+    missing: &[Missing],
+    cancel: &AtomicBool,
+) -> Option<ReplicaSums> {
+    let [seed, ..] = pcg3d([view.seed, SEEDS[1], SEEDS[0]]);
+    let mut view = View { seed, ..view.clone() };
+    // Layers take time, but with some of them light is found by other paths.
+    if !view.integrator.splats() {
+        (view.layers, view.light_groups) = (Layers::default(), LightGroups::default());
+    }
+    let shutter = shutter.map(|shutter| shutter.with_seed(seed));
+    let mut rendered = ReplicaSums {
+        sums: Vec::with_capacity(missing.len()),
+        rays: 0,
+    };
+    for Missing { place, pixel, samples } in missing {
+        let tile = Tile {
+            x: pixel.x,
+            y: pixel.y,
+            width: 1,
+            height: 1,
+        };
+        let mut sum = 0.0;
+        for start in samples.clone().step_by(AT_ONCE) {
+            let range = start..samples.end.min(start.saturating_add(AT_ONCE as u32));
+            let result = match &shutter {
+                Some(shutter) => shutter.render_tile(tile, range, cancel)?,
+                None => render_tile(scene, &view, tile, range, cancel)?,
+            };
+            sum += f64::from(luminance(result.pixels[0].radiance));
+            rendered.rays += result.rays;
+        }
+        rendered.sums.push((*place, samples.end, sum));
+    }
+    Some(rendered)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::render::tile::{PixelSum, TileSamples, tiles};
+
+    const SIZE: [u32; 2] = [96, 64];
+
+    /// A number in [0, 1) for a sample of a pixel.
+    fn random(seed: u32, pixel: UVec2, sample: u32) -> f32 {
+        let [bits, ..] = pcg3d([pixel.x + 1000 * pixel.y, sample, seed]);
+        (bits >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// The luminance of a sample: 1, with noise in a band. There each render of a pixel has an error as well that is the same in all samples of it.
+    fn sample(seed: u32, pixel: UVec2, sample: u32) -> f32 {
+        let centered = |index: u32| random(seed, pixel, index) - 0.5;
+        match pixel.x {
+            32..64 => 1.0 + OFFSET * centered(u32::MAX) + SPREAD_OF_SAMPLES * centered(sample),
+            _ => 1.0 + 1e-4 * centered(sample),
+        }
+    }
+
+    /// The widths of both errors.
+    const OFFSET: f32 = 0.1732;
+    const SPREAD_OF_SAMPLES: f32 = 0.8;
+
+    fn sums(tile: Tile, samples: Range<u32>, seed: u32) -> TileSamples {
+        let pixel = |place: u32| {
+            let pixel = UVec2::new(tile.x + place % tile.width, tile.y + place / tile.width);
+            let mut sum = PixelSum::default();
+            for luminance in samples.clone().map(|index| sample(seed, pixel, index)) {
+                sum.radiance += Rgb::splat(luminance);
+                sum.luminance_squared += luminance * luminance;
+            }
+            sum
+        };
+        TileSamples {
+            tile,
+            samples: samples.clone(),
+            pixels: (0..tile.width * tile.height).map(pixel).collect(),
+            blocks: None,
+            layers: Default::default(),
+            first_hits: Vec::new(),
+            splats: Default::default(),
+            rays: 0,
+            invalid: 0,
+        }
+    }
+
+    /// A picture with so many samples, and the replicas that were chosen after 16 of them.
+    fn picture(samples: u32, seed: u32) -> (Film, Replicas) {
+        let all = tiles(SIZE[0], SIZE[1]);
+        let mut film = Film::new(SIZE[0], SIZE[1]);
+        let mut replicas = Replicas::default();
+        let mut done = 0;
+        while done < samples {
+            let end = super::super::passes::pass_end(done).min(samples);
+            all.iter().for_each(|&tile| {
+                film.add(&sums(tile, done..end, seed));
+            });
+            done = end;
+            if done == 16 {
+                replicas = Replicas::choose(&film, &all, seed);
+            }
+            let rendered = |missing: &Missing| {
+                let samples = missing.samples.clone();
+                let sum = samples
+                    .map(|index| f64::from(sample(!seed, missing.pixel, index)))
+                    .sum();
+                (missing.place, missing.samples.end, sum)
+            };
+            let sums = replicas.missing(&film).iter().map(rendered).collect();
+            replicas.add(&ReplicaSums { sums, rays: 0 });
+        }
+        (film, replicas)
+    }
+
+    #[test]
+    fn replicas_find_errors_that_samples_do_not_tell() {
+        const SAMPLES: u32 = 64;
+        let all = tiles(SIZE[0], SIZE[1]);
+        let squares = |seed| {
+            let (film, replicas) = picture(SAMPLES, seed);
+            assert!((200..=300).contains(&replicas.0.len()), "{}", replicas.0.len());
+            assert!(replicas.are_whole(&film));
+            let mut noise = PictureNoise::of(&film, &all);
+            let squared = |noise: &PictureNoise| f64::from(noise.relative(0..all.len()).expect("samples")).powi(2);
+            let foretold = squared(&noise);
+            noise.correct(replicas.correction(&film, &noise));
+            [foretold, squared(&noise)]
+        };
+        let of_seeds: Vec<[f64; 2]> = (1..=20).map(squares).collect();
+        let mean = |place: usize| of_seeds.iter().map(|squares| squares[place]).sum::<f64>() / 20.0;
+        // The variances of both, in a third of the pixels.
+        let [offset, own] = [OFFSET, SPREAD_OF_SAMPLES].map(|width| f64::from(width).powi(2) / 12.0 / 3.0);
+        let own = own / f64::from(SAMPLES);
+        let [foretold, found] = [mean(0) / own, mean(1) / (own + offset)];
+        assert!((foretold - 1.0).abs() < 0.05 && offset > 2.9 * own, "{foretold}");
+        // That it is four times as much is believed by nine tenths.
+        assert!((0.85..1.03).contains(&found), "{found}");
+    }
+
+    #[test]
+    fn few_replicas_are_believed_less() {
+        assert!((believed(4.0, 1e9) - 4.0).abs() < 1e-4);
+        assert!((believed(4.0, 5.0) - 2.0).abs() < 1e-4 && (believed(0.25, 5.0) - 0.5).abs() < 1e-4);
+        // Where nothing was foretold, nothing is corrected.
+        assert_eq!(
+            [(f64::NAN, f64::NAN), (f64::INFINITY, 4.0)].map(|(a, b)| believed(a, b)),
+            [1.0; 2]
+        );
+        assert!((believed(0.0, f64::NAN) - 0.1).abs() < 1e-4);
+    }
+
+    #[test]
+    fn most_replicas_are_where_noise_is_and_some_everywhere() {
+        let (_, replicas) = picture(16, 3);
+        let is_noisy = |replica: &&Replica| (31..65).contains(&replica.pixel.x);
+        let noisy = replicas.0.iter().filter(is_noisy).count();
+        assert!(2 * noisy > replicas.0.len() && noisy < replicas.0.len(), "{noisy}");
+        let mut pixels: Vec<[u32; 2]> = replicas.0.iter().map(|replica| replica.pixel.to_array()).collect();
+        pixels.sort();
+        pixels.dedup();
+        assert_eq!(pixels.len(), replicas.0.len(), "each pixel is chosen once at most");
+    }
+
+    #[test]
+    fn small_pictures_are_rendered_twice_at_most() {
+        let mut film = Film::new(9, 5);
+        for tile in tiles(9, 5) {
+            film.add(&sums(tile, 0..1, 1));
+            film.add(&sums(tile, 1..2, 1));
+        }
+        let replicas = Replicas::choose(&film, &tiles(9, 5), 1);
+        assert!((1..=45).contains(&replicas.0.len()), "{}", replicas.0.len());
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let (film, replicas) = picture(24, 5);
+        let mut to = Writer::default();
+        replicas.write(&mut to);
+        let size = UVec2::from(SIZE);
+        assert_eq!(Replicas::read(&mut Reader(&to.0), size), Ok(replicas.clone()));
+        assert!(replicas.missing(&film).is_empty());
+        assert_eq!(Replicas::read(&mut Reader(&to.0), size / 2), Err(Damaged));
+        assert_eq!(Replicas::read(&mut Reader(&to.0[..100]), size), Err(Damaged));
+    }
+}
