@@ -26,13 +26,13 @@ pub struct BakedLevel {
     pub messages: Vec<String>,
 }
 
-/// Makes the level that will be written to `folder`. It may not replace files that the scene is made of. `hidden` is left out; meshes and pictures are read as far
+/// Makes the level that will be written to `output`, a folder or the file of a share. It may not replace files that the scene is made of. `hidden` is left out; meshes and pictures are read as far
 /// as `access` permits.
 pub fn baked_level(
     scene: &SceneDescription,
     hidden: &Hidden,
     light: BakedLight,
-    folder: &Path,
+    output: &Path,
     access: &Access,
 ) -> Result<BakedLevel, ExportError> {
     let baked = match light {
@@ -44,7 +44,8 @@ pub fn baked_level(
         messages,
         pictures_of_libraries,
     } = collect(scene, hidden, baked, access)?;
-    let replaced = replaceable(folder);
+    let mut replaced = replaceable(output);
+    replaced.push(output.to_owned());
     if let Some(path) = first_in_use(scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {
         let path = path.to_owned();
         return Err(ExportError::InUse { path });

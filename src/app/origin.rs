@@ -119,7 +119,7 @@ fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, St
 }
 
 /// A digest of the content of a file.
-fn digest(path: &Path) -> io::Result<String> {
+pub fn digest(path: &Path) -> io::Result<String> {
     let mut file = files::open(path, files::LARGEST_DATA)?;
     let (mut hasher, mut buffer) = (blake3::Hasher::new(), vec![0; 1 << 20]);
     loop {

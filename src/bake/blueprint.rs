@@ -136,6 +136,19 @@ impl Blueprint {
         std::iter::once(self.places.texels.len()).chain(self.probes.iter().map(Probe::texel_count))
     }
 
+    /// The samples of the lightmaps (0), or of a probe (its number and 1), where a texel of a lightmap has so many.
+    pub(super) fn samples_of(&self, number: usize, samples: u32) -> u32 {
+        match number.checked_sub(1) {
+            None => samples,
+            Some(number) => self.probes[number].samples(samples),
+        }
+    }
+
+    /// Whether sums of light for the other one's texels are for these as well.
+    pub(super) fn has_texels_of(&self, other: &Self) -> bool {
+        self.places == other.places && self.texel_counts().eq(other.texel_counts())
+    }
+
     /// Bytes of memory while everything is made.
     pub(super) fn memory_bytes(&self) -> u64 {
         let page = u64::from(self.places.size.x) * u64::from(self.places.size.y);

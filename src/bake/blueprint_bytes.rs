@@ -59,7 +59,7 @@ impl Blueprint {
         }
     }
 
-    /// Reads what [`Self::write`] has written. What it says can be: no number leads out of a picture.
+    /// Reads what [`Self::write`] has written. No number leads out of a picture, and all of them are finite.
     pub(super) fn read(bytes: &mut Reader) -> Result<Self, Damaged> {
         let level = take_blob(bytes)?.to_vec();
         let light = match bytes.flag()? {
@@ -77,6 +77,12 @@ impl Blueprint {
             });
         }
         let places = read_places(bytes)?;
+        let is_possible = |node: &BakedNode| {
+            (node.lightmap as usize) < places.pages.len() && node.rect.iter().all(|number| number.is_finite())
+        };
+        if !nodes.iter().all(is_possible) || !texels_per_unit.is_finite() {
+            return Err(Damaged);
+        }
         let mut seams = Vec::new();
         for _ in &places.pages {
             let mut list = Vec::new();
@@ -142,6 +148,11 @@ fn read_probe(bytes: &mut Reader) -> Result<Probe, Damaged> {
     let name = text(bytes)?;
     let mut columns = [0.0; 12];
     bytes.f32s(&mut columns)?;
+    let world_from_box = Affine3A::from_cols_array(&columns);
+    let size = world_from_box.matrix3.determinant();
+    if !world_from_box.is_finite() || !size.is_normal() {
+        return Err(Damaged);
+    }
     let kind = match [bytes.u32()?, bytes.u32()?, bytes.u32()?, bytes.u32()?] {
         [0, size, parallax @ (0 | 1), 0] if is_size(size) => ProbeKind::Reflection {
             size,
@@ -156,7 +167,7 @@ fn read_probe(bytes: &mut Reader) -> Result<Probe, Damaged> {
     };
     Ok(Probe {
         name,
-        world_from_box: Affine3A::from_cols_array(&columns),
+        world_from_box,
         kind,
     })
 }

@@ -276,7 +276,10 @@ impl BakeJob {
                 spent,
                 gathered: Some(Gathered {
                     samples: light.samples(),
-                    target,
+                    target: match target {
+                        u32::MAX => target,
+                        _ => target - light.first,
+                    },
                     noise,
                     samples_per_second: traced / begin.elapsed().as_secs_f64().max(1e-9),
                 }),

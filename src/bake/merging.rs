@@ -6,6 +6,7 @@ use super::blueprint::Blueprint;
 use super::lightmap::Lightmaps;
 use super::part::{PartError, PartHeader, read_header, read_part};
 use crate::memory::{self, Reservation, Shortage};
+use crate::render::part::FileDigest;
 
 /// The reason why shares make no bake.
 #[derive(Debug, thiserror::Error)]
@@ -13,7 +14,7 @@ use crate::memory::{self, Reservation, Shortage};
 pub enum MergeError {
     #[error("there are no shares")]
     Nothing,
-    #[error("{name} {source}")]
+    #[error("{name}: {source}")]
     Part { name: String, source: PartError },
     #[error(
         "{0} is a checkpoint: `sunroom bake --resume` goes on with it, and a share is made by `sunroom bake --samples`"
@@ -44,6 +45,8 @@ pub struct Merged {
     pub blueprint: Blueprint,
     /// The light of the lightmaps, and then that of each probe.
     pub lights: Vec<Lightmaps>,
+    /// The files that the scene consisted of.
+    pub files: Vec<FileDigest>,
     _memory: Reservation,
 }
 
@@ -59,17 +62,23 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
     }
     check(&parts, force)?;
     parts.sort_by_key(|(_, _, header)| header.samples);
+    let origins = parts.iter().map(|(_, _, header)| &header.origin);
+    let files: Vec<FileDigest> = origins.flat_map(|origin| origin.files.iter().cloned()).collect();
     let mut merged: Option<Merged> = None;
     for (name, path, _) in &parts {
         let failed = |source| MergeError::Part {
             name: name.clone(),
             source,
         };
+        // The file, and the sums that are made of it.
+        let length = std::fs::metadata(path).map_or(0, |file| file.len());
+        let _share = memory::reserve(2 * length)?;
         let (_, blueprint, light) = read_part(path).map_err(failed)?;
         let blueprint = blueprint.ok_or_else(|| MergeError::Checkpoint(name.clone()))?;
         let Some(merged) = &mut merged else {
             merged = Some(Merged {
                 _memory: memory::reserve(blueprint.memory_bytes())?,
+                files: files.clone(),
                 blueprint,
                 lights: light.lights,
             });
@@ -79,7 +88,11 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
             name: name.clone(),
             first: parts[0].0.clone(),
         };
-        if blueprint != merged.blueprint {
+        let fits = match force {
+            true => blueprint.has_texels_of(&merged.blueprint),
+            false => blueprint == merged.blueprint,
+        };
+        if !fits {
             return Err(other());
         }
         for (sum, more) in merged.lights.iter_mut().zip(light.lights) {

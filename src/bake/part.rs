@@ -145,7 +145,8 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
     let mut ends = Reader(bytes.bytes(count.div_ceil(BLOCK).checked_mul(4).ok_or(Damaged)?)?);
     let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.u32()).collect();
     let ends = ends?;
-    if groups == 0 || (first == 0 && groups != 1) || ends.iter().any(|end| *end < first) {
+    // A bake has no light without texels, and groups of none would take memory without bytes.
+    if count == 0 || groups == 0 || (first == 0 && groups != 1) || ends.iter().any(|end| *end < first) {
         return Err(Damaged);
     }
     // The bytes are there before memory is taken for what they say.
@@ -196,6 +197,10 @@ pub fn read_part(path: &Path) -> Result<(PartHeader, Option<Blueprint>, PartLigh
     let fits = blueprint.as_ref().is_none_or(|blueprint| {
         let counts = lights.iter().map(Lightmaps::texel_count);
         counts.eq(blueprint.texel_counts())
+            && lights.iter().enumerate().all(|(number, light)| {
+                let [first, end] = header.samples.map(|samples| blueprint.samples_of(number, samples));
+                light.first == first && (light.reached() >= end || !header.is_finished)
+            })
     });
     match fits && bytes.0.is_empty() && !lights.is_empty() {
         true => Ok((header, blueprint, PartLight { lights, spent })),
@@ -231,5 +236,30 @@ fn header(bytes: &mut Reader) -> Result<PartHeader, Damaged> {
     match header.samples[0] < header.samples[1] {
         true => Ok(header),
         false => Err(Damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_light_without_texels_is_damaged() {
+        // Two groups of samples of no texel take no bytes, however many are said to be there.
+        let light = |count: u64, groups: u32| {
+            let mut bytes = Writer::default();
+            bytes.u64(count);
+            [16, groups].into_iter().for_each(|number| bytes.u32(number));
+            [0, 0].into_iter().for_each(|number| bytes.u64(number));
+            bytes.f64(0.0);
+            (0..count).for_each(|_| bytes.u32(16));
+            bytes
+                .0
+                .resize(bytes.0.len() + count as usize * groups as usize * TEXEL, 0);
+            bytes.0
+        };
+        assert!(read_light(&mut Reader(&light(1, 2))).is_ok());
+        assert!(read_light(&mut Reader(&light(0, 2))).is_err());
+        assert!(read_light(&mut Reader(&light(0, u32::MAX))).is_err());
     }
 }

@@ -110,7 +110,7 @@ pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementErr
     }
 }
 
-/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set it may do.
+/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set, the answer may be that it does.
 pub fn check_sight(
     gathering: &Gathering,
     world_from_box: &Affine3A,

@@ -18,7 +18,7 @@ impl BakeJob {
     pub fn begin_share(&mut self, samples: [u32; 2]) -> Result<(), BakeError> {
         let [first, end] = samples;
         let texels_and_groups = self.blueprint.texel_counts().zip(0..).map(|(texels, number)| {
-            let range = self.samples_of(number, first)..self.samples_of(number, end);
+            let range = self.blueprint.samples_of(number, first)..self.blueprint.samples_of(number, end);
             let groups = if range.start == 0 { 1 } else { chunks_in(range) };
             (texels as u64, groups)
         });
@@ -26,7 +26,8 @@ impl BakeJob {
         let sums: u64 = texels_and_groups.map(|(texels, groups)| texels * (groups - 1)).sum();
         let memory = memory::reserve(sums * size_of::<TexelSum>() as u64);
         let begun = self.blueprint.texel_counts().zip(0..);
-        let begun = begun.map(|(texels, number)| Lightmaps::beginning_at(self.samples_of(number, first), texels));
+        let begun =
+            begun.map(|(texels, number)| Lightmaps::beginning_at(self.blueprint.samples_of(number, first), texels));
         self.lights = begun.collect();
         self.memory.push(memory.map_err(BakeError::MemoryOfShare)?);
         Ok(())
@@ -35,17 +36,9 @@ impl BakeJob {
     /// Gathers all light up to this sample of each texel of a lightmap, and finishes nothing. False if it was cancelled.
     pub fn gather_share(&mut self, end: u32, cancel: &AtomicBool, watch: Watch) -> bool {
         (0..self.lights.len()).all(|number| {
-            let end = self.samples_of(number, end);
+            let end = self.blueprint.samples_of(number, end);
             self.gather(number, end, &BakeLimits::default(), cancel, watch)
         })
-    }
-
-    /// The samples of the lightmaps, or of a probe, where a texel of a lightmap has so many.
-    fn samples_of(&self, number: usize, samples: u32) -> u32 {
-        match number.checked_sub(1) {
-            None => samples,
-            Some(number) => self.blueprint.probes[number].samples(samples),
-        }
     }
 
     /// Goes on with the light of a file. The error says what differs; it does not name the file.
@@ -72,7 +65,7 @@ impl BakeJob {
     /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on with. `samples` are those that are asked
     /// for.
     pub fn save(&self, path: &Path, origin: &Origin, samples: [u32; 2], is_share: bool) -> io::Result<()> {
-        let ends = (0..self.lights.len()).map(|number| self.samples_of(number, samples[1]));
+        let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, samples[1]));
         let is_finished = self.lights.iter().zip(ends).all(|(light, end)| light.reached() >= end);
         let header = PartHeader {
             origin: origin.clone(),

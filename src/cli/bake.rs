@@ -41,6 +41,9 @@ use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, counted};
 use super::share::{Settings, check_cut};
 
+/// The end of the last share at most: a point of a volume has eight times as many samples.
+const MOST_SAMPLES_OF_SHARES: u32 = u32::MAX / 8;
+
 pub fn run(args: BakeArgs) -> ExitCode {
     args.memory.apply();
     args.threads.report_limit();
@@ -61,6 +64,10 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let name = args.output.display();
+    if samples.end > MOST_SAMPLES_OF_SHARES {
+        let message = format!("the range of --samples ends after {MOST_SAMPLES_OF_SHARES}");
+        return Err(Failure::Usage(message));
+    }
     if args.output.is_dir() {
         return Err(Failure::Usage(format!(
             "{name} is a folder: a share of a bake is one file"

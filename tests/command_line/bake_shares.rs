@@ -350,3 +350,37 @@ fn a_foreign_or_damaged_checkpoint_is_told_from_ones_own() {
     let message = said(&merge(&shop, "none", &["c.checkpoint"], &[]), 1);
     assert!(message.contains("c.checkpoint is a checkpoint: "), "{message}");
 }
+
+#[test]
+fn shares_and_what_is_made_of_them_never_replace_files_of_the_scene() {
+    let shop = shop();
+    let refused = said(&bake(&shop, "scene.xml", &["--samples", "0..1"]), 1);
+    assert!(refused.contains("the scene is made of this file"), "{refused}");
+    assert_eq!(std::fs::read_to_string(shop.path("scene.xml")).expect("a file"), SCENE);
+
+    said(&bake(&shop, "game", &["--spp", "1", "--no-denoise"]), 0);
+    let before = files(&shop.path("game"));
+    let share = [
+        &["bake", "game/level.glb", "-o", "a.bake", "--samples", "0..1"][..],
+        SMALL,
+    ]
+    .concat();
+    said(&command(&shop, &share).output().expect("the program starts"), 0);
+    let refused = said(&merge(&shop, "game", &["a.bake"], &["--no-denoise"]), 1);
+    assert!(refused.contains("the scene is made of this file"), "{refused}");
+    assert!(files(&shop.path("game")) == before);
+}
+
+#[test]
+fn shares_of_other_seeds_are_merged_by_force_alone() {
+    let shop = shop();
+    for (name, samples, seed) in [("a.bake", "0..1", "1"), ("b.bake", "1..2", "2")] {
+        said(&bake(&shop, name, &["--samples", samples, "--seed", seed]), 0);
+    }
+    let refused = said(&merge(&shop, "level", &["a.bake", "b.bake"], &["--no-denoise"]), 1);
+    assert!(refused.contains("the seed"), "{refused}");
+    said(
+        &merge(&shop, "level", &["a.bake", "b.bake"], &["--no-denoise", "--force"]),
+        0,
+    );
+}

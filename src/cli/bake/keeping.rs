@@ -21,6 +21,8 @@ pub struct Keeper<'a> {
     last: Instant,
     /// The rays of the last checkpoint.
     saved: Option<u64>,
+    /// Those of the last attempt.
+    tried: Option<u64>,
 }
 
 impl<'a> Keeper<'a> {
@@ -33,6 +35,7 @@ impl<'a> Keeper<'a> {
             checkpoint: checkpoint.map(|path| (path, args.checkpoints.every)),
             last: Instant::now(),
             saved: None,
+            tried: None,
         }
     }
 
@@ -78,7 +81,7 @@ impl<'a> Keeper<'a> {
         };
         let gathers = matches!(now.stage, Stage::Lightmaps | Stage::Probe(_));
         // What finishes light takes its time, and adds nothing that could be lost.
-        if self.last.elapsed() >= every || !gathers {
+        if self.last.elapsed() >= every || !gathers && self.tried != Some(job.rays()) {
             self.save(job);
         }
     }
@@ -92,7 +95,7 @@ impl<'a> Keeper<'a> {
             return self.saved.is_some();
         }
         let result = job.save(path, &self.origin, self.samples, self.is_share);
-        self.last = Instant::now();
+        (self.last, self.tried) = (Instant::now(), Some(job.rays()));
         match result {
             Ok(()) => self.saved = Some(job.rays()),
             Err(error) => report::line(format_args!(

@@ -1,10 +1,13 @@
 //! Shares of a bake are put together.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use sunroom::app::origin::digest;
 use sunroom::bake::files;
 use sunroom::bake::merging::merge;
+use sunroom::render::part::FileDigest;
+use sunroom::scene::export::ExportError;
 
 use super::{check_denoiser, report_invalid, within_folder};
 use crate::cli::report::{self, Failure};
@@ -31,6 +34,9 @@ impl Shares<'_> {
         };
         within_folder(folder, || {
             let mut merged = merge(self.paths, self.force)?;
+            if let Some(path) = in_use(folder, &merged.files) {
+                return Err(ExportError::InUse { path }.into());
+            }
             merged.blueprint.denoise = self.denoise;
             let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
             let baked = merged.blueprint.finished(&merged.lights, &pool)?;
@@ -42,4 +48,10 @@ impl Shares<'_> {
             Ok(ExitCode::SUCCESS)
         })
     }
+}
+
+/// A file that would be replaced in the folder, and that has the content of a file of the scene.
+fn in_use(folder: &Path, of_scene: &[FileDigest]) -> Option<PathBuf> {
+    let is_of_scene = |path: &PathBuf| digest(path).is_ok_and(|found| of_scene.iter().any(|file| file.digest == found));
+    files::replaceable(folder).into_iter().find(is_of_scene)
 }
