@@ -43,6 +43,7 @@ pub mod sight;
 pub mod silhouette;
 pub mod splats;
 pub mod tile;
+mod together;
 pub mod tonemap;
 mod tracer;
 mod transmittance;

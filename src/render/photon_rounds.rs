@@ -4,11 +4,12 @@
 //! A round that is not there yet is traced by all workers that wait for it, a block of its paths each.
 
 use std::fmt;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::photon_map::{MergeArea, Photon, PhotonMap};
 use super::scene::RenderScene;
+use super::together::Together;
 use crate::sampling::SequenceKind;
 
 /// The paths from the lights of a block.
@@ -50,15 +51,7 @@ pub(super) struct RoundId {
 struct Round {
     scene: RenderScene,
     id: RoundId,
-    /// The photons of each block, until the map has them.
-    blocks: Vec<Mutex<Option<Vec<Photon>>>>,
-    /// The number of the next block that no worker has begun.
-    next: AtomicUsize,
-    /// The blocks that are done, or are not going to be.
-    done: Mutex<usize>,
-    progress: Condvar,
-    /// None if a block has failed.
-    map: OnceLock<Option<Arc<PhotonMap>>>,
+    map: Together<Vec<Photon>, Arc<PhotonMap>>,
 }
 
 impl PhotonRounds {
@@ -76,20 +69,8 @@ impl PhotonRounds {
         cancel: &AtomicBool,
     ) -> Option<Arc<PhotonMap>> {
         let round = self.round(scene, id);
-        if let Some(map) = round.map.get() {
-            return map.clone();
-        }
-        while !cancel.load(Ordering::Relaxed) {
-            let number = round.next.fetch_add(1, Ordering::Relaxed);
-            let Some(block) = round.blocks.get(number) else {
-                return round.map();
-            };
-            let counted = Counted(&round);
-            let photons = trace(number as u32);
-            *block.lock().unwrap_or_else(PoisonError::into_inner) = Some(photons);
-            drop(counted);
-        }
-        None
+        let map = |blocks: Vec<Vec<Photon>>| Arc::new(PhotonMap::new(blocks.concat()));
+        round.map.get(trace, map, cancel)
     }
 
     fn round(&self, scene: &RenderScene, id: RoundId) -> Arc<Round> {
@@ -114,34 +95,7 @@ impl Round {
         Self {
             scene,
             id,
-            blocks: std::iter::repeat_with(Mutex::default).take(blocks).collect(),
-            next: AtomicUsize::new(0),
-            done: Mutex::new(0),
-            progress: Condvar::new(),
-            map: OnceLock::new(),
+            map: Together::new(blocks),
         }
-    }
-
-    /// Waits for the blocks that others are at, and makes the map of all. None if one of them has failed.
-    fn map(&self) -> Option<Arc<PhotonMap>> {
-        let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
-        let waits = |done: &mut usize| *done < self.blocks.len();
-        drop(self.progress.wait_while(done, waits));
-        let photons = |block: &Mutex<Option<Vec<Photon>>>| block.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let map = || {
-            let blocks: Option<Vec<Vec<Photon>>> = self.blocks.iter().map(photons).collect();
-            blocks.map(|blocks| Arc::new(PhotonMap::new(blocks.concat())))
-        };
-        self.map.get_or_init(map).clone()
-    }
-}
-
-/// Counts a block when it is done, and also when its worker panics: the others must not wait for it.
-struct Counted<'a>(&'a Round);
-
-impl Drop for Counted<'_> {
-    fn drop(&mut self) {
-        *self.0.done.lock().unwrap_or_else(PoisonError::into_inner) += 1;
-        self.0.progress.notify_all();
     }
 }
