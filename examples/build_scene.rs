@@ -78,6 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         seed: 0,
         photons: Default::default(),
         clamp: None,
+        guide: None,
     };
     // A tile is a pure function of its arguments: tiles may be rendered in any order, on any threads.
     let mut film = Film::new(width, height);

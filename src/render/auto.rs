@@ -126,6 +126,7 @@ pub fn pilot_view(view: &View) -> View {
         seed: SEED,
         photons: Default::default(),
         clamp: None,
+        guide: None,
         ..view.clone()
     }
 }

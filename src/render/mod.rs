@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod film;
 pub mod filter;
 mod fireflies;
+pub mod guide;
 mod headlight;
 pub mod image_io;
 pub mod inspect;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::clamp::{BrightnessLimit, Clamp};
+use super::guide::Guide;
 use super::scene::RenderScene;
 use super::tile::{Tile, TileSamples, render_tile};
 use super::view::{Integrator, View};
@@ -33,7 +34,15 @@ impl Shutter {
             let photons = photons.clone();
             // A clamp keeps few limits, and each moment has one.
             let clamp = view.clamp.map(|clamp| Clamp::new(clamp.percentile));
-            (scene, View { photons, clamp, ..view })
+            // And one guide, that of its scene.
+            let guide = view.guide.map(|_| Guide::default());
+            let view = View {
+                photons,
+                clamp,
+                guide,
+                ..view
+            };
+            (scene, view)
         };
         Some(Self(spread_order(moments.len()).into_iter().map(moment).collect()))
     }

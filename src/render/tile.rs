@@ -281,6 +281,11 @@ pub fn render_preview(
     let mut layers = PixelLayers::new(scene, view, blocks);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
+    // A guide takes longer to learn than a preview may.
+    let view = &View {
+        guide: None,
+        ..view.clone()
+    };
     // With a single sample the filter's weight would only change the brightness.
     let jobs = starts(tile.y, bottom).flat_map(|y| {
         starts(tile.x, right).map(move |x| Job {

@@ -6,6 +6,7 @@ use super::camera::Camera;
 use super::clamp::Clamp;
 use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
+use super::guide::Guide;
 use super::layers::{FilmLayers, Layers};
 use super::light_layers::LightGroups;
 use super::motion::FrameBefore;
@@ -48,6 +49,8 @@ pub struct View {
     pub photons: PhotonRounds,
     /// How bright samples may be; None for no limit.
     pub clamp: Option<Clamp>,
+    /// The guide of paths from the camera; None for none.
+    pub guide: Option<Guide>,
 }
 
 /// The method by which light is found.

@@ -61,6 +61,11 @@ impl PathPlugin {
         self == Self::Vcm
     }
 
+    /// Whether its paths can be guided.
+    pub fn is_guidable(self) -> bool {
+        matches!(self, Self::Path | Self::Auto)
+    }
+
     /// Whether light meets media.
     pub fn traces_media(self) -> bool {
         matches!(self, Self::VolPath | Self::VolPathMis | Self::Auto)
@@ -89,6 +94,8 @@ pub struct IntegratorSettings {
     pub merge_radius: f32,
     /// The share of the samples with light, in percent, whose brightness is left as it is, while brighter ones are clamped; None for no clamp.
     pub clamp_percentile: Option<f32>,
+    /// Whether paths from the camera are guided to where light comes from, with `path` and with `auto` where that is `path`.
+    pub guided: bool,
     /// The layers that are kept and saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
     pub layers: Layers,
@@ -115,6 +122,7 @@ impl Default for IntegratorSettings {
             photons: None,
             merge_radius: 3.0,
             clamp_percentile: None,
+            guided: false,
             layers: Layers::default(),
         }
     }

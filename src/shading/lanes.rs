@@ -115,6 +115,11 @@ impl BsdfLanes {
         self.diffuse | self.rough
     }
 
+    /// The lanes whose directions are worth guiding.
+    pub fn guided(&self) -> u32 {
+        self.diffuse
+    }
+
     /// The lanes with [`Bsdf::transmits`], a bit each.
     pub fn transmitting(&self) -> u32 {
         self.dielectric

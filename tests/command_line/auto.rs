@@ -58,6 +58,43 @@ fn a_clamp_says_what_it_removes() {
 }
 
 #[test]
+fn guided_paths_are_the_same_in_shares_and_on_any_number_of_threads() {
+    const COVE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/hard/cove.xml");
+    let shop = Workshop::new();
+    let guided = |name: &str, options: &[&str]| {
+        render(&shop, COVE, name, &[&["--guided", "--size", "64x48"], options].concat());
+    };
+    guided("one.exr", &["--spp", "8", "--threads", "1"]);
+    guided("three.exr", &["--spp", "8", "--threads", "3"]);
+    guided(
+        "first.exr",
+        &["--spp", "4", "--checkpoint", "c.exr", "--resume", "c.exr"],
+    );
+    guided(
+        "resumed.exr",
+        &["--spp", "8", "--checkpoint", "c.exr", "--resume", "c.exr"],
+    );
+    guided("a.exr", &["--samples", "0..4"]);
+    guided("b.exr", &["--samples", "4..8", "--threads", "3"]);
+    let merged = sunroom()
+        .current_dir(shop.folder())
+        .args(["merge", "a.exr", "b.exr", "-o", "merged.exr"])
+        .output()
+        .expect("the program starts");
+    assert!(merged.status.success(), "{}", String::from_utf8_lossy(&merged.stderr));
+    render(&shop, COVE, "free.exr", &["--size", "64x48", "--spp", "8"]);
+    let one = picture(&shop, "one.exr").0;
+    for name in ["three.exr", "resumed.exr", "merged.exr"] {
+        assert!(picture(&shop, name).0 == one, "{name}");
+    }
+    assert!(picture(&shop, "free.exr").0 != one, "nothing is guided");
+    let useless = ["--guided", "--integrator", "bdpt", "--size", "16x12", "--spp", "1"];
+    let run = render(&shop, COVE, "bdpt.exr", &useless);
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(said.contains("--guided has no effect on `bdpt`"), "{said}");
+}
+
+#[test]
 fn an_easy_scene_has_the_bits_of_path() {
     let shop = Workshop::new();
     let size = ["--size", "80x60", "--spp", "192"];

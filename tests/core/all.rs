@@ -53,6 +53,7 @@ mod generated_meshes;
 mod gltf;
 mod gltf_animation;
 mod gltf_meshes;
+mod guide;
 mod inspect;
 mod lanes;
 mod layers;

@@ -423,6 +423,38 @@ fn photons_have_a_number_and_a_radius() {
 }
 
 #[test]
+fn paths_are_guided_if_the_file_says_so() {
+    let text = |plugin: &str, guided: &str| {
+        format!("<scene version='3.0.0'><integrator type='{plugin}'>{guided}</integrator></scene>")
+    };
+    let property = "<boolean name='guided' value='true'/>";
+    let with = |plugin: &str| {
+        let mut document = document::parse_str(&*text(plugin, property), Path::new("/scene.xml"), &[]);
+        let settings = read(&mut document).integrator;
+        let is_told_of = |it: &document::Diagnostic| it.message.contains("guided");
+        (settings.guided, document.diagnostics.list.iter().any(is_told_of))
+    };
+    assert_eq!(with("path"), (true, false));
+    assert_eq!(with("auto"), (true, false));
+    assert_eq!(with("bdpt"), (false, true));
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("new.xml");
+    let is_written = |guided: &str, extensions| {
+        let scene = read_text(&text("path", guided), &folder.path().join("old.xml"));
+        write_anew(&scene, &target, extensions).unwrap();
+        let written = std::fs::read_to_string(&target).unwrap();
+        assert_eq!(
+            read_text(&written, &target).integrator.guided,
+            written.contains("guided")
+        );
+        written.contains("guided")
+    };
+    assert!(is_written(property, Extensions::Keep));
+    assert!(!is_written(property, Extensions::Approximate), "Mitsuba refuses it");
+    assert!(!is_written("", Extensions::Keep));
+}
+
+#[test]
 fn a_clamp_is_a_percentile() {
     let with = |value: &str| {
         let text = format!(

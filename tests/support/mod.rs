@@ -219,6 +219,7 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
         seed: 1,
         photons: Default::default(),
         clamp: None,
+        guide: None,
     }
 }
 

@@ -28,6 +28,11 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     }
     integrator.schlick |= args.schlick;
     integrator.clamp_percentile = args.clamp.or(integrator.clamp_percentile);
+    integrator.guided |= args.guided;
+    if args.guided && !integrator.plugin.is_guidable() {
+        let name = integrator.plugin.name();
+        report::line(format_args!("warning: --guided has no effect on `{name}`"));
+    }
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
     match args.strategy {
         Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,

@@ -10,6 +10,7 @@ use crate::medium::MediumId;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::clamp::Clamp;
 use crate::render::filter::{FilterKernel, PixelFilter};
+use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::photon_rounds::PhotonRounds;
 use crate::render::sight::Sight;
@@ -135,6 +136,7 @@ pub(in crate::engine) fn pack_view(
         },
         seed: sampler.seed,
         photons: PhotonRounds::default(),
+        guide: (integrator.guided && integrator.plugin.is_guidable()).then(Guide::default),
         clamp: integrator
             .clamp_percentile
             .map(|percentile| Clamp::new(clamp_percentile(percentile, check))),

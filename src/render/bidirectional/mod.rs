@@ -16,6 +16,7 @@
 //!
 //! Media are not traced by it.
 
+mod arrivals;
 mod connect;
 mod finds;
 mod merge;
@@ -28,6 +29,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
+pub(super) use self::arrivals::arrivals;
 pub(super) use self::finds::Find;
 use self::subpath::{LightPath, Vertex, Walk};
 use self::weights::{Merging, Ways};

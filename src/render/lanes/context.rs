@@ -8,6 +8,7 @@ use crate::light::LightId;
 use crate::light::lanes::SoleLight;
 use crate::math::lanes::LANES;
 use crate::medium::MediumId;
+use crate::render::guide::Field;
 use crate::render::layers::{LayerNotes, NoteTaker};
 use crate::render::path::PathSample;
 use crate::render::scene::RenderScene;
@@ -62,6 +63,8 @@ pub(super) struct Context<'a> {
     pub view: &'a View,
     pub settings: &'a PathSettings,
     pub sole_light: Option<(LightId, SoleLight)>,
+    /// The guide of paths.
+    pub field: Option<&'a Field>,
 }
 
 /// Whether rays have much in common, as those through one pixel have.

@@ -13,21 +13,25 @@ mod batch;
 mod begun;
 mod camera_rays;
 mod context;
+mod guided;
 mod light_samples;
 mod media;
 mod scatter;
 mod travelled;
 mod vertices;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) use self::context::{EndedPath, Job, Samples};
 
 use self::batch::PathBatch;
 use self::context::{Coherence, Context, STEPS_TO_CANCEL};
+use super::bidirectional::arrivals;
+use super::guide::PhotonPaths;
 use super::path_state::PathState;
 use super::scene::RenderScene;
-use super::view::{PathSettings, View};
+use super::view::{PathSettings, Strategy, View};
 use crate::math::lanes::{LANES, each_lane};
 
 /// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set in the meantime.
@@ -38,11 +42,23 @@ pub(super) fn trace<'v>(
     jobs: &[Job],
     cancel: &AtomicBool,
 ) -> Option<Samples<'v>> {
+    let field = match &view.guide {
+        Some(guide) if is_guided(scene, settings) => {
+            let paths = PhotonPaths {
+                longest_path: settings.longest_path(),
+                rr_depth: settings.rr_depth,
+            };
+            let trace = |numbers: Range<u32>| arrivals(scene, view, numbers);
+            guide.field(scene, paths, trace, cancel)?
+        }
+        _ => None,
+    };
     let context = Context {
         scene,
         view,
         settings,
         sole_light: scene.lights.sole(),
+        field: field.as_deref(),
     };
     let mut samples = Samples::new(view, jobs.len());
     let has_media = settings.media && !scene.media.is_empty();
@@ -51,6 +67,12 @@ pub(super) fn trace<'v>(
         false => Paths::<false>::new(view, jobs).trace(&context, cancel, &mut samples),
     };
     is_done.then_some(samples)
+}
+
+/// Whether a guide is of use: not for paths that know no density of directions, in media, and for direct light alone.
+fn is_guided(scene: &RenderScene, settings: &PathSettings) -> bool {
+    let has_media = settings.media && !scene.media.is_empty();
+    !has_media && settings.strategy == Strategy::Mis && settings.longest_path() > 2
 }
 
 /// Traces paths that have left a vertex, as one by one. Those without throughput have ended. None if `cancel` was set in the meantime.
@@ -66,6 +88,7 @@ pub(super) fn trace_begun(
         view,
         settings,
         sole_light: scene.lights.sole(),
+        field: None,
     };
     match settings.media && !scene.media.is_empty() {
         true => begun::trace::<true>(&context, begun, cancel),

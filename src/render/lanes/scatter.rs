@@ -2,6 +2,7 @@
 
 use super::batch::PathBatch;
 use super::context::{Coherence, Context, Samples};
+use super::guided::Guided;
 use super::light_samples::LightLanes;
 use super::vertices::Vertices;
 use crate::accel::RayLanes;
@@ -100,11 +101,15 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
     pub(super) fn scatter(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
         self.paths.depth += ones_in(surfaces.lanes);
+        let guided = context.field.and_then(|field| {
+            let asked = self.vertices.bsdf.guided() & surfaces.lanes;
+            Guided::of(field, asked, surfaces.reference.position, surfaces.frame.n)
+        });
         if surfaces.smooth != 0 && context.samples_lights() {
-            self.sample_lights(&surfaces, coherence, context, samples);
+            self.sample_lights(&surfaces, coherence, context, guided.as_ref(), samples);
         }
         self.note_scattering(samples);
-        let (sample, scattered) = self.sample_bsdfs(&surfaces);
+        let (sample, scattered) = self.sample_bsdfs(&surfaces, guided.as_ref());
         let is_scattered = lanes_of(scattered);
         let mut goes_on = self.bounce(&surfaces, &sample, scattered);
         goes_on &= self.play_roulette(&surfaces, context.settings, is_scattered);
@@ -115,7 +120,14 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
 
     /// Samples lights from the vertices and adds the light that is scattered along the paths (next event estimation).
     #[inline(always)]
-    fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context, samples: &mut Samples) {
+    fn sample_lights(
+        &mut self,
+        surfaces: &Surfaces,
+        coherence: Coherence,
+        context: &Context,
+        guided: Option<&Guided>,
+        samples: &mut Samples,
+    ) {
         let Surfaces { frame, wo, .. } = *surfaces;
         let (smooth, raised) = match surfaces.smooth & self.vertices.in_media() {
             0 => (surfaces.smooth, None),
@@ -133,6 +145,9 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         if surfaces.other & smooth != 0 {
             let asked = surfaces.other & smooth & light.is_valid.to_bitmask();
             (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
+        }
+        if let Some(guided) = guided {
+            bsdf_pdf = guided.mixed(light.wi, bsdf_pdf);
         }
         let strategy = context.settings.strategy;
         let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, bsdf_pdf);
@@ -272,7 +287,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
 
     /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only ones of a lobe.
     #[inline(always)]
-    fn sample_bsdfs(&self, surfaces: &Surfaces) -> (BsdfSampleLanes, u32) {
+    fn sample_bsdfs(&self, surfaces: &Surfaces, guided: Option<&Guided>) -> (BsdfSampleLanes, u32) {
         let Surfaces { lanes, other, .. } = *surfaces;
         let (bsdf, sampler) = (&self.vertices.bsdf, &self.paths.sampler);
         let u_lobe = match bsdf.transmitting() | other {
@@ -281,15 +296,28 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         };
         let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
         let local = self.vertices.sample(surfaces.wo, u_lobe, u_direction);
-        let sample = BsdfSampleLanes {
+        let mut sample = BsdfSampleLanes {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
+        if let Some(guided) = guided {
+            sample = self.guide(guided, surfaces, u_direction, sample);
+        }
         if other == 0 {
             return (sample, surfaces.smooth);
         }
         let (sample, smooth) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
         (sample, surfaces.smooth & (!other | smooth))
+    }
+
+    /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It is not inlined, so that paths without a guide have the code that they had.
+    #[inline(never)]
+    fn guide(&self, guided: &Guided, surfaces: &Surfaces, u: [Lanes; 2], sample: BsdfSampleLanes) -> BsdfSampleLanes {
+        let Surfaces { frame, wo, .. } = *surfaces;
+        // No other lobe needs the number where there is a guide.
+        let u_choice = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
+        let eval_and_pdf = |wi: Vec3Lanes| self.vertices.eval_and_pdf(wo, frame.to_local(wi));
+        guided.sample(eval_and_pdf, u_choice, u, sample)
     }
 
     /// Sets the next rays of the paths. True in the lanes whose light is not absorbed.

@@ -200,6 +200,9 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
     if let Some(percentile) = settings.clamp_percentile {
         object = with(object, "clamp_percentile", Value::Float(percentile));
     }
+    if settings.guided && settings.plugin.is_guidable() {
+        object = with_flag(object, "guided", true);
+    }
     let path = with_flag(object, "hide_emitters", settings.hide_emitters);
     if settings.layers.is_empty() {
         return path;

@@ -98,6 +98,9 @@ impl<'a> SceneReader<'a> {
             }
         }
         settings.clamp_percentile = reader.float_in("clamp_percentile", IntegratorSettings::CLAMP_PERCENTILES);
+        if settings.plugin.is_guidable() {
+            settings.guided = reader.boolean_or("guided", false);
+        }
         settings.hide_emitters = reader.boolean_or("hide_emitters", false);
         if known.is_some() {
             reader.ignore(&["timeout", "block_size", "samples_per_pass"]);

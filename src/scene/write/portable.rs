@@ -123,7 +123,7 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     "aov" => keep_layers_of_mitsuba(inner),
                     _ => {}
                 }
-                let is_ours = |name: &str| matches!(name, "photons" | "merge_radius" | "clamp_percentile");
+                let is_ours = |name: &str| matches!(name, "photons" | "merge_radius" | "clamp_percentile" | "guided");
                 inner.properties.retain(|property| !is_ours(&property.name));
             }
             (Category::Sensor, "thinlens") if extensions == Extensions::Approximate => inner

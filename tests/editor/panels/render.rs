@@ -70,6 +70,11 @@ fn the_render_panel_sets_what_it_shows() {
             ..
         }))
     ));
+    click(&mut harness, "Guided paths");
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings { guided: true, .. }))
+    ));
     click(&mut harness, "Show");
     click(&mut harness, "Normal");
     assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));

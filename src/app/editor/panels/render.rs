@@ -252,6 +252,12 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
             commands.push(Command::SetStrategySplit(split));
         }
     }
+    if integrator.plugin.is_guidable() {
+        let caption = Caption::from("Guided paths").explained(
+            "Photons are traced first, and paths go where these tell that light comes from. There is less noise where lamps are behind corners; where they are in sight it takes longer and is of no use.",
+        );
+        changed |= fields::checkbox(ui, caption, &mut integrator.guided);
+    }
     if integrator.plugin.has_photons() {
         let mut photons = integrator.photons.unwrap_or(0);
         let caption = Caption::from("Photons").explained(

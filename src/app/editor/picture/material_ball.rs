@@ -245,6 +245,7 @@ fn view_with(edge: u32, media: bool) -> View {
         seed: 0,
         photons: Default::default(),
         clamp: None,
+        guide: None,
     }
 }
 

@@ -1,0 +1,324 @@
+//! The guide of a scene: a histogram over directions for each piece of a grid and each of six orientations of surfaces.
+//!
+//! Where few photons fall, a larger piece of space has one for all. Where a histogram is nearly that of the cosine there is none, so that paths there go as without a guide.
+
+use glam::{UVec3, Vec3};
+
+use super::bins::{BINS, BinLanes, axis_of, bin_of, cosine_shares};
+use super::cell::Cell;
+use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
+
+/// Light that has come to a surface from another one.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::render) struct PhotonArrival {
+    pub position: Vec3,
+    /// The shading normal on the side that the light has come to.
+    pub normal: Vec3,
+    /// Unit vector to where it came from.
+    pub wi: Vec3,
+    /// In relation to other photons.
+    pub power: f32,
+}
+
+/// The most pieces along a side of the grid.
+const RESOLUTION: f32 = 32.0;
+/// The photons that a piece has to have for a histogram of its own.
+const LEAST_PHOTONS: u32 = 128;
+/// What the piece around a piece says of it counts as so many photons.
+const PRIOR: f32 = 64.0;
+/// The part of the directions that are from histograms. A smaller one gains less where they are right, a larger one loses more where they are wrong.
+pub(in crate::render) const SHARE: f32 = 0.5;
+/// A histogram is of use if it lessens the second moment of light by this factor: the variance has other parts, and a guided step takes longer.
+const WORTHWHILE: f32 = 1.5;
+/// Photons of one path are neighbours in their list: so many are in the same half.
+const RUN: usize = 64;
+
+/// The orientations of surfaces: the axis that is nearest to the normal.
+const ORIENTATIONS: u32 = 6;
+const NONE: u32 = u32::MAX;
+
+/// A guide that is ready to be used.
+#[derive(Debug)]
+pub(in crate::render) struct Field {
+    origin: Vec3,
+    /// Pieces for a unit of length.
+    scale: f32,
+    size: UVec3,
+    /// For each piece and orientation the number of the histogram; 0 for none, which is that of the cosine.
+    index: Vec<u32>,
+    cells: Vec<Cell>,
+}
+
+/// The sums of a level of pieces, of which each is twice as long as those of the level below.
+struct Level {
+    size: UVec3,
+    /// For each piece and orientation the number of its sums; [`NONE`] where there are no photons.
+    cell_of: Vec<u32>,
+    /// Of each half of the photons.
+    sums: [Vec<[f32; BINS]>; 2],
+    /// The numbers of photons.
+    counts: Vec<u32>,
+}
+
+impl Level {
+    fn new(size: UVec3) -> Self {
+        Self {
+            size,
+            cell_of: vec![NONE; (size.element_product() * ORIENTATIONS) as usize],
+            sums: Default::default(),
+            counts: Vec::new(),
+        }
+    }
+
+    fn place(&self, piece: UVec3, orientation: u32) -> usize {
+        let UVec3 { x, y, .. } = self.size;
+        (((piece.z * y + piece.y) * x + piece.x) * ORIENTATIONS + orientation) as usize
+    }
+
+    fn cell(&mut self, place: usize) -> usize {
+        if self.cell_of[place] == NONE {
+            self.cell_of[place] = self.counts.len() as u32;
+            self.sums.iter_mut().for_each(|sums| sums.push([0.0; BINS]));
+            self.counts.push(0);
+        }
+        self.cell_of[place] as usize
+    }
+
+    fn above(&self) -> Self {
+        let mut above = Self::new((self.size + 1) / 2);
+        for (piece, orientation, place) in self.places() {
+            let cell = self.cell_of[place];
+            if cell == NONE {
+                continue;
+            }
+            let place = above.place(piece / 2, orientation);
+            let number = above.cell(place);
+            above.counts[number] += self.counts[cell as usize];
+            for (above, own) in above.sums.iter_mut().zip(&self.sums) {
+                let own = &own[cell as usize];
+                above[number].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+        }
+        above
+    }
+
+    fn places(&self) -> impl Iterator<Item = (UVec3, u32, usize)> {
+        let size = self.size;
+        (0..size.element_product() * ORIENTATIONS).map(move |place| {
+            let piece = place / ORIENTATIONS;
+            let piece = UVec3::new(piece % size.x, piece / size.x % size.y, piece / size.x / size.y);
+            (piece, place % ORIENTATIONS, place as usize)
+        })
+    }
+}
+
+impl Field {
+    /// The guide that photons tell of; None without enough of them.
+    pub fn learn(arrivals: &[PhotonArrival]) -> Option<Self> {
+        let (low, high) = bounds(arrivals)?;
+        let extent = (high - low).max(Vec3::splat(1e-20));
+        let scale = RESOLUTION / extent.max_element();
+        let size = (extent * scale)
+            .ceil()
+            .as_uvec3()
+            .clamp(UVec3::ONE, UVec3::splat(RESOLUTION as u32));
+        let mut finest = Level::new(size);
+        for (number, arrival) in arrivals.iter().enumerate() {
+            let piece = ((arrival.position - low) * scale).clamp(Vec3::ZERO, size.as_vec3() - 1.0);
+            let axis = axis_of(arrival.normal);
+            let place = finest.place(piece.as_uvec3(), axis as u32);
+            let cell = finest.cell(place);
+            let half = number / RUN % 2;
+            finest.sums[half][cell][bin_of(axis, arrival.wi)] += arrival.power;
+            finest.counts[cell] += 1;
+        }
+        let mut levels = vec![finest];
+        while levels[levels.len() - 1].size != UVec3::ONE {
+            levels.push(levels[levels.len() - 1].above());
+        }
+        let cosine = cosine_shares();
+        let shares = shares_of(&levels, &cosine);
+        let mut cells = vec![Cell::new(&cosine)];
+        let mut ready: Vec<Vec<Option<u32>>> = levels.iter().map(|level| vec![None; level.counts.len()]).collect();
+        let mut number_of = |number: usize, cell: usize| {
+            *ready[number][cell].get_or_insert_with(|| {
+                let shares = &shares[number][cell];
+                let halves = [0, 1].map(|half| &levels[number].sums[half][cell]);
+                if gain(shares, halves, &cosine) < WORTHWHILE {
+                    return 0;
+                }
+                cells.push(Cell::new(shares));
+                cells.len() as u32 - 1
+            })
+        };
+        // The smallest piece around each place that has enough photons.
+        let found = |piece: UVec3, orientation: u32| {
+            levels.iter().enumerate().find_map(|(number, level)| {
+                let cell = level.cell_of[level.place(piece >> number as u32, orientation)];
+                (cell != NONE && level.counts[cell as usize] >= LEAST_PHOTONS).then_some((number, cell as usize))
+            })
+        };
+        let index: Vec<u32> = levels[0]
+            .places()
+            .map(|(piece, orientation, _)| {
+                found(piece, orientation).map_or(0, |(number, cell)| number_of(number, cell))
+            })
+            .collect();
+        (cells.len() > 1).then_some(Self {
+            origin: low,
+            scale,
+            size,
+            index,
+            cells,
+        })
+    }
+
+    /// The numbers of the pieces with their orientations.
+    #[inline(always)]
+    pub fn places(&self, position: Vec3Lanes, axes: &BinLanes) -> WordLanes {
+        let along = |x: Lanes, origin: f32, size: u32| {
+            let place = (x - Lanes::splat(origin)) * Lanes::splat(self.scale);
+            place
+                .fast_max(Lanes::ZERO)
+                .trunc()
+                .fast_min(Lanes::splat(size as f32 - 1.0))
+        };
+        let x = along(position.x, self.origin.x, self.size.x);
+        let y = along(position.y, self.origin.y, self.size.y);
+        let z = along(position.z, self.origin.z, self.size.z);
+        let [wide, high] = [self.size.x, self.size.y].map(|size| Lanes::splat(size as f32));
+        let piece: WordLanes = bytemuck::cast(z.mul_add(high, y).mul_add(wide, x).fast_trunc_int());
+        piece * WordLanes::splat(ORIENTATIONS) + axes.axes()
+    }
+
+    /// The number of the histogram of a place; 0 for none.
+    #[inline(always)]
+    pub fn cell_at(&self, place: u32) -> u32 {
+        self.index.get(place as usize).copied().unwrap_or(0)
+    }
+
+    #[inline(always)]
+    pub fn cell(&self, number: u32) -> &Cell {
+        &self.cells[number as usize]
+    }
+}
+
+/// The shares of the bins in each level's histograms, with what the level above says where they know little.
+fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
+    let mut shares: Vec<Vec<[f32; BINS]>> = vec![Vec::new(); levels.len()];
+    for (number, level) in levels.iter().enumerate().rev() {
+        let mut own = vec![[0.0; BINS]; level.counts.len()];
+        for (piece, orientation, place) in level.places() {
+            let cell = level.cell_of[place];
+            if cell == NONE {
+                continue;
+            }
+            let cell = cell as usize;
+            let prior = levels.get(number + 1).map_or(cosine, |above| {
+                let around = above.cell_of[above.place(piece / 2, orientation)];
+                &shares[number + 1][around as usize]
+            });
+            let sums: [f32; BINS] = std::array::from_fn(|bin| level.sums[0][cell][bin] + level.sums[1][cell][bin]);
+            let count = level.counts[cell] as f32;
+            let scale = count / sums.iter().sum::<f32>();
+            own[cell] = std::array::from_fn(|bin| (sums[bin] * scale + PRIOR * prior[bin]) / (count + PRIOR));
+        }
+        shares[number] = own;
+    }
+    shares
+}
+
+/// By how much less the second moment of light is if a part of the directions has these shares. The product of two independent halves is without the noise of either, which
+/// would look like light from few directions.
+fn gain(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
+    let moment = |guided: f32| -> f32 {
+        let of_bin = |bin: usize| {
+            let density = guided * shares[bin] + (1.0 - guided) * cosine[bin];
+            halves[0][bin] * halves[1][bin] / density
+        };
+        (0..BINS).filter(|&bin| cosine[bin] > 0.0).map(of_bin).sum()
+    };
+    let guided = moment(SHARE);
+    if guided > 0.0 { moment(0.0) / guided } else { 1.0 }
+}
+
+/// A box around nearly all photons.
+fn bounds(arrivals: &[PhotonArrival]) -> Option<(Vec3, Vec3)> {
+    const MOST: usize = 1 << 14;
+    let step = arrivals.len().div_ceil(MOST).max(1);
+    let places = || arrivals.iter().step_by(step).map(|arrival| arrival.position);
+    let count = places().count();
+    if count < LEAST_PHOTONS as usize {
+        return None;
+    }
+    let along = |axis: usize| {
+        let mut along: Vec<f32> = places().map(|place| place[axis]).collect();
+        along.sort_unstable_by(f32::total_cmp);
+        let out = count / 200;
+        [along[out], along[count - 1 - out]]
+    };
+    let [x, y, z] = [0, 1, 2].map(along);
+    let ends = [0, 1].map(|end| Vec3::new(x[end], y[end], z[end]));
+    let margin = 1e-3 * (ends[1] - ends[0]).max_element();
+    Some((ends[0] - margin, ends[1] + margin))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::hash::pcg3d;
+
+    fn number(word: u32) -> f32 {
+        (word >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// Photons on a floor of length 1, which come from what `from` makes of two numbers.
+    fn photons(from: impl Fn(f32, f32) -> Vec3) -> Vec<PhotonArrival> {
+        let photon = |index: u32| {
+            let [x, y, u] = pcg3d([index, 1, 2]).map(number);
+            let [v, w, _] = pcg3d([index, 3, 4]).map(number);
+            PhotonArrival {
+                position: Vec3::new(x, 0.0, y),
+                normal: Vec3::Y,
+                wi: from(u, v).normalize(),
+                power: 0.5 + w,
+            }
+        };
+        (0..1 << 16).map(photon).collect()
+    }
+
+    fn cell_at(field: &Field, place: Vec3, normal: Vec3) -> u32 {
+        let axes = BinLanes::of(Vec3Lanes::splat(normal));
+        let places = field.places(Vec3Lanes::splat(place), &axes);
+        field.cell_at(places.as_array()[0])
+    }
+
+    #[test]
+    fn light_from_one_side_is_noted_there() {
+        let gap = Vec3::new(1.0, 0.4, 0.1);
+        let field = Field::learn(&photons(|u, v| gap + 0.1 * Vec3::new(0.0, u, v))).expect("a guide");
+        let cell = cell_at(&field, Vec3::new(0.3, 0.0, 0.6), Vec3::Y);
+        assert!(cell > 0);
+        let counts: Vec<u32> = (0..BINS as u32).map(|bin| field.cell(cell).count(bin)).collect();
+        let towards = bin_of(2, (gap + 0.05 * Vec3::new(0.0, 1.0, 1.0)).normalize());
+        assert!(counts[towards] > 60, "{counts:?}");
+        // No light comes to ceilings and walls, and none is told of far away.
+        for other in [Vec3::NEG_Y, Vec3::X] {
+            assert_eq!(cell_at(&field, Vec3::new(0.3, 0.0, 0.6), other), 0);
+        }
+        assert_eq!(field.size.y, 1);
+        for outside in [Vec3::splat(1e9), Vec3::splat(-1e9), Vec3::splat(f32::NAN)] {
+            cell_at(&field, outside, Vec3::Y);
+        }
+    }
+
+    #[test]
+    fn light_from_everywhere_needs_no_guide() {
+        let cosine = |u: f32, v: f32| {
+            let (radius, turn) = (u.sqrt(), std::f32::consts::TAU * v);
+            Vec3::new(radius * turn.cos(), (1.0 - u).sqrt(), radius * turn.sin())
+        };
+        assert!(Field::learn(&photons(cosine)).is_none());
+        assert!(Field::learn(&photons(cosine)[..63]).is_none());
+    }
+}

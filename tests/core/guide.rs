@@ -1,0 +1,127 @@
+//! Guided paths: less noise, the same mean, and the same bits whoever learns the guide.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::bidirectional::{assert_pictures, diffuse, glass, lit_room, look, placed};
+use crate::support::{SceneBuilder, render};
+use glam::{Affine3A, Quat, Vec3};
+use sunroom::accel::Primitive;
+use sunroom::color::{Rgb, luminance};
+use sunroom::render::film::Film;
+use sunroom::render::guide::Guide;
+use sunroom::render::scene::RenderScene;
+use sunroom::render::tile::{TileSamples, render_tile, tiles};
+use sunroom::render::view::{Strategy, View};
+
+fn guided(view: &View) -> View {
+    View {
+        guide: Some(Guide::default()),
+        ..view.clone()
+    }
+}
+
+/// A room whose lamp shines at the ceiling from behind a board.
+fn cove() -> RenderScene {
+    let mut scene = SceneBuilder::default();
+    let turn = |x: f32, y: f32| Quat::from_rotation_y(y) * Quat::from_rotation_x(x);
+    let quarter = std::f32::consts::FRAC_PI_2;
+    for (turn, place) in [
+        (turn(-quarter, 0.0), Vec3::new(0.0, -1.0, 0.0)),
+        (turn(quarter, 0.0), Vec3::new(0.0, 1.0, 0.0)),
+        (turn(0.0, 0.0), Vec3::new(0.0, 0.0, -1.0)),
+        (turn(0.0, quarter), Vec3::new(-1.0, 0.0, 0.0)),
+        (turn(0.0, -quarter), Vec3::new(1.0, 0.0, 0.0)),
+    ] {
+        scene.add(Primitive::Rectangle, placed(Vec3::ONE, turn, place), diffuse(0.7), None);
+    }
+    let ball = Affine3A::from_scale_rotation_translation(Vec3::splat(0.3), Quat::IDENTITY, Vec3::new(0.4, -0.7, -0.2));
+    scene.add(Primitive::Sphere, ball, glass(), None);
+    let up = turn(-quarter, 0.0);
+    let board = placed(Vec3::new(0.9, 0.2, 1.0), turn(quarter, 0.0), Vec3::new(0.0, 0.78, -0.8));
+    scene.add(Primitive::Rectangle, board, diffuse(0.5), None);
+    let edge = placed(Vec3::new(0.9, 0.07, 1.0), turn(0.0, 0.0), Vec3::new(0.0, 0.85, -0.6));
+    scene.add(Primitive::Rectangle, edge, diffuse(0.5), None);
+    let lamp = placed(Vec3::new(0.8, 0.03, 1.0), up, Vec3::new(0.0, 0.8, -0.8));
+    scene.add(Primitive::Rectangle, lamp, diffuse(0.0), Some(Rgb::splat(100.0)));
+    scene.build()
+}
+
+/// The mean variance of pixels in relation to their light.
+fn relative_variance(film: &Film) -> f32 {
+    let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+    let of_pixel = |(x, y)| {
+        let light = luminance(film.pixel(x, y).expect("samples").radiance);
+        (film.standard_error(x, y).expect("samples") / light).powi(2)
+    };
+    pixels.map(of_pixel).sum::<f32>() / (film.width() * film.height()) as f32
+}
+
+#[test]
+fn guided_paths_find_the_same_light_with_less_noise() {
+    for depth in [3, 8] {
+        let (scene, free) = (cove(), look(depth));
+        let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 4096));
+        assert_pictures(&format!("a cove, depth {depth}"), &plain, &led);
+        // Paths of three segments bring the light of the ceiling, which is found in any case.
+        let [noise, less] = [&plain, &led].map(relative_variance);
+        assert!(depth == 3 || less < 0.6 * noise, "depth {depth}: {less} and {noise}");
+    }
+    let (scene, free) = (lit_room(), look(6));
+    let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 2048));
+    assert!(plain.radiance() != led.radiance(), "nothing is guided");
+    assert_pictures("a room of many materials", &plain, &led);
+}
+
+#[test]
+fn what_cannot_be_guided_is_as_without_a_guide() {
+    let direct = look(2);
+    let mut by_bsdf = look(6);
+    by_bsdf.integrator.settings_mut().strategy = Strategy::Bsdf;
+    for view in [direct, by_bsdf] {
+        assert!(render(&cove(), &view, 4).radiance() == render(&cove(), &guided(&view), 4).radiance());
+    }
+    // No light comes from another surface.
+    let mut scene = SceneBuilder::default();
+    let floor = placed(Vec3::ONE, Quat::IDENTITY, Vec3::ZERO);
+    scene.add(Primitive::Rectangle, floor, diffuse(0.5), Some(Rgb::ONE));
+    let scene = scene.build();
+    assert!(render(&scene, &look(6), 4).radiance() == render(&scene, &guided(&look(6)), 4).radiance());
+}
+
+fn traced(scene: &RenderScene, view: &View, tile: usize) -> TileSamples {
+    let tile = tiles(view.width, view.height)[tile];
+    render_tile(scene, view, tile, 3..7, &AtomicBool::new(false)).expect("not cancelled")
+}
+
+#[test]
+fn a_guide_is_the_same_whoever_learns_it() {
+    let scene = cove();
+    let free = View {
+        width: 96,
+        height: 64,
+        ..look(6)
+    };
+    let alone: Vec<TileSamples> = (0..6).map(|tile| traced(&scene, &guided(&free), tile)).collect();
+    let together = guided(&free);
+    // What is cancelled leaves the guide to the others.
+    let cancelled = AtomicBool::new(true);
+    assert!(render_tile(&scene, &together, tiles(96, 64)[0], 3..7, &cancelled).is_none());
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..6)
+            .map(|tile| {
+                scope.spawn({
+                    let (scene, together) = (&scene, &together);
+                    move || traced(scene, together, tile)
+                })
+            })
+            .collect();
+        for (worker, expected) in workers.into_iter().zip(&alone) {
+            assert!(worker.join().expect("no panic") == *expected);
+        }
+    });
+    // Another scene has a guide of its own, and so have paths of another length.
+    assert!(traced(&lit_room(), &together, 1) == traced(&lit_room(), &guided(&free), 1));
+    let mut longer = together.clone();
+    longer.integrator.settings_mut().max_depth = 9;
+    assert!(traced(&scene, &longer, 1) == traced(&scene, &guided(&longer), 1));
+}
