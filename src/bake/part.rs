@@ -51,11 +51,11 @@ pub struct PartLight {
 pub enum PartError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("is no checkpoint or share of a bake, which begins with `SUNBAKE`")]
+    #[error("it is no checkpoint or share of a bake, which begins with `SUNBAKE`")]
     Foreign,
-    #[error("was written by another version of Sunroom: its format is {0}, and this version reads {FORMAT}")]
+    #[error("it was written by another version of Sunroom: its format is {0}, and this version reads {FORMAT}")]
     Format(u32),
-    #[error("is damaged: its content and its checksum do not belong together")]
+    #[error("it is damaged: its content and its checksum do not belong together")]
     Damaged,
 }
 

@@ -125,15 +125,15 @@ fn shares_make_the_bits_of_one_bake_on_any_number_of_threads() {
     let message = merges(&["0..8.bake", "other.bake"]);
     assert!(message.contains("the seed is 7, and was 0"), "{message}");
     shop.write("text.bake", "SUNBAKE without a line feed");
-    assert!(merges(&["0..8.bake", "text.bake"]).contains("text.bake is no checkpoint or share of a bake"));
+    assert!(merges(&["0..8.bake", "text.bake"]).contains("text.bake: it is no checkpoint or share of a bake"));
     let mut bytes = std::fs::read(shop.path("8..16.bake")).expect("a share");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     shop.write("damaged.bake", &bytes);
-    assert!(merges(&["0..8.bake", "damaged.bake"]).contains("damaged.bake is damaged"));
+    assert!(merges(&["0..8.bake", "damaged.bake"]).contains("damaged.bake: it is damaged"));
     bytes[middle] ^= 1;
     shop.write("short.bake", &bytes[..middle]);
-    assert!(merges(&["0..8.bake", "short.bake"]).contains("short.bake is damaged"));
+    assert!(merges(&["0..8.bake", "short.bake"]).contains("short.bake: it is damaged"));
     assert!(!shop.path("none").exists(), "nothing is left of a merge that fails");
     let message = said(&merge(&shop, "a", &parts, &["-o", "b"]), 2);
     assert!(message.contains("one folder"), "{message}");
@@ -329,8 +329,8 @@ fn a_foreign_or_damaged_checkpoint_is_told_from_ones_own() {
     assert!(said(&bake(&shop, "again", &forced), 0).contains("warning: c.checkpoint is a checkpoint of another bake"));
     shop.scene(SCENE);
     for (content, words) in [
-        (&whole[..whole.len() - 1], "c.checkpoint: is damaged"),
-        (&whole[..9], "c.checkpoint: is damaged"),
+        (&whole[..whole.len() - 1], "c.checkpoint: it is damaged"),
+        (&whole[..9], "c.checkpoint: it is damaged"),
         (
             &b"a text"[..],
             "is no checkpoint or share of a bake, which begins with `SUNBAKE`",
