@@ -65,6 +65,9 @@ impl Job {
         let mut correction = 1.0;
         if from.flag()? {
             correction = from.f32()?;
+            if !(correction.is_finite() && correction > 0.0) {
+                return Err(Damaged);
+            }
             let size = UVec2::new(self.view.width, self.view.height);
             self.replicas = Some(Replicas::read(&mut from, size)?);
         }
