@@ -92,7 +92,7 @@ pub struct RenderArgs {
     /// Clamp what is brighter than this percentile of the samples, such as 99.9: less noise, and too little light
     #[arg(long, value_name = "PERCENTILE", value_parser = parse::percentile)]
     pub clamp: Option<f32>,
-    /// Guide the paths of `path`, and of `auto` where that is `path`, to where light comes from, as photons tell: less noise where light comes around corners, and
+    /// Guide the paths of `path`, and of `auto` where that is `path`, to where light comes from, as photons show: less noise where light comes around corners, and
     /// more time for each sample
     #[arg(long)]
     pub guided: bool,

@@ -17,6 +17,9 @@ use crate::sampling::{Sampler, SequenceKind};
 /// The seed of these paths: a guide does not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_901d;
 
+/// What is kept of a path at most: paths may be far longer where the roulette begins late.
+const MOST_OF_PATH: usize = 64;
+
 /// Traces paths from the lights with these numbers.
 pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Range<u32>) -> Vec<PhotonArrival> {
     let techniques = Techniques {
@@ -43,7 +46,7 @@ pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Ran
         let Some(path) = sample.trace_light(&mut vertices) else {
             continue;
         };
-        for vertex in vertices.iter().filter(|vertex| vertex.is_smooth) {
+        for vertex in vertices.iter().filter(|vertex| vertex.is_smooth).take(MOST_OF_PATH) {
             let Some(before) = vertex.before.map(|before| &vertices[before]) else {
                 continue;
             };

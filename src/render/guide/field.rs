@@ -231,15 +231,19 @@ fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
 /// By how much less the second moment of light is if a part of the directions has these shares. The product of two independent halves is without the noise of either, which
 /// would look like light from few directions.
 fn gain(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
-    let moment = |guided: f32| -> f32 {
+    // In doubles, because the square of a power may be out of the range of floats in a scene of millimetres.
+    let moment = |guided: f32| -> f64 {
         let of_bin = |bin: usize| {
             let density = guided * shares[bin] + (1.0 - guided) * cosine[bin];
-            halves[0][bin] * halves[1][bin] / density
+            f64::from(halves[0][bin]) * f64::from(halves[1][bin]) / f64::from(density)
         };
         (0..BINS).filter(|&bin| cosine[bin] > 0.0).map(of_bin).sum()
     };
     let guided = moment(SHARE);
-    if guided > 0.0 { moment(0.0) / guided } else { 1.0 }
+    match guided > 0.0 {
+        true => (moment(0.0) / guided) as f32,
+        false => 1.0,
+    }
 }
 
 /// A box around nearly all photons.
