@@ -158,7 +158,7 @@ fn the_panel_says_what_auto_stands_for() {
         ..RenderModel::default()
     });
     harness.get_by_label("bdpt: 12.3 times less variance for its cost");
-    click(&mut harness, "Choose by scene");
+    click(&mut harness, "By scene");
     assert_eq!(harness.state().commands, [Command::SetPathIsAuto(false)]);
 }
 

@@ -208,7 +208,7 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
 fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if model.integrator.plugin == PathPlugin::Path {
         let mut is_auto = model.path_is_auto;
-        let caption = Caption::from("Choose by scene").explained(
+        let caption = Caption::from("By scene").explained(
             "In this window path stands for auto: bdpt takes its place where it pays. The scene keeps path, and so does the command line. Without it the window \
              traces by path, whatever the scene.",
         );
