@@ -1,6 +1,6 @@
 //! A bake as a job: a level is prepared, its light is gathered in rounds that can be watched and cancelled, and pictures are made of it.
 //!
-//! Whoever runs it hears of its progress, on the thread that runs it, between pieces of work of about half a second, and may look at the job meanwhile: its
+//! A callback is told of its progress, on the thread that runs it, between pieces of work of about half a second. It can look at the job meanwhile: its
 //! lightmaps can be shown as they are.
 
 use std::sync::Arc;

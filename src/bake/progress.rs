@@ -1,4 +1,4 @@
-//! What whoever runs a bake hears of it, and how often.
+//! The progress that a bake reports, and how often it does.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;

@@ -1,9 +1,9 @@
-//! Something that all workers make together who wait for it, a block of it each.
+//! A result that is made by all workers that wait for it: each makes some of its blocks.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
-/// A result made of the parts `T` of all blocks, in their order, whoever makes them.
+/// A result made of the parts `T` of all blocks, in the order of their numbers.
 pub(super) struct Together<T, R> {
     /// The part of each block, until the result has them.
     blocks: Vec<Mutex<Option<T>>>,

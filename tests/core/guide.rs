@@ -1,4 +1,4 @@
-//! Guided paths: less noise, the same mean, and the same bits whoever learns the guide.
+//! Guided paths: they have less noise, the same mean, and the same bits on any number of threads.
 
 use std::sync::atomic::AtomicBool;
 

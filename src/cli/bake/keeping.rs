@@ -21,7 +21,7 @@ pub struct Keeper<'a> {
     last: Instant,
     /// The rays of the last checkpoint.
     saved: Option<u64>,
-    /// Those of the last attempt.
+    /// The rays of the last attempt at a checkpoint.
     tried: Option<u64>,
 }
 

@@ -54,7 +54,7 @@ struct Level {
     size: UVec3,
     /// For each piece and orientation the number of its sums; [`NONE`] where there are no photons.
     cell_of: Vec<u32>,
-    /// Of each half of the photons.
+    /// The sums of each half of the photons.
     sums: [Vec<[f32; BINS]>; 2],
     /// The numbers of photons.
     counts: Vec<u32>,
