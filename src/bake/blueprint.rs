@@ -55,20 +55,6 @@ impl Blueprint {
         self.places.pages.len()
     }
 
-    /// A line about the lightmaps.
-    pub fn summary(&self) -> String {
-        let several = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
-        format!(
-            "{} in {} of {} x {}, {:.4} texels per unit, {}",
-            several(self.nodes.len(), "shape"),
-            several(self.page_count(), "lightmap"),
-            self.places.size.x,
-            self.places.size.y,
-            self.texels_per_unit,
-            several(self.places.texels.len(), "texel"),
-        )
-    }
-
     /// A lightmap of the light so far.
     pub fn lightmap(
         &self,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::blueprint::Blueprint;
 use super::lightmap::{BLOCK, Lightmaps, TexelSum};
 use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
-use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::part::Origin;
 
 const MAGIC: &[u8; 8] = b"SUNBAKE\n";
@@ -81,7 +81,7 @@ pub fn write_part(
     spent: &[Duration],
 ) -> io::Result<()> {
     write_atomically_with(path, |file| {
-        let mut file = Summed { file, crc: Crc::new() };
+        let mut file = SummedFile::new(file);
         let text = serde_json::to_vec(header)?;
         let mut start = Writer::default();
         start.0.extend_from_slice(MAGIC);
@@ -101,19 +101,7 @@ pub fn write_part(
     })
 }
 
-struct Summed<'a> {
-    file: &'a mut dyn Write,
-    crc: Crc,
-}
-
-impl Summed<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.crc.update(bytes);
-        self.file.write_all(bytes)
-    }
-}
-
-fn write_light(light: &Lightmaps, spent: Duration, file: &mut Summed) -> io::Result<()> {
+fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io::Result<()> {
     let mut start = Writer::default();
     start.u64(light.texel_count() as u64);
     start.u32(light.first);

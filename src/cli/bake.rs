@@ -16,6 +16,7 @@ use sunroom::app::headless::render_only;
 use sunroom::app::origin::origin;
 use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::app::threads::worker_count;
+use sunroom::bake::blueprint::Blueprint;
 use sunroom::bake::files;
 use sunroom::bake::job::{BakeEnding, BakeJob, BakeLimits, BakeSettings, BakeSource};
 use sunroom::bake::manifest::BakedLight;
@@ -156,7 +157,7 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
     let keeper = Keeper::new(args, origin, samples);
     keeper.take_up(&mut job, args)?;
     if !args.quiet {
-        report::line(job.blueprint().summary());
+        report::line(summary(job.blueprint()));
     }
     Ok(Some(Begun {
         job,
@@ -224,6 +225,20 @@ fn bake_whole(args: &BakeArgs) -> Result<ExitCode, Failure> {
         report::line(format_args!("the level is in {place}"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// A line about the lightmaps.
+fn summary(blueprint: &Blueprint) -> String {
+    let size = blueprint.places.size;
+    format!(
+        "{} in {} of {} x {}, {:.4} texels per unit, {}",
+        counted(blueprint.nodes.len(), "shape"),
+        counted(blueprint.page_count(), "lightmap"),
+        size.x,
+        size.y,
+        blueprint.texels_per_unit,
+        counted(blueprint.places.texels.len(), "texel"),
+    )
 }
 
 /// Gathers a share and writes its file.

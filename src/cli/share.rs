@@ -10,7 +10,7 @@ use sunroom::app::checkpoint::Piece;
 use sunroom::app::origin::{self, origin};
 use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
 use sunroom::render::film::Film;
-use sunroom::render::part::{Crop, PartFile};
+use sunroom::render::part::{Crop, Origin, PartFile};
 use sunroom::render::passes::{chunk_of, is_cut};
 use sunroom::scene::{ActiveSensor, Film as SensorFilm};
 
@@ -170,13 +170,8 @@ pub fn begin(
         control.target_samples = Some(range.end);
     }
     if let Some(path) = &checkpoints.resume {
-        let is_begin = checkpoints.checkpoint.as_ref() == Some(path) && !path.exists();
-        match is_begin {
-            true => report::line(format_args!(
-                "{} does not exist yet: the picture is begun",
-                path.display()
-            )),
-            false => share.take_up(world, path, checkpoints.force)?,
+        if !is_begun(checkpoints, path, "picture") {
+            share.take_up(world, path, checkpoints.force)?;
         }
     }
     Ok(Some(share))
@@ -187,27 +182,52 @@ impl Share {
     fn take_up(&self, world: &mut World, path: &Path, force: bool) -> Result<(), Failure> {
         let name = path.display();
         let file = PartFile::open(path).map_err(|error| format!("{name}: {error}"))?;
-        let differences = self.piece.origin.differences(&file.header().origin);
-        if !differences.is_empty() {
-            let text = differences.join("; ");
-            if !force {
-                return Err(
-                    format!("{name} is a checkpoint of another picture: {text} (--force goes on with it)").into(),
-                );
-            }
-            report::line(format_args!(
-                "warning: {name} is a checkpoint of another picture: {text}"
-            ));
-        }
+        accept_origin(path, "picture", &self.piece.origin, &file.header().origin, force)?;
         let taken = self.piece.take_up(world, &file);
         let samples = taken.map_err(|error| format!("{name}: {error}"))?;
         let asked = self.piece.samples[1] - self.piece.samples[0];
-        if samples > asked {
-            report::line(format_args!(
-                "warning: {name} has {samples} samples per pixel already, and {asked} are asked for: the picture keeps all of them"
-            ));
-        }
+        warn_of_more(path, ["pixel", "picture"], samples, asked);
         Ok(())
+    }
+}
+
+/// Whether a file to resume is not there yet and will be written as the checkpoint, so that the `work` (a picture, a bake) begins. That is said.
+pub fn is_begun(checkpoints: &CheckpointArgs, path: &Path, work: &str) -> bool {
+    let is_begun = checkpoints.checkpoint.as_deref() == Some(path) && !path.exists();
+    if is_begun {
+        report::line(format_args!(
+            "{} does not exist yet: the {work} is begun",
+            path.display()
+        ));
+    }
+    is_begun
+}
+
+/// Refuses a checkpoint whose `work` differs, or warns of it with `force`.
+pub fn accept_origin(path: &Path, work: &str, now: &Origin, then: &Origin, force: bool) -> Result<(), Failure> {
+    let differences = now.differences(then);
+    if differences.is_empty() {
+        return Ok(());
+    }
+    let message = format!(
+        "{} is a checkpoint of another {work}: {}",
+        path.display(),
+        differences.join("; ")
+    );
+    if !force {
+        return Err(format!("{message} (--force goes on with it)").into());
+    }
+    report::line(format_args!("warning: {message}"));
+    Ok(())
+}
+
+/// Warns of a checkpoint with more samples than are asked for. They are those of each `place` of the `work`.
+pub fn warn_of_more(path: &Path, [place, work]: [&str; 2], samples: u32, asked: u32) {
+    if samples > asked {
+        let name = path.display();
+        report::line(format_args!(
+            "warning: {name} has {samples} samples per {place} already, and {asked} are asked for: the {work} keeps all of them"
+        ));
     }
 }
 

@@ -1,5 +1,9 @@
 //! Numbers as bytes, least significant first, for the exact state of a picture ([`crate::render::part`]).
 
+use std::io::{self, Write};
+
+use flate2::Crc;
+
 /// Bytes to which numbers are written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Writer(pub Vec<u8>);
@@ -28,6 +32,34 @@ impl Writer {
     /// Writes the bits of a number in double precision.
     pub fn f64(&mut self, number: f64) {
         self.u64(number.to_bits());
+    }
+}
+
+/// A file that is being written, with the checksum (flate2's CRC) and the length of what was written so far.
+pub struct SummedFile<'a> {
+    /// The file. What is written to it directly is not summed.
+    pub file: &'a mut dyn Write,
+    /// The checksum.
+    pub crc: Crc,
+    /// The number of bytes.
+    pub length: u64,
+}
+
+impl<'a> SummedFile<'a> {
+    /// A file of which nothing is summed yet.
+    pub fn new(file: &'a mut dyn Write) -> Self {
+        Self {
+            file,
+            crc: Crc::new(),
+            length: 0,
+        }
+    }
+
+    /// Writes bytes that are summed.
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.crc.update(bytes);
+        self.length += bytes.len() as u64;
+        self.file.write_all(bytes)
     }
 }
 

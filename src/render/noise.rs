@@ -134,17 +134,8 @@ mod tests {
                 ..PixelSum::default()
             }
         };
-        TileSamples {
-            tile,
-            samples: sample..sample + 1,
-            pixels: (0..tile.width * tile.height).map(pixel).collect(),
-            blocks: None,
-            layers: Default::default(),
-            first_hits: Vec::new(),
-            splats: Default::default(),
-            rays: 0,
-            invalid: 0,
-        }
+        let pixels = (0..tile.width * tile.height).map(pixel).collect();
+        TileSamples::of_pixels(tile, sample..sample + 1, pixels)
     }
 
     fn film(samples: Range<u32>, mean: f32, spread: f32) -> Film {

@@ -213,14 +213,12 @@ fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
         if noise.is_finite() { noise } else { 0.0 }
     };
     let own: Vec<f32> = film.mean_errors(tile).map(noise).collect();
-    // A damaged checkpoint may have tiles with fewer samples than it says.
-    let of = |place: usize| own.get(place).copied().unwrap_or(0.0);
     let around = |at: u32, size: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
     let near = |x: u32, y: u32| {
         let places =
             around(y, tile.height).flat_map(|y| around(x, tile.width).map(move |x| (y * tile.width + x) as usize));
-        let (sum, count) = places.fold((0.0, 0.0f32), |(sum, count), place| (sum + of(place), count + 1.0));
-        0.5 * (of((y * tile.width + x) as usize) + sum / count)
+        let (sum, count) = places.fold((0.0, 0.0f32), |(sum, count), place| (sum + own[place], count + 1.0));
+        0.5 * (own[(y * tile.width + x) as usize] + sum / count)
     };
     (0..tile.height)
         .flat_map(|y| (0..tile.width).map(move |x| (x, y)))
@@ -317,17 +315,8 @@ mod tests {
             }
             sum
         };
-        TileSamples {
-            tile,
-            samples: samples.clone(),
-            pixels: (0..tile.width * tile.height).map(pixel).collect(),
-            blocks: None,
-            layers: Default::default(),
-            first_hits: Vec::new(),
-            splats: Default::default(),
-            rays: 0,
-            invalid: 0,
-        }
+        let pixels = (0..tile.width * tile.height).map(pixel).collect();
+        TileSamples::of_pixels(tile, samples.clone(), pixels)
     }
 
     /// A picture with so many samples, and the replicas that were chosen after 16 of them.

@@ -111,6 +111,22 @@ pub struct TileSamples {
 }
 
 impl TileSamples {
+    /// Sums of pixels, and nothing else.
+    #[cfg(test)]
+    pub(super) fn of_pixels(tile: Tile, samples: Range<u32>, pixels: Vec<PixelSum>) -> Self {
+        Self {
+            tile,
+            samples,
+            blocks: None,
+            pixels,
+            layers: Default::default(),
+            first_hits: Vec::new(),
+            splats: Default::default(),
+            rays: 0,
+            invalid: 0,
+        }
+    }
+
     /// Adds the samples of the same tile that follow these.
     pub fn append(&mut self, next: &Self) {
         self.append_own(next);

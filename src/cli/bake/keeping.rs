@@ -10,6 +10,7 @@ use sunroom::render::part::Origin;
 
 use super::args::BakeArgs;
 use crate::cli::report::{self, Failure};
+use crate::cli::share::{accept_origin, is_begun, warn_of_more};
 
 /// Keeps the light of a job in files.
 pub struct Keeper<'a> {
@@ -44,33 +45,19 @@ impl<'a> Keeper<'a> {
         let Some(path) = &args.checkpoints.resume else {
             return Ok(());
         };
-        let name = path.display();
-        if args.checkpoints.checkpoint.as_ref() == Some(path) && !path.exists() {
-            report::line(format_args!("{name} does not exist yet: the bake is begun"));
+        if is_begun(&args.checkpoints, path, "bake") {
             return Ok(());
         }
+        let name = path.display();
         let (header, _, light) = read_part(path).map_err(|error| format!("{name}: {error}"))?;
-        let differences = self.origin.differences(&header.origin);
-        if !differences.is_empty() {
-            let text = differences.join("; ");
-            if !args.checkpoints.force {
-                let message = format!("{name} is a checkpoint of another bake: {text} (--force goes on with it)");
-                return Err(message.into());
-            }
-            report::line(format_args!("warning: {name} is a checkpoint of another bake: {text}"));
-        }
+        accept_origin(path, "bake", &self.origin, &header.origin, args.checkpoints.force)?;
         let [first, end] = header.samples;
         if first != self.samples[0] || self.is_share && end != self.samples[1] {
             return Err(format!("{name} is of another share of the bake: --samples {first}..{end}").into());
         }
         job.take_up(light).map_err(|error| format!("{name}: {error}"))?;
-        let samples = job.light().samples();
         let asked = self.samples[1] - self.samples[0];
-        if samples > asked {
-            report::line(format_args!(
-                "warning: {name} has {samples} samples per texel already, and {asked} are asked for: the bake keeps all of them"
-            ));
-        }
+        warn_of_more(path, ["texel", "bake"], job.light().samples(), asked);
         Ok(())
     }
 

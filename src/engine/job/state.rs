@@ -10,6 +10,7 @@ use crate::engine::stop_condition::JudgedNoise;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
 use crate::render::replicas::Replicas;
+use crate::render::tile::Tile;
 
 impl Job {
     /// Writes the state. Passes under way are not saved; they are rendered again.
@@ -66,6 +67,15 @@ impl Job {
         if from.flag()? {
             correction = from.f32()?;
             if !(correction.is_finite() && correction > 0.0) {
+                return Err(Damaged);
+            }
+            // Replicas are chosen by the errors of pixels, which have two samples.
+            let is_known = |(tile, done): (&Tile, &u32)| {
+                let mut pixels =
+                    (tile.y..tile.y + tile.height).flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));
+                pixels.all(|(x, y)| saved.samples(x, y) >= (*done).min(2))
+            };
+            if !self.tiles.iter().zip(&self.done).all(is_known) {
                 return Err(Damaged);
             }
             let size = UVec2::new(self.view.width, self.view.height);

@@ -9,7 +9,7 @@ use flate2::Crc;
 
 use super::PartHeader;
 use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
-use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::film::Film;
 use crate::render::tile::Tile;
 
@@ -49,11 +49,7 @@ pub fn write_part(
 ) -> io::Result<()> {
     write_atomically_with(path, |file| {
         file.write_all(picture)?;
-        let mut state = State {
-            file,
-            crc: Crc::new(),
-            length: 0,
-        };
+        let mut state = SummedFile::new(file);
         let text = serde_json::to_vec(header)?;
         if text.len() > LONGEST_HEADER {
             return Err(io::Error::other("the names of the shapes are too long for a part"));
@@ -91,20 +87,6 @@ pub fn write_part(
         tail.0.extend_from_slice(MAGIC);
         state.file.write_all(&tail.0)
     })
-}
-
-struct State<'a> {
-    file: &'a mut dyn Write,
-    crc: Crc,
-    length: u64,
-}
-
-impl State<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.crc.update(bytes);
-        self.length += bytes.len() as u64;
-        self.file.write_all(bytes)
-    }
 }
 
 /// The file of a part, of which the header was read.
