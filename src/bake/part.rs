@@ -3,7 +3,7 @@
 //! The file is `SUNBAKE` and a line feed, the version of the format, what the bake is of, in a share everything that its files need but the light, the sums, and
 //! a checksum of all of it. Numbers are stored least significant byte first.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 use std::time::Duration;
 

@@ -169,10 +169,10 @@ pub fn begin(
         control.share = Some(range.start);
         control.target_samples = Some(range.end);
     }
-    if let Some(path) = &checkpoints.resume {
-        if !is_begun(checkpoints, path, "picture") {
-            share.take_up(world, path, checkpoints.force)?;
-        }
+    if let Some(path) = &checkpoints.resume
+        && !is_begun(checkpoints, path, "picture")
+    {
+        share.take_up(world, path, checkpoints.force)?;
     }
     Ok(Some(share))
 }
