@@ -40,7 +40,7 @@ use super::progress::{InSequence, Progress};
 use super::report::Failure;
 use super::sequence::{TurningCamera, frame_path};
 use super::share::{self, Settings};
-use super::stats::{Auto, Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
+use super::stats::{Auto, Bvh, Guide, Stats, StatsFormat, milliseconds, peak_memory_bytes};
 use super::watch::{Last, Watch, event};
 use super::{outputs, report};
 
@@ -380,6 +380,7 @@ fn picture(
             render_ms: status.seconds * 1e3,
             denoise_ms,
             rays: status.rays,
+            guide: status.guide.map(Guide::from),
             mrays_per_s: status.mrays_per_s,
             msamples_per_s: status.msamples_per_s,
             invalid_samples: status.invalid_samples,

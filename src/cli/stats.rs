@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
-use sunroom::engine::{AutoStatus, RenderStatus};
+use sunroom::engine::{AutoStatus, GuideStatus, RenderStatus};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StatsFormat {
@@ -34,6 +34,8 @@ pub struct Stats {
     pub render_ms: f64,
     pub denoise_ms: f64,
     pub rays: u64,
+    /// The guide of paths; None without one.
+    pub guide: Option<Guide>,
     pub mrays_per_s: f64,
     pub msamples_per_s: f64,
     /// Samples that were not finite and counted as black.
@@ -61,6 +63,23 @@ impl From<AutoStatus> for Auto {
             integrator: status.integrator,
             gain: status.choice.gain,
             missed: status.choice.missed,
+        }
+    }
+}
+
+/// What paths were guided by.
+#[derive(Serialize)]
+pub struct Guide {
+    /// The rays that it was learnt with, which are among those of the render.
+    pub rays: u64,
+    pub bytes: u64,
+}
+
+impl From<GuideStatus> for Guide {
+    fn from(status: GuideStatus) -> Self {
+        Self {
+            rays: status.rays,
+            bytes: status.bytes,
         }
     }
 }

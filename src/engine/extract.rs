@@ -41,6 +41,7 @@ use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::MediumId;
 use crate::render::borders::medium_at;
+use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::sight::Sight;
@@ -98,6 +99,8 @@ pub(super) struct Extracted {
     /// Where the view was flown from; None if it is the sensor's own.
     flight: Option<Flight>,
     seen_alone: SeenAlone,
+    /// What the scene's paths are guided by. Views come and go, and share it.
+    guide: Guide,
 }
 
 /// The way from a sensor to the view that was flown away from it.
@@ -169,6 +172,7 @@ impl Default for Extracted {
             sensor_name: String::new(),
             flight: None,
             seen_alone: SeenAlone::default(),
+            guide: Guide::default(),
         }
     }
 }
@@ -275,6 +279,7 @@ pub(super) fn extract_scene(
     extracted.update_sight(&control.sight);
     let same_scene = old.is_same(&extracted.scene);
     let is_auto = is_auto(&authored.integrator, &control);
+    let old_guide = extracted.keep_guide(same_scene);
     extracted.forget_choice(is_auto);
     let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
     let mut as_chosen = old_view.clone();
@@ -288,6 +293,7 @@ pub(super) fn extract_scene(
         extracted.update_layers(keeps_groups);
         extracted.update_medium_of_view();
         extracted.update_sight(&control.sight);
+        extracted.keep_guide(true);
     }
     extracted.forget_choice(is_auto);
     if is_auto
@@ -310,7 +316,7 @@ pub(super) fn extract_scene(
         medium_of_entity: extracted.packed_media.ids.clone(),
         view: extracted.view.clone(),
     };
-    deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
+    deferred.drop_later((old, old_guide, std::mem::replace(&mut *packed, now)));
     *dirty = match news {
         // Shapes that have changed while all were packed are left where that has to be done once more.
         Some(_) => Dirty {
@@ -452,6 +458,16 @@ impl Extracted {
                 only,
             };
         }
+    }
+
+    /// Gives the view the guide of the scene, a new one if that has changed: it would be learnt anew, and until then keep the old scene. Returns the guide of
+    /// before.
+    fn keep_guide(&mut self, same_scene: bool) -> Option<Guide> {
+        let old = (!same_scene).then(|| std::mem::take(&mut self.guide));
+        if let Some(guide) = self.view.as_mut().and_then(|view| view.guide.as_mut()) {
+            *guide = self.guide.clone();
+        }
+        old
     }
 
     /// The integrator `auto` is as before its choice.

@@ -22,6 +22,7 @@ use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
 use crate::render::clamp::BrightnessLimit;
+use crate::render::guide::Guide;
 use crate::render::noise::PictureNoise;
 use crate::render::passes::pass_end;
 use crate::render::replicas::Replicas;
@@ -75,6 +76,8 @@ pub(super) struct Job {
     /// The time of the change that led to this job; taken when its first tile is there.
     pub since: Option<Instant>,
     pub rays: u64,
+    /// The part of `rays` that a guide was learnt with.
+    pub guide_rays: u64,
     /// The number of camera samples collected, over all pixels.
     pub samples: u64,
     pub invalid: u64,
@@ -134,6 +137,7 @@ impl Job {
             is_coarse,
             share: None,
             rays: 0,
+            guide_rays: 0,
             samples: 0,
             invalid: 0,
             failure: None,
@@ -428,6 +432,7 @@ impl Job {
 
     /// Does what follows from new tiles for the picture as a whole.
     fn settle(&mut self, film: &mut RenderFilm) {
+        self.count_rays_of_guides();
         let samples = self.least_samples();
         if film.film.has_splats() && samples > film.samples {
             self.tiles.iter().for_each(|&tile| film.mark(tile));
@@ -435,6 +440,29 @@ impl Job {
         film.samples = samples;
         self.judge(film);
         self.note_noise();
+    }
+
+    /// Counts what guides were learnt with since the last call, which may be that of another picture of the same scene.
+    fn count_rays_of_guides(&mut self) {
+        let rays = self.guides().map(Guide::take_rays).sum::<u64>();
+        self.rays += rays;
+        self.guide_rays += rays;
+    }
+
+    /// The memory of the guides of the picture, in bytes.
+    pub fn guide_bytes(&self) -> u64 {
+        let mut guides: Vec<&Guide> = Vec::new();
+        for guide in self.guides() {
+            if !guides.iter().any(|known| known.is_same(guide)) {
+                guides.push(guide);
+            }
+        }
+        guides.into_iter().map(Guide::bytes).sum()
+    }
+
+    fn guides(&self) -> impl Iterator<Item = &Guide> {
+        let of_moments = self.shutter.iter().flat_map(Shutter::guides);
+        self.view.guide.iter().chain(of_moments)
     }
 
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {

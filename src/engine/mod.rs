@@ -59,7 +59,7 @@ pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
-pub use status::{AutoStatus, BvhStatus, LatencyStats, RenderState, RenderStatus};
+pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 
 /// The steps of a frame, in this order, in `PostUpdate`.

@@ -10,7 +10,7 @@ use super::detect::Dirty;
 use super::extract::Extracted;
 use super::job::Job;
 use super::renderer::Renderer;
-use super::status::{RenderState, RenderStatus};
+use super::status::{GuideStatus, RenderState, RenderStatus};
 use super::stop_condition::StopCondition;
 use crate::scene::{IntegratorSettings, SceneState, SceneStatus};
 
@@ -77,6 +77,10 @@ pub(super) fn report_status(
     status.full_size = extracted.full_size;
     status.seconds = seconds;
     status.rays = job.map_or(0, |job| job.rays);
+    status.guide = job.filter(|job| job.view.guide.is_some()).map(|job| GuideStatus {
+        rays: job.guide_rays,
+        bytes: job.guide_bytes(),
+    });
     status.mrays_per_s = per_second(status.rays);
     status.msamples_per_s = per_second(job.map_or(0, |job| job.samples));
     status.invalid_samples = job.map_or(0, |job| job.invalid);

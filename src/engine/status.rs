@@ -40,6 +40,8 @@ pub struct RenderStatus {
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
     pub rays: u64,
+    /// The guide of its paths; None where they have none.
+    pub guide: Option<GuideStatus>,
     /// The rays per second, in millions.
     pub mrays_per_s: f64,
     /// The camera samples per second, in millions.
@@ -85,6 +87,7 @@ impl Default for RenderStatus {
             full_size: UVec2::ZERO,
             seconds: 0.0,
             rays: 0,
+            guide: None,
             mrays_per_s: 0.0,
             msamples_per_s: 0.0,
             invalid_samples: 0,
@@ -100,6 +103,15 @@ impl Default for RenderStatus {
             response: LatencyStats::default(),
         }
     }
+}
+
+/// The guide of a picture's paths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GuideStatus {
+    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier picture.
+    pub rays: u64,
+    /// Its memory in bytes; 0 until it is learnt, and where there is nothing to be guided by.
+    pub bytes: u64,
 }
 
 /// The power of the number of samples with which noise falls: 0.5 for independent samples, and this about for well spread ones.

@@ -27,15 +27,19 @@ impl Shutter {
 
     /// The shutter over moments in the order of time; None if there are none.
     pub fn new(moments: &[Moment]) -> Option<Self> {
-        let photons = moments.first()?.1.photons.clone();
+        let first = moments.first()?;
+        let photons = first.1.photons.clone();
         let moment = |place: usize| {
             let (scene, view) = moments[place].clone();
             // A store of its own for each moment would keep photons of many samples that are done.
             let photons = photons.clone();
             // A clamp keeps few limits, and each moment has one.
             let clamp = view.clamp.map(|clamp| Clamp::new(clamp.percentile));
-            // And one guide, that of its scene.
-            let guide = view.guide.map(|_| Guide::default());
+            // And one guide, that of its scene, which others share if only the camera moves.
+            let guide = match scene.is_same(&first.0) {
+                true => view.guide.and(first.1.guide.clone()),
+                false => view.guide.map(|_| Guide::default()),
+            };
             let view = View {
                 photons,
                 clamp,
@@ -84,6 +88,11 @@ impl Shutter {
     /// How bright samples may be at the first moment; None without a clamp, and until that is known.
     pub fn clamped(&self) -> Option<BrightnessLimit> {
         self.0.first()?.1.clamp.as_ref()?.found()
+    }
+
+    /// The guides of the moments.
+    pub fn guides(&self) -> impl Iterator<Item = &Guide> {
+        self.0.iter().filter_map(|(_, view)| view.guide.as_ref())
     }
 
     /// Whether these are the same moments.

@@ -45,6 +45,11 @@ impl<T, R: Clone> Together<T, R> {
         None
     }
 
+    /// The result if it is there.
+    pub fn known(&self) -> Option<R> {
+        self.result.get().cloned().flatten()
+    }
+
     /// Waits for the blocks that others are at.
     fn finished(&self, finish: impl FnOnce(Vec<T>) -> R) -> Option<R> {
         let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);

@@ -9,7 +9,7 @@ use super::subpath::Vertex;
 use super::weights::Ways;
 use super::{LIGHT_PIXEL, Techniques, Tracer};
 use crate::color::luminance;
-use crate::render::guide::PhotonArrival;
+use crate::render::guide::{PhotonArrival, Photons};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::sampling::{Sampler, SequenceKind};
@@ -21,7 +21,7 @@ const SEED: u32 = 0x5eed_901d;
 const MOST_OF_PATH: usize = 64;
 
 /// Traces paths from the lights with these numbers.
-pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Range<u32>) -> Vec<PhotonArrival> {
+pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Range<u32>) -> Photons {
     let techniques = Techniques {
         splats: false,
         camera_paths: false,
@@ -29,23 +29,26 @@ pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Ran
     };
     let settings = view.integrator.settings();
     let never = AtomicBool::new(false);
+    let mut photons = Photons {
+        arrivals: Vec::new(),
+        rays: 0,
+    };
     let Some(tracer) = Tracer::new(scene, view, settings, techniques, std::iter::empty(), &never) else {
-        return Vec::new();
+        return photons;
     };
     let ways = Ways {
         to_lens: false,
         joins: true,
         merging: None,
     };
-    let mut found = Vec::new();
     let mut vertices: Vec<Vertex> = Vec::new();
     for number in numbers {
         let sampler = Sampler::new(SequenceKind::Sobol, UVec2::splat(LIGHT_PIXEL - 2), number, SEED);
         let mut sample = tracer.begin(ways, sampler, sampler);
         vertices.clear();
-        let Some(path) = sample.trace_light(&mut vertices) else {
-            continue;
-        };
+        let path = sample.trace_light(&mut vertices);
+        photons.rays += u64::from(sample.rays);
+        let Some(path) = path else { continue };
         for vertex in vertices.iter().filter(|vertex| vertex.is_smooth).take(MOST_OF_PATH) {
             let Some(before) = vertex.before.map(|before| &vertices[before]) else {
                 continue;
@@ -59,9 +62,9 @@ pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Ran
                 power: luminance(path.emitted.power * vertex.throughput),
             };
             if arrival.power > 0.0 && arrival.power.is_finite() && wi != Vec3::ZERO {
-                found.push(arrival);
+                photons.arrivals.push(arrival);
             }
         }
     }
-    found
+    photons
 }

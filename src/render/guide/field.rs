@@ -173,6 +173,11 @@ impl Field {
         })
     }
 
+    /// Its memory in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.index) + size_of_val(&*self.cells)
+    }
+
     /// The numbers of the pieces with their orientations.
     #[inline(always)]
     pub fn places(&self, position: Vec3Lanes, axes: &BinLanes) -> WordLanes {

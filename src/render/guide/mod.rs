@@ -13,4 +13,4 @@ pub(super) use self::bins::BinLanes;
 pub(super) use self::cell::UNITS;
 pub(super) use self::field::{Field, PhotonArrival, SHARE};
 pub use self::store::Guide;
-pub(super) use self::store::PhotonPaths;
+pub(super) use self::store::{PhotonPaths, Photons};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::field::{Field, PhotonArrival};
@@ -18,7 +18,21 @@ const PATHS_OF_BLOCK: u32 = 1024;
 ///
 /// It is a store and no part of what a picture depends on, so that any two are equal.
 #[derive(Clone, Default)]
-pub struct Guide(Arc<Mutex<Option<Arc<Learnt>>>>);
+pub struct Guide(Arc<Store>);
+
+#[derive(Default)]
+struct Store {
+    last: Mutex<Option<Arc<Learnt>>>,
+    learnings: AtomicU32,
+    /// The rays that were traced for it and not taken yet.
+    rays: AtomicU64,
+}
+
+/// What some paths from the lights have brought.
+pub(in crate::render) struct Photons {
+    pub arrivals: Vec<PhotonArrival>,
+    pub rays: u64,
+}
 
 /// What a guide depends on besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,20 +54,44 @@ impl Guide {
         &self,
         scene: &RenderScene,
         paths: PhotonPaths,
-        trace: impl Fn(Range<u32>) -> Vec<PhotonArrival>,
+        trace: impl Fn(Range<u32>) -> Photons,
         cancel: &AtomicBool,
     ) -> Option<Option<Arc<Field>>> {
         let learnt = self.learnt(scene, paths);
         let trace = |block: u32| {
             let first = block * PATHS_OF_BLOCK;
-            trace(first..first + PATHS_OF_BLOCK)
+            let photons = trace(first..first + PATHS_OF_BLOCK);
+            self.0.rays.fetch_add(photons.rays, Ordering::Relaxed);
+            photons.arrivals
         };
         let learn = |arrivals: Vec<Vec<PhotonArrival>>| Field::learn(&arrivals.concat()).map(Arc::new);
         learnt.field.get(trace, learn, cancel)
     }
 
+    /// How often something was learnt, for a scene and paths unlike those before.
+    pub fn learnings(&self) -> u32 {
+        self.0.learnings.load(Ordering::Relaxed)
+    }
+
+    /// The rays that were traced to learn, since the last call.
+    pub fn take_rays(&self) -> u64 {
+        self.0.rays.swap(0, Ordering::Relaxed)
+    }
+
+    /// The memory of what was learnt last, in bytes; 0 where there is nothing to be guided by.
+    pub fn bytes(&self) -> u64 {
+        let last = self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let field = last.as_ref().and_then(|learnt| learnt.field.known()).flatten();
+        field.map_or(0, |field| field.bytes() as u64)
+    }
+
+    /// Whether both share what they learn.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     fn learnt(&self, scene: &RenderScene, paths: PhotonPaths) -> Arc<Learnt> {
-        let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
         let is_same = |learnt: &&Arc<Learnt>| learnt.paths == paths && learnt.scene.is_same(scene);
         if let Some(same) = last.as_ref().filter(is_same) {
             return same.clone();
@@ -63,6 +101,7 @@ impl Guide {
             paths,
             field: Together::new((PATHS / PATHS_OF_BLOCK) as usize),
         });
+        self.0.learnings.fetch_add(1, Ordering::Relaxed);
         *last = Some(learnt.clone());
         learnt
     }
