@@ -244,16 +244,16 @@ impl Job {
     }
 
     /// Renders only in the region from now on; the samples of other tiles stay.
-    fn set_region(&mut self, region: Option<Rect>) {
+    fn set_region(&mut self, region: Option<Rect>, film: &mut RenderFilm) {
         if self.region != region {
             self.pause();
+            self.correct_noise(1.0, film);
             self.region = region;
             self.active = tiles_in(region, &self.tiles, UVec2::new(self.view.width, self.view.height));
             self.adaptation.go_on_in(&self.active);
             self.noise = None;
             self.judged = None;
             self.replicas = None;
-            self.noise_of_tiles.correct(1.0);
             self.round = (Rounds::default(), 0);
         }
     }
@@ -266,7 +266,7 @@ impl Job {
 
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
     pub fn run(&mut self, backend: &Backend, stop: &StopCondition, film: &mut RenderFilm, waker: EventLoopWaker) {
-        self.set_region(stop.region);
+        self.set_region(stop.region, film);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {
             self.stops.insert(stop.samples);

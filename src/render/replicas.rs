@@ -390,21 +390,19 @@ mod tests {
         let is_noisy = |replica: &&Replica| (31..65).contains(&replica.pixel.x);
         let noisy = replicas.0.iter().filter(is_noisy).count();
         assert!(2 * noisy > replicas.0.len() && noisy < replicas.0.len(), "{noisy}");
-        let mut pixels: Vec<[u32; 2]> = replicas.0.iter().map(|replica| replica.pixel.to_array()).collect();
-        pixels.sort();
-        pixels.dedup();
-        assert_eq!(pixels.len(), replicas.0.len(), "each pixel is chosen once at most");
     }
 
     #[test]
-    fn small_pictures_are_rendered_twice_at_most() {
+    fn most_pixels_of_small_pictures_have_replicas() {
         let mut film = Film::new(9, 5);
         for tile in tiles(9, 5) {
             film.add(&sums(tile, 0..1, 1));
             film.add(&sums(tile, 1..2, 1));
         }
         let replicas = Replicas::choose(&film, &tiles(9, 5), 1);
-        assert!((1..=45).contains(&replicas.0.len()), "{}", replicas.0.len());
+        // Fewer than half of the pixels would not be enough, and no probability is above 1.
+        let is_likely = |replica: &Replica| (0.5..=1.0).contains(&replica.probability);
+        assert!(replicas.0.len() > 45 / 2 && replicas.0.iter().all(is_likely), "{replicas:?}");
     }
 
     #[test]
