@@ -31,7 +31,7 @@ use super::packing::Packing;
 use super::rebuild::Rebuild;
 use super::renderer::Renderer;
 use super::resolution::{self, is_same_at_other_size};
-use super::sight::SeenAlone;
+use super::sight::{SeenAlone, SeenThrough};
 use super::splice::{ListEdits, ShapeNews};
 use super::status::BvhStatus;
 use super::stop_condition::FilmLimits;
@@ -101,6 +101,7 @@ pub(super) struct Extracted {
     seen_alone: SeenAlone,
     /// What the scene's paths are guided by. Views come and go, and share it.
     guide: Guide,
+    seen_through: SeenThrough,
 }
 
 /// The way from a sensor to the view that was flown away from it.
@@ -173,6 +174,7 @@ impl Default for Extracted {
             flight: None,
             seen_alone: SeenAlone::default(),
             guide: Guide::default(),
+            seen_through: SeenThrough::default(),
         }
     }
 }
@@ -454,6 +456,7 @@ impl Extracted {
         if let Some(view) = &mut self.view {
             view.sight = Sight {
                 passes_backs: control.passes_backs,
+                outer_walls: self.seen_through.update(control.passes_backs, &self.scene.geometry),
                 cut: control.cut,
                 only,
             };

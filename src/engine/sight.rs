@@ -1,4 +1,4 @@
-//! The shapes that the camera sees alone, as tables of the kernel.
+//! The shapes that the camera sees alone and the walls that it sees through, as tables of the kernel.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::Entity;
 
 use crate::accel::{SplitMethod, Tlas};
+use crate::render::outer_walls::OuterWalls;
 use crate::render::sight::Isolated;
 
 /// The shapes as they were last taken out of the scene.
@@ -43,5 +44,23 @@ impl SeenAlone {
             self.of = Some((geometry.clone(), wanted.to_vec()));
         }
         self.shapes.clone()
+    }
+}
+
+/// The outer walls as they were last found in the scene.
+#[derive(Default)]
+pub(super) struct SeenThrough(Option<(Arc<Tlas>, OuterWalls)>);
+
+impl SeenThrough {
+    /// The outer walls of `geometry` if they are `wanted`, otherwise none.
+    pub fn update(&mut self, wanted: bool, geometry: &Arc<Tlas>) -> OuterWalls {
+        if !wanted {
+            self.0 = None;
+            return OuterWalls::default();
+        }
+        if !self.0.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, geometry)) {
+            self.0 = Some((geometry.clone(), OuterWalls::find(geometry)));
+        }
+        self.0.iter().map(|(_, walls)| walls.clone()).next().unwrap_or_default()
     }
 }

@@ -29,6 +29,7 @@ pub mod motion;
 pub mod noise;
 pub mod observer;
 mod optical_depth;
+pub mod outer_walls;
 pub mod outlook;
 pub mod part;
 pub mod passes;

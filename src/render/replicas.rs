@@ -402,7 +402,10 @@ mod tests {
         let replicas = Replicas::choose(&film, &tiles(9, 5), 1);
         // Fewer than half of the pixels would not be enough, and no probability is above 1.
         let is_likely = |replica: &Replica| (0.5..=1.0).contains(&replica.probability);
-        assert!(replicas.0.len() > 45 / 2 && replicas.0.iter().all(is_likely), "{replicas:?}");
+        assert!(
+            replicas.0.len() > 45 / 2 && replicas.0.iter().all(is_likely),
+            "{replicas:?}"
+        );
     }
 
     #[test]

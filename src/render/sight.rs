@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::outer_walls::OuterWalls;
 use crate::accel::{Detail, Hit, RayLanes, Tlas};
 use crate::math::Ray;
 use crate::math::lanes::each_lane;
@@ -16,6 +17,8 @@ use crate::math::lanes::each_lane;
 pub struct Sight {
     /// Whether rays pass surfaces that they meet from behind, whose geometric normal points away from the camera.
     pub passes_backs: bool,
+    /// The walls that rays pass as well where they meet them from outside, if they pass backs.
+    pub outer_walls: OuterWalls,
     /// A plane; rays pass everything on its outer side.
     pub cut: Option<CutPlane>,
     /// The shapes that stop rays, which pass all others. None: all shapes stop them.
@@ -76,7 +79,7 @@ impl Sight {
         }
         for _ in 0..MOST_PASSED {
             let Some(hit) = geometry.intersect(&ray) else { break };
-            if self.passes_backs && is_back(geometry, &ray, &hit) {
+            if self.passes(geometry, &ray, &hit) {
                 ray.t_min = hit.t + slack(&ray, hit.t);
             } else {
                 return self.around(ray, &hit);
@@ -113,7 +116,7 @@ impl Sight {
             for lane in each_lane(asked) {
                 let mut ray = rays.get(lane);
                 match &hits[lane] {
-                    Some(hit) if self.passes_backs && is_back(geometry, &ray, hit) => {
+                    Some(hit) if self.passes(geometry, &ray, hit) => {
                         ray.t_min = hit.t + slack(&ray, hit.t);
                     }
                     met => {
@@ -130,6 +133,12 @@ impl Sight {
         for lane in each_lane(asked) {
             rays.set(lane, &self.nothing_met(rays.get(lane)));
         }
+    }
+
+    fn passes(&self, geometry: &Tlas, ray: &Ray, hit: &Hit) -> bool {
+        // The shapes that are seen alone have other numbers, and are seen from everywhere.
+        let is_entered = || self.only.is_none() && self.outer_walls.is_entered(hit.instance, ray.dir);
+        self.passes_backs && (is_back(geometry, ray, hit) || is_entered())
     }
 
     /// A short ray around `hit`, so that it can meet nothing else of the scene.

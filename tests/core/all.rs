@@ -65,6 +65,7 @@ mod media;
 mod merging;
 mod meshes;
 mod motion;
+mod outer_walls;
 mod probes;
 mod projected_light;
 mod sampling;

@@ -90,8 +90,5 @@ fn noise_is_known_where_it_falls_in_jumps() {
     let (samples, _) = until(limit as f32);
     let [truth, foretold] = noise(samples);
     assert!(samples <= 32, "{samples}");
-    assert!(
-        truth < limit && foretold > 1.2 * limit,
-        "{samples} {truth} {foretold}"
-    );
+    assert!(truth < limit && foretold > 1.2 * limit, "{samples} {truth} {foretold}");
 }

@@ -14,6 +14,18 @@ const MARGIN: egui::Vec2 = vec2(48.0, 8.0);
 /// The height of a line of words, and the width of all, in points.
 const LINE: egui::Vec2 = vec2(108.0, 18.0);
 
+/// The height of the part of the picture's foot that a legend takes, in points.
+pub(crate) fn height(legend: &Legend) -> f32 {
+    6.0 + match legend {
+        Legend::Ramp { .. } => BAR.y + 2.0 * MARGIN.y,
+        Legend::Words(words) => words_height(words.len()),
+    }
+}
+
+fn words_height(lines: usize) -> f32 {
+    LINE.y * lines as f32 + 6.0
+}
+
 pub(crate) fn paint(painter: &Painter, picture: Rect, legend: &Legend) {
     match legend {
         Legend::Ramp { ramp, low, high } => paint_ramp(painter, picture, *ramp, low, high),
@@ -43,7 +55,7 @@ fn paint_ramp(painter: &Painter, picture: Rect, ramp: Ramp, low: &str, high: &st
 }
 
 fn paint_words(painter: &Painter, picture: Rect, words: &[([u8; 3], &str)]) {
-    let size = vec2(LINE.x, LINE.y * words.len() as f32 + 6.0);
+    let size = vec2(LINE.x, words_height(words.len()));
     let back = Rect::from_min_size(picture.right_bottom() - size - vec2(8.0, 6.0), size);
     painter.rect_filled(back, 3.0, BACKING);
     for (place, ([r, g, b], text)) in words.iter().enumerate() {

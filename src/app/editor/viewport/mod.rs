@@ -115,7 +115,8 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
         if model.keys.tool == Tool::PlaceTexture {
-            let foot = model.keys.seeing.cut.map_or(0.0, |_| cut_handle::BAR_HEIGHT + 6.0);
+            let cut = model.keys.seeing.cut.map_or(0.0, |_| cut_handle::BAR_HEIGHT + 6.0);
+            let foot = cut.max(model.legend.map_or(0.0, legend::height));
             let texturing = &mut state.texturing;
             texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
         }
