@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use crate::document::paths::file_name;
 use crate::engine::{PackedScene, RenderStatus, set_choice};
 use crate::files;
-use crate::render::auto::Choice;
+use crate::render::auto::{Choice, Method};
 use crate::render::part::{FileDigest, Origin};
 use crate::scene::assets::parts_cache::is_cached_part;
 use crate::scene::{IntegratorSettings, SceneWatch};
@@ -46,20 +46,28 @@ pub fn origin_of_open(world: &World, scene: &Path, others: Vec<(String, String)>
 
 /// The name of the setting that is there where `auto` has chosen another integrator than `path`.
 const CHOICE: &str = "the choice of the integrator auto";
+/// What it says of guided paths.
+const GUIDED: &str = "guided path";
 
 /// Has `auto` stand for what it has stood for in a picture of this origin, so that the picture can go on. Returns false where `auto` is not asked for.
 pub fn take_choice(world: &mut World, then: &Origin) -> bool {
     if world.resource::<RenderStatus>().auto.is_none() {
         return false;
     }
+    let chosen = then.settings.iter().find(|(name, _)| name == CHOICE);
     let choice = Choice {
-        is_bidirectional: then.settings.iter().any(|(name, _)| name == CHOICE),
+        method: match chosen.map(|(_, value)| value.as_str()) {
+            None => Method::Path,
+            Some(GUIDED) => Method::GuidedPath,
+            Some(_) => Method::Bidirectional,
+        },
         ..Choice::UNTRIED
     };
     set_choice(world, choice);
+    let is_guided = world.resource::<IntegratorSettings>().guided;
     if let Some(auto) = &mut world.resource_mut::<RenderStatus>().auto {
         auto.choice = choice;
-        auto.integrator = choice.name(false);
+        auto.integrator = choice.or_guided(is_guided).name(false);
     }
     true
 }
@@ -107,8 +115,8 @@ fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, St
         add("the grouping of lights", short(format!("{:?}", view.light_groups)));
     }
     let auto = world.get_resource::<RenderStatus>().and_then(|status| status.auto);
-    if let Some(auto) = auto.filter(|auto| auto.choice.is_bidirectional) {
-        settings.push((CHOICE.to_owned(), auto.integrator.to_owned()));
+    if let Some(auto) = auto.filter(|auto| auto.choice.method != Method::Path) {
+        settings.push((CHOICE.to_owned(), auto.choice.name(false).to_owned()));
     }
     settings.extend(others.into_iter().map(|(name, value)| (name, short(value))));
     Origin {

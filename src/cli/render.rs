@@ -18,7 +18,7 @@ use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderStat
 use sunroom::engine::{choose_integrator, layered_picture, load_to_completion, open_shutter, render_watched};
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
-use sunroom::render::auto::pays_for_pilot;
+use sunroom::render::auto::{Method, pays_for_pilot};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
@@ -213,15 +213,21 @@ fn report_choice(status: &RenderStatus, samples: u64) {
     let Some(auto) = status.auto else {
         return;
     };
-    let name = auto.integrator;
+    let (name, method) = (auto.integrator, auto.choice.method);
     let missed = 100.0 * auto.choice.missed;
     let why = match auto.choice.gain {
+        Some(gain) if method == Method::GuidedPath => {
+            let of_guide = auto.choice.gain_of_guide.unwrap_or(gain);
+            format!(
+                "for the same cost the variance of `path` is {of_guide:.2} times that of guided paths and {gain:.2} times that of `bdpt`, as a few paths tell"
+            )
+        }
         Some(_) if missed >= 1.0 => format!("`path` never finds {missed:.0} % of the light, as a few paths tell"),
         Some(gain) => {
             format!("the variance of `path` is {gain:.2} times that of `bdpt` for the same cost, as a few paths tell")
         }
         None if name == "volpath" => "it alone knows the media of the scene".to_owned(),
-        None if auto.choice.is_bidirectional => "the picture was begun by it".to_owned(),
+        None if method != Method::Path => "the picture was begun by it".to_owned(),
         None if !pays_for_pilot(samples) => {
             format!("with {samples} samples over all pixels there are too few to compare it with `bdpt`")
         }

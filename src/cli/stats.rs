@@ -53,6 +53,8 @@ pub struct Auto {
     pub integrator: &'static str,
     /// The variance of `path` over that of `bdpt` for the same cost, by the pilot; None without a pilot.
     pub gain: Option<f32>,
+    /// The same over that of guided paths; None if they were not tried.
+    pub gain_of_guide: Option<f32>,
     /// The share of the light that `path` never finds.
     pub missed: f32,
 }
@@ -62,6 +64,7 @@ impl From<AutoStatus> for Auto {
         Self {
             integrator: status.integrator,
             gain: status.choice.gain,
+            gain_of_guide: status.choice.gain_of_guide,
             missed: status.choice.missed,
         }
     }

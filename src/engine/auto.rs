@@ -60,12 +60,6 @@ impl AutoIntegrator {
         known.map(|(_, choice)| *choice)
     }
 
-    /// The integrator of a view whose own one is [`before_choice`].
-    pub fn integrator(&self, scene: &RenderScene, view: &View) -> Integrator {
-        let choice = self.choice(scene, view).unwrap_or(Choice::UNTRIED);
-        choice.integrator(view.integrator.settings())
-    }
-
     /// Whether a picture with so many samples per pixel waits for a choice.
     pub fn is_awaited(&self, scene: &RenderScene, view: &View, samples: u32) -> bool {
         has_choice(scene, view, samples_of(view, samples)) && self.choice(scene, view).is_none()

@@ -76,7 +76,7 @@ impl Backend {
 
     /// Returns what its workers do with each item of a picture. With a shutter, samples see its moments, by the integrator of the view.
     pub fn work(&self, scene: RenderScene, view: View, shutter: Option<Shutter>, tiles: Arc<[Tile]>) -> Box<Work> {
-        let shutter = shutter.map(|shutter| shutter.with_integrator(view.integrator));
+        let shutter = shutter.map(|shutter| shutter.with_method_of(&view));
         match self {
             Self::Cpu(_) => Box::new(move |item, cancel| match item {
                 WorkItem::Preview { index, step } => {

@@ -18,6 +18,7 @@ use super::renderer::Renderer;
 use super::status::{AutoStatus, RenderState, RenderStatus};
 use super::stop_condition::StopCondition;
 use crate::render::auto::{Choice, choose};
+use crate::render::view::View;
 use crate::scene::IntegratorSettings;
 
 /// The samples of every pixel before which a window seeks no choice.
@@ -80,19 +81,23 @@ pub(super) fn seek_choice(
     }
     search.0 = None;
     let is_ready = |samples: u32| control.motion_scale >= 1.0 && samples >= FIRST.min(stop.samples);
-    let job = renderer.job().filter(|job| job.view.integrator == view.integrator);
+    let is_of_view = |view: &View, other: &View| {
+        view.integrator == other.integrator && view.guide.is_some() == other.guide.is_some()
+    };
+    let job = renderer.job().filter(|job| is_of_view(&job.view, &view));
     if control.paused || !job.is_some_and(|job| is_ready(job.least_samples())) {
         return;
     }
     let cancel = Arc::new(AtomicBool::new(false));
     let found = Arc::new(OnceLock::new());
     let samples = samples_of(&view, stop.samples);
-    let (scene, result, stopped) = (extracted.scene.clone(), found.clone(), cancel.clone());
+    let (scene, guide) = (extracted.scene.clone(), extracted.guide.clone());
+    let (result, stopped) = (found.clone(), cancel.clone());
     let wake_up = wake_up.clone();
     let thread = std::thread::Builder::new()
         .name("pilot of auto".to_owned())
         .spawn(move || {
-            let choice = catch_unwind(AssertUnwindSafe(|| choose(&scene, &view, samples, 1, &stopped)));
+            let choice = catch_unwind(AssertUnwindSafe(|| choose(&scene, &view, &guide, samples, 1, &stopped)));
             // Without one it would be sought for ever.
             let _ = result.set(choice.ok().flatten().or(Some(Choice::UNTRIED)));
             if let Some(wake) = &wake_up.0 {
@@ -107,11 +112,8 @@ pub(super) fn seek_choice(
 
 /// Gives the view that is rendered the integrator of the choice.
 fn apply(auto: &AutoIntegrator, extracted: &mut Extracted, packed: &mut PackedScene) {
-    let Extracted { scene, view, .. } = extracted;
-    if let Some(view) = view {
-        view.integrator = auto.integrator(scene, view);
-    }
-    packed.view.clone_from(view);
+    extracted.take_choice(auto);
+    packed.view.clone_from(&extracted.view);
 }
 
 /// The choice for the scene and the view that are packed, for a picture with so many samples per pixel; None takes those of the film. A choice that there is stays.
@@ -132,7 +134,7 @@ pub(super) fn find_choice(
         return Ok(Some(known));
     }
     let samples = samples_of(view, samples.unwrap_or(extracted.sample_count));
-    let choice = choose(scene, view, samples, control.threads.get(), cancel);
+    let choice = choose(scene, view, &extracted.guide, samples, control.threads.get(), cancel);
     choice.map(Some).ok_or(Cancelled)
 }
 
@@ -165,7 +167,10 @@ pub(super) fn report(
     let choice = auto.choice(&extracted.scene, view);
     let has_media = view.integrator.settings().media;
     status.auto = Some(AutoStatus {
-        integrator: choice.unwrap_or(Choice::UNTRIED).name(has_media),
+        integrator: choice
+            .unwrap_or(Choice::UNTRIED)
+            .or_guided(extracted.guide_is_asked)
+            .name(has_media),
         is_searching: search.0.is_some(),
         choice: choice.unwrap_or(Choice::UNTRIED),
     });

@@ -40,6 +40,7 @@ use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::MediumId;
+use crate::render::auto::{Choice, Method};
 use crate::render::borders::medium_at;
 use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
@@ -100,7 +101,9 @@ pub(super) struct Extracted {
     flight: Option<Flight>,
     seen_alone: SeenAlone,
     /// What the scene's paths are guided by. Views come and go, and share it.
-    guide: Guide,
+    pub guide: Guide,
+    /// Whether guided paths are asked for, whatever the integrator `auto` chooses.
+    pub guide_is_asked: bool,
     seen_through: SeenThrough,
 }
 
@@ -174,6 +177,7 @@ impl Default for Extracted {
             flight: None,
             seen_alone: SeenAlone::default(),
             guide: Guide::default(),
+            guide_is_asked: false,
             seen_through: SeenThrough::default(),
         }
     }
@@ -288,6 +292,7 @@ pub(super) fn extract_scene(
     if let Some(view) = as_chosen.as_mut().filter(|_| is_auto) {
         // A choice is no change of what is seen.
         view.integrator = Integrator::Path(view.integrator.settings());
+        view.guide = extracted.view.as_ref().and_then(|view| view.guide.clone());
     }
     if has_size_until_change && !(same_scene && extracted.sees_as(as_chosen.as_ref())) {
         control.forget_size_until_change();
@@ -298,14 +303,8 @@ pub(super) fn extract_scene(
         extracted.keep_guide(true);
     }
     extracted.forget_choice(is_auto);
-    if is_auto
-        && let Extracted {
-            scene,
-            view: Some(view),
-            ..
-        } = &mut *extracted
-    {
-        view.integrator = auto.integrator(scene, view);
+    if is_auto {
+        extracted.take_choice(&auto);
     }
     extracted.update_clipping();
     if !same_scene || old_view != extracted.view {
@@ -467,10 +466,19 @@ impl Extracted {
     /// before.
     fn keep_guide(&mut self, same_scene: bool) -> Option<Guide> {
         let old = (!same_scene).then(|| std::mem::take(&mut self.guide));
-        if let Some(guide) = self.view.as_mut().and_then(|view| view.guide.as_mut()) {
-            *guide = self.guide.clone();
+        if let Some(view) = &mut self.view {
+            view.guide = self.guide_is_asked.then(|| self.guide.clone());
         }
         old
+    }
+
+    /// Has the view be by the method of the choice, if there is one. It is as before a choice.
+    pub fn take_choice(&mut self, auto: &AutoIntegrator) {
+        let Some(view) = &mut self.view else { return };
+        let choice = auto.choice(&self.scene, view).unwrap_or(Choice::UNTRIED);
+        view.integrator = choice.integrator(view.integrator.settings());
+        let is_guided = self.guide_is_asked || choice.method == Method::GuidedPath;
+        view.guide = is_guided.then(|| self.guide.clone());
     }
 
     /// The integrator `auto` is as before its choice.
@@ -512,6 +520,7 @@ impl Extracted {
         let medium = in_medium.and_then(|medium| self.packed_media.ids.get(&medium.0).copied());
         let view = pack_view(sensor, film, pose, integrator, sampler, medium, control, &mut check);
         if view.is_some() {
+            self.guide_is_asked = view.as_ref().is_some_and(|view| view.guide.is_some());
             self.view = view;
             self.sensor_name = name;
             self.flight = authored.free_view.pose.map(|pose| Flight {

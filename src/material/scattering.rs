@@ -76,6 +76,11 @@ pub struct Single<'a> {
 }
 
 impl Single<'_> {
+    /// Whether it is diffuse.
+    pub fn is_diffuse(&self) -> bool {
+        matches!(*self.part.bsdf, Bsdf::Diffuse(_))
+    }
+
     /// Evaluates as [`Scattering::eval_and_pdf`].
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.part.eval_and_pdf(self.tables, wi, self.mode)
@@ -302,6 +307,14 @@ impl<'a> Scattering<'a> {
     pub fn one_sided_normal(&self) -> Option<Vec3> {
         match &self.parts[..] {
             [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
+            _ => None,
+        }
+    }
+
+    /// The normal on the side that is seen, if the model is diffuse and no other.
+    pub fn diffuse_normal(&self) -> Option<Vec3> {
+        match (&self.parts[..], self.null_share) {
+            ([part], 0.0) if matches!(*part.bsdf, Bsdf::Diffuse(_)) => Some(part.orientation.to_world(Vec3::Z)),
             _ => None,
         }
     }

@@ -1,10 +1,13 @@
-//! The choice of the integrator `auto`: path tracing, or paths from the lights as well, by what a pilot of both finds.
+//! The choice of the integrator `auto`: path tracing, guided or not, or paths from the lights as well, by what a pilot finds of each.
 //!
 //! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as much. It pays where it is less noisy by more than that. The
 //! noise of path tracing cannot be had from few samples of it: light that it finds once in ten thousand samples is not among them, and the pilot would look
 //! calm. So its second moment has two parts. What path tracing finds often, up to `COMMON` times the light of the place, is measured with its own samples. What is
 //! brighter in one sample is rare, and bidirectional paths tell of it: for each path that they find, the density is known with which path tracing would find it
 //! (`Find::in_one`), and that may be zero.
+//!
+//! The same is known of guided paths, whose densities are those of the guide and of the surfaces together. But a guide has to be learnt first, which costs more than the pilot of the
+//! others. So it is tried only where path tracing is noisy and paths from the lights do not do better by far than guides can.
 //!
 //! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a rare sample decides for the picture. The cost of a
 //! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
@@ -16,6 +19,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::UVec2;
 
 use super::bidirectional::{self, Find, Techniques};
+use super::guide::Guide;
 use super::lanes::{self, Job};
 use super::scene::RenderScene;
 use super::view::{Integrator, PathSettings, Shown, Strategy, View};
@@ -36,8 +40,19 @@ const PAIR: u32 = 2;
 const COST_OF_PIXEL: u64 = 48;
 /// The share of a picture's cost that a pilot may cost.
 const SHARE: f64 = 0.03;
+/// The share where path tracing is noisy, so that a guide may well gain far more than that.
+const SHARE_OF_NOISY: f64 = 0.04;
 /// The time of a ray of bidirectional path tracing, with all that is done for it, in that of path tracing: as measured, see `benches/NOTES.md`.
 const COST_OF_RAY: f64 = 5.0;
+/// The same of a guided ray.
+const COST_OF_GUIDED_RAY: f64 = 1.25;
+/// The samples of path tracing that cost as much as learning a guide, and as guided samples of a pixel.
+const COST_OF_LEARNING: u64 = 1 << 19;
+const COST_OF_GUIDED_PIXEL: u64 = 24;
+/// A guide is tried where a sample of path tracing has this variance at least, relative to the light of its place.
+const NOISY: f64 = 12.0;
+/// The gain of bidirectional path tracing from which on no guide is tried.
+const BEYOND_GUIDES: f64 = 6.0;
 /// What path tracing finds is rare if it is so many times as bright as the place.
 const COMMON: f32 = 16.0;
 /// The brightest that a single path is taken for, in the light of its place: path tracing misses light that is brighter, in any picture of less than thousands of samples.
@@ -52,13 +67,26 @@ const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
 const SEED: u32 = 0x5eed_a070;
 
+/// What `auto` can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Path tracing.
+    Path,
+    /// Path tracing with a guide.
+    GuidedPath,
+    /// Bidirectional path tracing.
+    Bidirectional,
+}
+
 /// The choice for a scene and a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Whether there are paths from the lights.
-    pub is_bidirectional: bool,
+    /// The method that pays for the scene.
+    pub method: Method,
     /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same cost. None if there was no pilot.
     pub gain: Option<f32>,
+    /// The same of guided paths. None if they were not tried.
+    pub gain_of_guide: Option<f32>,
     /// The share of the light that path tracing never finds, from 0 to 1.
     pub missed: f32,
 }
@@ -66,25 +94,38 @@ pub struct Choice {
 impl Choice {
     /// Path tracing, without a pilot.
     pub const UNTRIED: Self = Self {
-        is_bidirectional: false,
+        method: Method::Path,
         gain: None,
+        gain_of_guide: None,
         missed: 0.0,
     };
 
-    /// The name of the chosen integrator in files. `has_media`: whether there are media, which only path tracing knows.
+    /// The same choice, but that paths are guided in any case if that `is_asked` for.
+    pub fn or_guided(self, is_asked: bool) -> Self {
+        match (is_asked, self.method) {
+            (true, Method::Path) => Self {
+                method: Method::GuidedPath,
+                ..self
+            },
+            _ => self,
+        }
+    }
+
+    /// The name of what was chosen: that of the integrator in files, or `guided path`. `has_media`: whether there are media, which only path tracing knows.
     pub fn name(&self, has_media: bool) -> &'static str {
-        match (self.is_bidirectional, has_media) {
-            (true, _) => "bdpt",
-            (false, true) => "volpath",
-            (false, false) => "path",
+        match (self.method, has_media) {
+            (Method::Bidirectional, _) => "bdpt",
+            (_, true) => "volpath",
+            (Method::GuidedPath, false) => "guided path",
+            (Method::Path, false) => "path",
         }
     }
 
     /// The chosen integrator with these settings.
     pub fn integrator(&self, settings: PathSettings) -> Integrator {
-        match self.is_bidirectional {
-            true => Integrator::Bidirectional(settings),
-            false => Integrator::Path(settings),
+        match self.method {
+            Method::Bidirectional => Integrator::Bidirectional(settings),
+            Method::Path | Method::GuidedPath => Integrator::Path(settings),
         }
     }
 }
@@ -113,6 +154,13 @@ fn stages(samples: u64) -> usize {
     STAGES.iter().take_while(is_within).count()
 }
 
+/// Whether a picture of so many samples can pay for learning a guide, and for the second stage with guided samples besides.
+fn pays_for_guide(samples: u64) -> bool {
+    let pixels = |stage: usize| u64::from(STAGES[stage] * PARTS * PARTS);
+    let cost = COST_OF_PIXEL * pixels(0) + COST_OF_LEARNING + (COST_OF_PIXEL + COST_OF_GUIDED_PIXEL) * pixels(1);
+    cost as f64 <= SHARE_OF_NOISY * samples as f64
+}
+
 /// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the choice.
 pub fn pilot_view(view: &View) -> View {
     let ratio = (view.width as f32 / view.height as f32).sqrt();
@@ -131,23 +179,53 @@ pub fn pilot_view(view: &View) -> View {
     }
 }
 
-/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. None if `cancel` was set in the meantime.
-pub fn choose(scene: &RenderScene, view: &View, samples: u64, threads: usize, cancel: &AtomicBool) -> Option<Choice> {
+/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of the scene, which may be learnt. None if `cancel` was set
+/// in the meantime.
+pub fn choose(
+    scene: &RenderScene,
+    view: &View,
+    guide: &Guide,
+    samples: u64,
+    threads: usize,
+    cancel: &AtomicBool,
+) -> Option<Choice> {
     if !has_choice(scene, view, samples) {
         return Some(Choice::UNTRIED);
     }
     let view = pilot_view(view);
-    let mut parts = Vec::new();
-    let mut choice = Choice::UNTRIED;
-    for (stage, &pixels) in STAGES.iter().take(stages(samples)).enumerate() {
-        add(&mut parts, trace(scene, &view, stage, pixels, threads, cancel)?);
-        choice = judge(&parts, UVec2::new(view.width, view.height));
-        let gain = f64::from(choice.gain.unwrap_or(1.0));
-        if !(WORTHWHILE / CLEAR..WORTHWHILE * CLEAR).contains(&gain) {
-            break;
-        }
+    let size = UVec2::new(view.width, view.height);
+    let pilot = |stage: usize, guide: Option<&Guide>| {
+        let view = View {
+            guide: guide.cloned(),
+            ..view.clone()
+        };
+        trace(scene, &view, stage, threads, cancel)
+    };
+    let mut parts = pilot(0, None)?;
+    let Some(mut found) = judge(&parts, size) else {
+        return Some(Choice::UNTRIED);
+    };
+    let is_tried = found.noise >= NOISY && found.gain < BEYOND_GUIDES && pays_for_guide(samples);
+    let is_in_doubt = (WORTHWHILE / CLEAR..WORTHWHILE * CLEAR).contains(&found.gain) && stages(samples) > 1;
+    let mut gain_of_guide = None;
+    if is_tried || is_in_doubt {
+        let second = pilot(1, is_tried.then_some(guide))?;
+        gain_of_guide = judge(&second, size).and_then(|second| second.gain_of_guide);
+        add(&mut parts, second);
+        found = judge(&parts, size).unwrap_or(found);
     }
-    Some(choice)
+    let of_guide = gain_of_guide.unwrap_or(1.0);
+    let method = match () {
+        _ if found.gain.max(of_guide) < WORTHWHILE => Method::Path,
+        _ if of_guide > found.gain => Method::GuidedPath,
+        _ => Method::Bidirectional,
+    };
+    Some(Choice {
+        method,
+        gain: Some(found.gain as f32),
+        gain_of_guide: gain_of_guide.map(|gain| gain as f32),
+        missed: found.missed,
+    })
 }
 
 /// The samples of a part of the picture.
@@ -155,24 +233,19 @@ pub fn choose(scene: &RenderScene, view: &View, samples: u64, threads: usize, ca
 struct Part {
     /// The luminances of path tracing, for each pixel.
     by_path: Vec<[f32; PATH_SAMPLES as usize]>,
+    /// The same of guided paths; none where nothing guides them.
+    guided: Vec<[f32; PATH_SAMPLES as usize]>,
     /// The samples of bidirectional path tracing, without what paths from the lights bring to the lens.
     pairs: Vec<[f32; PAIR as usize]>,
     /// What bidirectional paths have found, and what they have sent to the lens, to any part.
     seen: Vec<Find>,
     sent: Vec<Find>,
-    /// Rays by path tracing and by bidirectional path tracing.
-    rays: [u64; 2],
+    /// Rays by path tracing, by bidirectional path tracing, and by guided paths.
+    rays: [u64; 3],
 }
 
 /// Traces a stage, each part by one of the threads.
-fn trace(
-    scene: &RenderScene,
-    view: &View,
-    stage: usize,
-    pixels: u32,
-    threads: usize,
-    cancel: &AtomicBool,
-) -> Option<Vec<Part>> {
+fn trace(scene: &RenderScene, view: &View, stage: usize, threads: usize, cancel: &AtomicBool) -> Option<Vec<Part>> {
     let count = (PARTS * PARTS) as usize;
     let next = AtomicUsize::new(0);
     let done: Vec<Mutex<Option<Part>>> = std::iter::repeat_with(Mutex::default).take(count).collect();
@@ -180,7 +253,7 @@ fn trace(
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(place) = done.get(number) else { return };
-            let part = trace_part(scene, view, stage, number as u32, pixels, cancel);
+            let part = trace_part(scene, view, stage, number as u32, cancel);
             *place.lock().unwrap_or_else(PoisonError::into_inner) = part;
         }
     };
@@ -192,14 +265,8 @@ fn trace(
     done.into_iter().map(part).collect()
 }
 
-fn trace_part(
-    scene: &RenderScene,
-    view: &View,
-    stage: usize,
-    number: u32,
-    pixels: u32,
-    cancel: &AtomicBool,
-) -> Option<Part> {
+fn trace_part(scene: &RenderScene, view: &View, stage: usize, number: u32, cancel: &AtomicBool) -> Option<Part> {
+    let pixels = STAGES[stage];
     let place = |pixel: u32| {
         let [x, y, _] = pcg3d([number, pixel, SEED.wrapping_add(stage as u32)]);
         let along = |part: u32, length: u32, random: u32| {
@@ -223,8 +290,6 @@ fn trace_part(
     // Each pixel of each stage has numbers of its own, also where two are the same.
     let first = stage as u32 * 64;
     let by_path: Vec<Job> = jobs(first, PATH_SAMPLES).collect();
-    let samples = lanes::trace(scene, view, &settings, &by_path, cancel)?.list;
-    part.rays[0] = samples.iter().map(|(sample, _)| u64::from(sample.rays)).sum();
     let light = |radiance, weight: f32| {
         let light = luminance(radiance) * weight;
         if light.is_finite() { light } else { 0.0 }
@@ -232,16 +297,29 @@ fn trace_part(
     let of_pixel = |samples: &[(super::path::PathSample, f32)]| {
         std::array::from_fn(|index| light(samples[index].0.radiance, samples[index].1))
     };
-    part.by_path = samples.chunks_exact(PATH_SAMPLES as usize).map(of_pixel).collect();
-
+    let by_paths = |view: &View| {
+        let samples = lanes::trace(scene, view, &settings, &by_path, cancel)?.list;
+        let rays = samples.iter().map(|(sample, _)| u64::from(sample.rays)).sum();
+        let lights: Vec<_> = samples.chunks_exact(PATH_SAMPLES as usize).map(of_pixel).collect();
+        Some((lights, rays))
+    };
+    let field = lanes::field(scene, view, &settings, cancel)?;
+    if field.is_some() {
+        (part.guided, part.rays[2]) = by_paths(view)?;
+    }
+    let view = View {
+        guide: None,
+        ..view.clone()
+    };
+    (part.by_path, part.rays[0]) = by_paths(&view)?;
     let view = View {
         integrator: Integrator::Bidirectional(settings),
-        ..view.clone()
+        ..view
     };
     let (settings, techniques) = Techniques::of(&view)?;
     let none = std::iter::empty();
     let mut tracer = bidirectional::Tracer::new(scene, &view, settings, techniques, none, cancel)?;
-    tracer.note_finds();
+    tracer.note_finds(field);
     let mut lights = Vec::new();
     for job in jobs(first + PATH_SAMPLES, PAIR) {
         if cancel.load(Ordering::Relaxed) {
@@ -265,15 +343,26 @@ fn add(parts: &mut Vec<Part>, stage: Vec<Part>) {
     parts.resize_with(stage.len(), Part::default);
     for (part, mut new) in parts.iter_mut().zip(stage) {
         part.by_path.append(&mut new.by_path);
+        part.guided.append(&mut new.guided);
         part.pairs.append(&mut new.pairs);
         part.seen.append(&mut new.seen);
         part.sent.append(&mut new.sent);
-        (0..2).for_each(|method| part.rays[method] += new.rays[method]);
+        part.rays.iter_mut().zip(new.rays).for_each(|(rays, new)| *rays += new);
     }
 }
 
-/// What the samples of all parts say of a picture of this size.
-fn judge(parts: &[Part], size: UVec2) -> Choice {
+/// What the samples of a pilot say.
+struct Judgement {
+    /// The variance of a sample of path tracing, relative to the light of its place.
+    noise: f64,
+    /// By how much bidirectional path tracing is better, and guided paths, if all parts have some.
+    gain: f64,
+    gain_of_guide: Option<f64>,
+    missed: f32,
+}
+
+/// What the samples of all parts say of a picture of this size; None where path tracing has no noise.
+fn judge(parts: &[Part], size: UVec2) -> Option<Judgement> {
     let pairs: usize = parts.iter().map(|part| part.pairs.len()).sum();
     let paths = f64::from(PAIR) * pairs.max(1) as f64;
     let pixels = f64::from(size.x) * f64::from(size.y);
@@ -293,13 +382,14 @@ fn judge(parts: &[Part], size: UVec2) -> Choice {
         .collect();
     let mean = sums.iter().map(Sums::light).sum::<f64>() / sums.len().max(1) as f64;
     if mean <= 0.0 {
-        return Choice::UNTRIED;
+        return None;
     }
-    let (mut by_path, mut bidirectional, mut missed) = (0.0, 0.0, 0.0);
+    let (mut by_path, mut guided, mut bidirectional, mut missed) = (0.0, 0.0, 0.0, 0.0);
     for sums in &sums {
         let place = sums.light().max(f64::from(DARK) * mean) as f32;
         let scale = f64::from(place) * f64::from(place);
-        by_path += sums.variance_by_path(place) / scale;
+        by_path += sums.variance_by_path(&sums.part.by_path, place, |find| find.in_one) / scale;
+        guided += sums.variance_by_path(&sums.part.guided, place, |find| find.in_guided) / scale;
         bidirectional += sums.variance_bidirectional(place) / scale;
         missed += sums.of_finds(|find| {
             if find.in_one.is_finite() {
@@ -311,17 +401,23 @@ fn judge(parts: &[Part], size: UVec2) -> Choice {
     }
     let rays = |method: usize| parts.iter().map(|part| part.rays[method] as f64).sum::<f64>();
     let samples = |of_pixel: u32| f64::from(of_pixel) * pairs.max(1) as f64;
-    let cost = COST_OF_RAY * (rays(1) / samples(PAIR)) / (rays(0) / samples(PATH_SAMPLES)).max(1.0);
+    let of_path = (rays(0) / samples(PATH_SAMPLES)).max(1.0);
+    let cost = COST_OF_RAY * (rays(1) / samples(PAIR)) / of_path;
+    let cost_of_guided = COST_OF_GUIDED_RAY * (rays(2) / samples(PATH_SAMPLES)).max(1.0) / of_path;
     if by_path <= 0.0 {
         // Both are without noise.
-        return Choice::UNTRIED;
+        return None;
     }
-    let gain = (by_path / (bidirectional * cost).max(f64::MIN_POSITIVE)).clamp(LEAST_GAIN, 1.0 / LEAST_GAIN);
-    Choice {
-        is_bidirectional: gain >= WORTHWHILE,
-        gain: Some(gain as f32),
+    let gain = |variance: f64, cost: f64| {
+        (by_path / (variance * cost).max(f64::MIN_POSITIVE)).clamp(LEAST_GAIN, 1.0 / LEAST_GAIN)
+    };
+    let is_guided = parts.iter().all(|part| part.guided.len() == part.by_path.len());
+    Some(Judgement {
+        noise: by_path / sums.len() as f64,
+        gain: gain(bidirectional, cost),
+        gain_of_guide: is_guided.then(|| gain(guided, cost_of_guided)),
         missed: (missed / (mean * sums.len() as f64)).min(1.0) as f32,
-    }
+    })
 }
 
 /// The sums over the samples of a part.
@@ -348,19 +444,24 @@ impl Sums<'_> {
         seen / (f64::from(PAIR) * self.part.pairs.len().max(1) as f64) + self.of_sent * sent
     }
 
-    /// The variance of a sample of path tracing, at a place of this luminance.
-    fn variance_by_path(&self, place: f32) -> f64 {
+    /// The variance of a sample of path tracing, of which these are some, at a place of this luminance.
+    fn variance_by_path(
+        &self,
+        samples: &[[f32; PATH_SAMPLES as usize]],
+        place: f32,
+        in_one: impl Fn(&Find) -> f32,
+    ) -> f64 {
         let of_pixel = |lights: &[f32; PATH_SAMPLES as usize]| {
             let lights = lights.map(|light| f64::from(light.min(COMMON * place)));
             let mean = lights.iter().sum::<f64>() / lights.len() as f64;
             lights.iter().map(|light| (light - mean).powi(2)).sum::<f64>() / (lights.len() - 1) as f64
         };
-        let common: f64 = self.part.by_path.iter().map(of_pixel).sum();
-        let rare = |find: &Find| match find.in_one > COMMON * place {
-            true => f64::from(find.light) * f64::from(find.in_one.min(BRIGHTEST * place)),
+        let common: f64 = samples.iter().map(of_pixel).sum();
+        let rare = |find: &Find| match in_one(find) > COMMON * place {
+            true => f64::from(find.light) * f64::from(in_one(find).min(BRIGHTEST * place)),
             false => 0.0,
         };
-        common / self.part.by_path.len().max(1) as f64 + self.of_finds(rare)
+        common / samples.len().max(1) as f64 + self.of_finds(rare)
     }
 
     /// The variance of a sample of bidirectional path tracing, at a place of this luminance. What comes to the lens has few of very many paths, so that its

@@ -12,14 +12,18 @@ use super::clamp::{BrightnessLimit, Clamp};
 use super::guide::Guide;
 use super::scene::RenderScene;
 use super::tile::{Tile, TileSamples, render_tile};
-use super::view::{Integrator, View};
+use super::view::View;
 
 /// The scene and the view at one moment.
 pub type Moment = (RenderScene, View);
 
 /// The moments that samples are spread over, so that any first few samples are spread well.
 #[derive(Clone, Debug)]
-pub struct Shutter(Arc<[Moment]>);
+pub struct Shutter {
+    moments: Arc<[Moment]>,
+    /// The guides of their scenes.
+    guides: Arc<[Guide]>,
+}
 
 impl Shutter {
     /// The most moments: beyond, packing them would take longer than to trace their samples.
@@ -35,43 +39,52 @@ impl Shutter {
             let photons = photons.clone();
             // A clamp keeps few limits, and each moment has one.
             let clamp = view.clamp.map(|clamp| Clamp::new(clamp.percentile));
-            // And one guide, that of its scene, which others share if only the camera moves.
-            let guide = match scene.is_same(&first.0) {
-                true => view.guide.and(first.1.guide.clone()),
-                false => view.guide.map(|_| Guide::default()),
-            };
-            let view = View {
-                photons,
-                clamp,
-                guide,
-                ..view
-            };
+            let view = View { photons, clamp, ..view };
             (scene, view)
         };
-        Some(Self(spread_order(moments.len()).into_iter().map(moment).collect()))
+        let moments: Vec<Moment> = spread_order(moments.len()).into_iter().map(moment).collect();
+        // And one guide, that of its scene, which others share if only the camera moves.
+        let of_first = first.1.guide.clone().unwrap_or_default();
+        let guide = |(scene, _): &Moment| match scene.is_same(&first.0) {
+            true => of_first.clone(),
+            false => Guide::default(),
+        };
+        let guides = moments.iter().map(guide).collect();
+        let shutter = Self {
+            moments: moments.into(),
+            guides,
+        };
+        Some(shutter.with_method_of(&first.1))
     }
 
-    /// The same moments by another integrator.
-    pub fn with_integrator(&self, integrator: Integrator) -> Self {
-        let moment = |(scene, view): &Moment| {
+    /// The same moments by the integrator of another view, and guided if that is.
+    pub fn with_method_of(&self, other: &View) -> Self {
+        let moment = |((scene, view), guide): (&Moment, &Guide)| {
             let view = View {
-                integrator,
+                integrator: other.integrator,
+                guide: other.guide.as_ref().map(|_| guide.clone()),
                 ..view.clone()
             };
             (scene.clone(), view)
         };
-        Self(self.0.iter().map(moment).collect())
+        Self {
+            moments: self.moments.iter().zip(&*self.guides).map(moment).collect(),
+            guides: self.guides.clone(),
+        }
     }
 
     /// The same moments with other random numbers.
     pub fn with_seed(&self, seed: u32) -> Self {
         let moment = |(scene, view): &Moment| (scene.clone(), View { seed, ..view.clone() });
-        Self(self.0.iter().map(moment).collect())
+        Self {
+            moments: self.moments.iter().map(moment).collect(),
+            guides: self.guides.clone(),
+        }
     }
 
     /// The number of moments.
     pub fn moments(&self) -> usize {
-        self.0.len()
+        self.moments.len()
     }
 
     /// The number of moments for this many samples per pixel: as many, or, beyond [`Self::MOST`], such that each gets about as many samples.
@@ -87,24 +100,24 @@ impl Shutter {
 
     /// How bright samples may be at the first moment; None without a clamp, and until that is known.
     pub fn clamped(&self) -> Option<BrightnessLimit> {
-        self.0.first()?.1.clamp.as_ref()?.found()
+        self.moments.first()?.1.clamp.as_ref()?.found()
     }
 
     /// The guides of the moments.
     pub fn guides(&self) -> impl Iterator<Item = &Guide> {
-        self.0.iter().filter_map(|(_, view)| view.guide.as_ref())
+        self.guides.iter()
     }
 
     /// Whether these are the same moments.
     pub fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.moments, &other.moments)
     }
 
     /// Renders samples as [`render_tile`] does, each at its moment.
     pub fn render_tile(&self, tile: Tile, samples: Range<u32>, cancel: &AtomicBool) -> Option<TileSamples> {
         let mut whole: Option<TileSamples> = None;
         for sample in samples {
-            let (scene, view) = &self.0[sample as usize % self.0.len()];
+            let (scene, view) = &self.moments[sample as usize % self.moments.len()];
             let one = render_tile(scene, view, tile, sample..sample + 1, cancel)?;
             match &mut whole {
                 Some(whole) => whole.append(&one),

@@ -95,6 +95,34 @@ fn guided_paths_are_the_same_in_shares_and_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_room_lit_from_a_cove_has_the_bits_of_guided_paths() {
+    const COVE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/hard/cove.xml");
+    let shop = Workshop::new();
+    // The choice is that for the whole picture, of which a few samples are rendered.
+    let share = ["--spp", "8192", "--samples", "0..4"];
+    let render = |name: &str, options: &[&str]| render(&shop, COVE, name, &[&share[..], options].concat());
+    let run = render("one.exr", &["--integrator", "auto", "--threads", "1", "--stats=json"]);
+    render("three.exr", &["--integrator", "auto", "--threads", "3"]);
+    render("guided.exr", &["--guided"]);
+    let (guided, none) = picture(&shop, "guided.exr");
+    assert_eq!(none, None);
+    for name in ["one.exr", "three.exr"] {
+        let (found, choice) = picture(&shop, name);
+        assert!(found == guided, "{name} differs from the picture by guided paths");
+        assert_eq!(choice.as_deref(), Some("guided path"), "{name}");
+    }
+    let stats: serde_json::Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    let auto = &stats["auto"];
+    assert_eq!(auto["integrator"], "guided path");
+    assert!(auto["gain_of_guide"].as_f64().is_some_and(|gain| gain > 1.5), "{stats}");
+    // The pilot has learnt the guide of the picture.
+    let of_guide = stats["guide"]["rays"].as_u64();
+    assert!(of_guide.is_some_and(|rays| rays > 65_536), "{stats}");
+    let told = String::from_utf8_lossy(&run.stderr);
+    assert!(told.contains("auto takes `guided path`"), "{told}");
+}
+
+#[test]
 fn an_easy_scene_has_the_bits_of_path() {
     let shop = Workshop::new();
     let size = ["--size", "80x60", "--spp", "192"];

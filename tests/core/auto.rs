@@ -3,21 +3,23 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::bidirectional::{diffuse, glass, lit_room, look, placed};
+use crate::guide::cove;
 use crate::support::{SceneBuilder, camera};
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::light::LightSource;
-use sunroom::render::auto::{Choice, choose, has_choice};
+use sunroom::render::auto::{Choice, Method, choose, has_choice};
+use sunroom::render::guide::Guide;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::{Shown, View};
 use sunroom::sampling::SequenceKind;
 
 /// The samples of a picture that can pay for the whole pilot.
-const MANY: u64 = 1 << 24;
+const MANY: u64 = 1 << 25;
 
 fn chosen(scene: &RenderScene, view: &View, threads: usize) -> Choice {
-    choose(scene, view, MANY, threads, &AtomicBool::new(false)).expect("nothing cancels it")
+    choose(scene, view, &Guide::default(), MANY, threads, &AtomicBool::new(false)).expect("nothing cancels it")
 }
 
 fn floor(scene: &mut SceneBuilder) {
@@ -58,24 +60,54 @@ fn down() -> View {
 #[test]
 fn paths_from_the_lights_are_chosen_where_paths_find_little() {
     let room = chosen(&lit_room(), &look(8), 2);
-    assert!(!room.is_bidirectional && room.gain.is_some(), "{room:?}");
+    assert!(room.method == Method::Path && room.gain.is_some(), "{room:?}");
     assert_eq!(room.missed, 0.0);
     let bulb = chosen(&bulb(), &down(), 2);
     assert!(
-        bulb.is_bidirectional && bulb.gain > Some(4.0) && bulb.missed == 0.0,
+        bulb.method == Method::Bidirectional && bulb.gain > Some(4.0) && bulb.missed == 0.0,
         "{bulb:?}"
     );
     // Path tracing finds the light around the caustic alone.
     let caustic = chosen(&caustic(), &down(), 2);
     assert!(
-        caustic.is_bidirectional && (0.01..0.5).contains(&caustic.missed),
+        caustic.method == Method::Bidirectional && (0.01..0.5).contains(&caustic.missed),
         "{caustic:?}"
     );
 }
 
 #[test]
+fn paths_are_guided_where_lamps_are_behind_corners() {
+    let (scene, view) = (cove(), look(8));
+    let guide = Guide::default();
+    let choose = |samples, threads| {
+        let choice = choose(&scene, &view, &guide, samples, threads, &AtomicBool::new(false));
+        choice.expect("nothing cancels it")
+    };
+    // Too few samples to learn a guide for.
+    let few = choose(1 << 23, 1);
+    assert!(
+        few.method != Method::GuidedPath && few.gain_of_guide.is_none(),
+        "{few:?}"
+    );
+    assert_eq!(guide.learnings(), 0);
+    let many = choose(MANY, 1);
+    assert!(
+        many.method == Method::GuidedPath && many.gain_of_guide > Some(1.5),
+        "{many:?}"
+    );
+    // What was learnt for the pilot is there for the picture, on any number of threads.
+    assert_eq!((choose(MANY, 3), guide.learnings()), (many, 1));
+    assert_eq!(chosen(&scene, &view, 3), many);
+    // Nothing is learnt where paths are calm.
+    let calm = Guide::default();
+    let choice = sunroom::render::auto::choose(&lit_room(), &view, &calm, MANY, 2, &AtomicBool::new(false));
+    assert!(choice.is_some_and(|choice| choice.method == Method::Path && choice.gain_of_guide.is_none()));
+    assert_eq!(calm.learnings(), 0);
+}
+
+#[test]
 fn the_choice_does_not_depend_on_threads_seeds_and_pixels() {
-    for scene in [lit_room(), caustic()] {
+    for scene in [lit_room(), caustic(), cove()] {
         let view = down();
         let choice = chosen(&scene, &view, 1);
         assert_eq!(chosen(&scene, &view, 4), choice);
@@ -98,7 +130,7 @@ fn there_is_no_pilot_where_it_cannot_pay() {
     let (scene, view) = (caustic(), down());
     assert!(has_choice(&scene, &view, MANY));
     assert!(!has_choice(&scene, &view, 1 << 16));
-    let choose = |view: &View, samples| choose(&scene, view, samples, 1, &AtomicBool::new(false));
+    let choose = |view: &View, samples| choose(&scene, view, &Guide::default(), samples, 1, &AtomicBool::new(false));
     assert_eq!(choose(&view, 1 << 16), Some(Choice::UNTRIED));
     let mut short = view.clone();
     short.integrator.settings_mut().max_depth = 2;
@@ -109,7 +141,7 @@ fn there_is_no_pilot_where_it_cannot_pay() {
     for view in [short, clay] {
         assert_eq!(choose(&view, MANY), Some(Choice::UNTRIED));
     }
-    let cancelled = sunroom::render::auto::choose(&scene, &view, MANY, 2, &AtomicBool::new(true));
+    let cancelled = sunroom::render::auto::choose(&scene, &view, &Guide::default(), MANY, 2, &AtomicBool::new(true));
     assert_eq!(cancelled, None);
 }
 
@@ -117,5 +149,5 @@ fn there_is_no_pilot_where_it_cannot_pay() {
 fn a_scene_without_light_is_left_to_paths() {
     let mut scene = SceneBuilder::default();
     floor(&mut scene);
-    assert!(!chosen(&scene.build(), &down(), 1).is_bidirectional);
+    assert_eq!(chosen(&scene.build(), &down(), 1).method, Method::Path);
 }

@@ -13,7 +13,7 @@ use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{TileSamples, render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
 
-fn guided(view: &View) -> View {
+pub fn guided(view: &View) -> View {
     View {
         guide: Some(Guide::default()),
         ..view.clone()
@@ -21,7 +21,7 @@ fn guided(view: &View) -> View {
 }
 
 /// A room whose lamp shines at the ceiling from behind a board.
-fn cove() -> RenderScene {
+pub fn cove() -> RenderScene {
     let mut scene = SceneBuilder::default();
     let turn = |x: f32, y: f32| Quat::from_rotation_y(y) * Quat::from_rotation_x(x);
     let quarter = std::f32::consts::FRAC_PI_2;

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::engine::{AutoStatus, RenderControl, RenderFilm, RenderStatus};
+use sunroom::render::auto::Method;
 use sunroom::scene::{
     DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Ior, Material, PathPlugin, Shape, ShapeKind,
     ToWorld, UsesMaterial,
@@ -103,7 +104,7 @@ fn a_choice_holds_at_every_resolution() {
     finish(&mut app);
     let (chosen, film) = (auto(&app), app.world().resource::<RenderFilm>());
     assert!(
-        chosen.is_some_and(|chosen| chosen.choice.is_bidirectional),
+        chosen.is_some_and(|chosen| chosen.choice.method == Method::Bidirectional),
         "{chosen:?}"
     );
     assert_eq!(film.film.width(), 64);

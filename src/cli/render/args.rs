@@ -86,13 +86,13 @@ pub struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Accel::Sah)]
     pub accel: Accel,
     /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside these), ptracer (paths from the
-    /// lights alone) or auto (path or bdpt, whichever pays for the scene)
+    /// lights alone) or auto (path, guided path or bdpt, whichever pays for the scene)
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     pub integrator: Option<PathPlugin>,
     /// Clamp what is brighter than this percentile of the samples, such as 99.9: less noise, and too little light
     #[arg(long, value_name = "PERCENTILE", value_parser = parse::percentile)]
     pub clamp: Option<f32>,
-    /// Guide the paths of `path`, and of `auto` where that is `path`, to where light comes from, as photons show: less noise where light comes around corners, and
+    /// Guide the paths of `path`, and of `auto` in any case where that is `path`, to where light comes from, as photons show: less noise where light comes around corners, and
     /// more time for each sample
     #[arg(long)]
     pub guided: bool,

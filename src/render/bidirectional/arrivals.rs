@@ -9,16 +9,13 @@ use super::subpath::Vertex;
 use super::weights::Ways;
 use super::{LIGHT_PIXEL, Techniques, Tracer};
 use crate::color::luminance;
-use crate::render::guide::{PhotonArrival, Photons};
+use crate::render::guide::{MOST_OF_PATH, PhotonArrival, Photons};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::sampling::{Sampler, SequenceKind};
 
 /// The seed of these paths: a guide does not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_901d;
-
-/// What is kept of a path at most: paths may be far longer where the roulette begins late.
-const MOST_OF_PATH: usize = 64;
 
 /// Traces paths from the lights with these numbers.
 pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Range<u32>) -> Photons {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::subpath::{LightPath, Measure, Vertex, Walk, reverse_pdf};
-use super::weights::{Ways, weight};
+use super::weights::weight;
 use super::{Sample, splat};
 use crate::accel::Hit;
 use crate::color::Rgb;
@@ -74,10 +74,10 @@ impl<'a> Sample<'a, '_> {
             let radiance = found.radiance * arriving * weight;
             if radiance != Rgb::ZERO {
                 splats.push(Splat { radiance, ..found });
-                self.note(Some(found.pixel), radiance, found.radiance * arriving, || {
+                self.note(Some(found.pixel), radiance, found.radiance * arriving, |guidance| {
                     let pdf = to.density * vertex.cosine(to.ray.dir);
-                    let fewer = Ways::OF_PATHS.with_fewer_of_light(path, vertices, number, pdf, false);
-                    fewer.sum(vertex.scattering.reverse_pdf(-to.ray.dir))
+                    let next = vertex.scattering.reverse_pdf(-to.ray.dir);
+                    guidance.of_joined(path, vertices, number, pdf, next)
                 });
             }
         }
@@ -324,9 +324,10 @@ impl<'a> Sample<'a, '_> {
         let weight = weight(others);
         let contribution = walk.throughput * seen.radiance * weight;
         self.radiance += contribution;
-        if walk.before.is_some() {
-            self.note(None, contribution, walk.throughput * seen.radiance, || {
-                1.0 + by_sampling
+        if let Some(before) = walk.before {
+            self.note(None, contribution, walk.throughput * seen.radiance, |guidance| {
+                let on = guidance.ratio(&camera[before], walk.ray.dir);
+                guidance.along(camera, before).powi(2) * (on * on + by_sampling)
             });
         }
         self.record.come_upon(contribution);
@@ -377,7 +378,10 @@ impl<'a> Sample<'a, '_> {
         let whole = carried * light.radiance * arriving.unwrap_or(Rgb::ZERO) / light.pdf;
         let contribution = carried * light.radiance * arriving.unwrap_or(Rgb::ZERO) * (weight / light.pdf);
         self.radiance += contribution;
-        self.note(None, contribution, whole, || 1.0 + by_bsdf(&start, &light, bsdf_pdf));
+        self.note(None, contribution, whole, |guidance| {
+            let on = guidance.ratio(vertex, light.wi);
+            guidance.along(camera, number).powi(2) * (1.0 + by_bsdf(&start, &light, bsdf_pdf) * on * on)
+        });
         observer.light_sampled(&SampledLight {
             light: id,
             sample: light,
@@ -470,9 +474,10 @@ impl<'a> Sample<'a, '_> {
         let weight = weight(others);
         let contribution = carried * arriving * (count as f32 * weight);
         self.radiance += contribution;
-        self.note(None, contribution, carried * arriving, || {
-            let fewer = Ways::OF_PATHS.with_fewer_of_light(path, light, last, other_density, false);
-            fewer.sum(other.scattering.reverse_pdf(-wi))
+        self.note(None, contribution, carried * arriving, |guidance| {
+            let on = guidance.along(camera, number) * guidance.ratio(vertex, wi);
+            let next = other.scattering.reverse_pdf(-wi);
+            on * on * guidance.of_joined(path, light, last, other_density, next)
         });
         observer.joined(&Joined {
             light: path.emitted.light,

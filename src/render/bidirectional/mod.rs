@@ -34,6 +34,7 @@ pub(super) use self::finds::Find;
 use self::subpath::{LightPath, Vertex, Walk};
 use self::weights::{Merging, Ways};
 use super::dimensions::LightDraw;
+use super::guide::Field;
 use super::observer::PathObserver;
 use super::path_state::{PathRecord, PathSample};
 use super::photon_map::PhotonMap;
@@ -94,6 +95,8 @@ pub(super) struct Tracer<'a> {
     splats: TileSplats,
     /// What samples find, if it is asked for.
     finds: Option<Vec<Find>>,
+    /// The guide whose paths the finds tell of.
+    field: Option<Arc<Field>>,
 }
 
 /// The pixel whose random numbers paths from the lights have: one that no film has.
@@ -125,6 +128,7 @@ impl<'a> Tracer<'a> {
             camera: Vec::new(),
             splats: TileSplats::default(),
             finds: None,
+            field: None,
         };
         for number in indices {
             if let Some(photons) = tracer.techniques.merging
@@ -183,6 +187,7 @@ impl<'a> Tracer<'a> {
             record: PathRecord::default(),
             rays: 0,
             finds: None,
+            field: self.field.as_deref(),
         }
     }
 
@@ -197,9 +202,10 @@ impl<'a> Tracer<'a> {
         std::mem::take(&mut self.splats)
     }
 
-    /// Has the next samples note what they find.
-    pub fn note_finds(&mut self) {
+    /// Has the next samples note what they find, and what paths guided by `field` would make of it.
+    pub fn note_finds(&mut self, field: Option<Arc<Field>>) {
         self.finds = Some(Vec::new());
+        self.field = field;
     }
 
     /// What was found since the last call.
@@ -231,6 +237,7 @@ struct Sample<'a, 'b> {
     record: PathRecord,
     rays: u32,
     finds: Option<Vec<Find>>,
+    field: Option<&'b Field>,
 }
 
 impl<'a> Sample<'a, '_> {

@@ -41,13 +41,6 @@ pub(super) struct Ways {
 }
 
 impl Ways {
-    /// No others than path tracing has.
-    pub const OF_PATHS: Self = Self {
-        to_lens: false,
-        joins: false,
-        merging: None,
-    };
-
     /// The squared ratio of joining two vertices, if it is possible.
     fn joined(&self, ratio: f32, is_possible: bool) -> f32 {
         if self.joins && is_possible { square(ratio) } else { 0.0 }

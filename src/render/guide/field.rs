@@ -5,7 +5,8 @@
 use glam::{UVec3, Vec3};
 
 use super::bins::{BINS, BinLanes, axis_of, bin_of, cosine_shares};
-use super::cell::Cell;
+use super::cell::{Cell, UNITS};
+use super::{MOST_OF_PATH, PATHS};
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// Light that has come to a surface from another one.
@@ -32,6 +33,21 @@ pub(in crate::render) const SHARE: f32 = 0.5;
 const WORTHWHILE: f32 = 1.5;
 /// Photons of one path are neighbours in their list: so many are in the same half.
 const RUN: usize = 64;
+
+/// The most photons that are learnt from.
+pub(super) const MOST_PHOTONS: usize = PATHS as usize * MOST_OF_PATH;
+/// The most memory of a field in bytes. A level has at most a histogram for each of its pieces and orientations, and one for so many photons, of the finest level; the levels above
+/// have an eighth of the pieces of the one below.
+const MOST_BYTES: usize = 64 << 20;
+const _: () = {
+    let places = (RESOLUTION * RESOLUTION * RESOLUTION) as usize * ORIENTATIONS as usize;
+    let (mut cells, mut left) = (1 + MOST_PHOTONS / LEAST_PHOTONS as usize, places / 8);
+    while left > 0 {
+        cells += left;
+        left /= 8;
+    }
+    assert!(places * size_of::<u32>() + cells * size_of::<Cell>() <= MOST_BYTES);
+};
 
 /// The orientations of surfaces: the axis that is nearest to the normal.
 const ORIENTATIONS: u32 = 6;
@@ -202,6 +218,19 @@ impl Field {
         self.index.get(place as usize).copied().unwrap_or(0)
     }
 
+    /// The density per solid angle of a direction from the histogram of a place; None where there is none.
+    pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<f32> {
+        let axes = BinLanes::of(Vec3Lanes::splat(normal));
+        let place = self.places(Vec3Lanes::splat(position), &axes).as_array()[0];
+        let cell = match self.cell_at(place) {
+            0 => return None,
+            number => self.cell(number),
+        };
+        let (bins, densities) = axes.find(Vec3Lanes::splat(wi));
+        let units = cell.count(bins.as_array()[0]) as f32;
+        Some(units * densities.as_array()[0] / UNITS as f32)
+    }
+
     #[inline(always)]
     pub fn cell(&self, number: u32) -> &Cell {
         &self.cells[number as usize]
@@ -274,6 +303,8 @@ fn bounds(arrivals: &[PhotonArrival]) -> Option<(Vec3, Vec3)> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3Swizzles;
+
     use super::*;
     use crate::sampling::hash::pcg3d;
 
@@ -319,6 +350,36 @@ mod tests {
         for outside in [Vec3::splat(1e9), Vec3::splat(-1e9), Vec3::splat(f32::NAN)] {
             cell_at(&field, outside, Vec3::Y);
         }
+    }
+
+    #[test]
+    fn no_photons_make_a_field_too_large() {
+        // As many as there can be, in all pieces and on all sides of things, each side lit from one direction.
+        const COUNT: u32 = MOST_PHOTONS as u32;
+        let side = RESOLUTION as u32;
+        let photon = |index: u32| {
+            let place = index / ORIENTATIONS % (side * side * side);
+            let axis = index as usize % ORIENTATIONS as usize;
+            let mut normal = Vec3::ZERO;
+            normal[axis / 2] = if axis.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let piece = UVec3::new(place % side, place / side % side, place / side / side);
+            PhotonArrival {
+                position: piece.as_vec3() + 0.5,
+                normal,
+                wi: (normal + 0.3 * normal.yzx()).normalize(),
+                power: 1.0,
+            }
+        };
+        // Most photons come to pieces that have just enough of them for a histogram of their own, and to others that have not.
+        let few = |index: u32| index % (side * side * side * ORIENTATIONS) < COUNT / LEAST_PHOTONS;
+        let own = (0..COUNT).map(|index| index / LEAST_PHOTONS);
+        let all: Vec<PhotonArrival> = own
+            .chain((0..COUNT / 8).filter(|&index| !few(index)))
+            .map(photon)
+            .collect();
+        let field = Field::learn(&all).expect("a guide");
+        assert!(field.cells.len() > 20_000, "{}", field.cells.len());
+        assert!(field.bytes() <= MOST_BYTES, "{}", field.bytes());
     }
 
     #[test]

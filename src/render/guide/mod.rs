@@ -14,3 +14,8 @@ pub(super) use self::cell::UNITS;
 pub(super) use self::field::{Field, PhotonArrival, SHARE};
 pub use self::store::Guide;
 pub(super) use self::store::{PhotonPaths, Photons};
+
+/// The paths from the lights that a guide is learnt from: some 0.2 seconds of one thread.
+const PATHS: u32 = 1 << 16;
+/// What is kept of a path at most: paths may be far longer where the roulette begins late.
+pub(super) const MOST_OF_PATH: usize = 64;

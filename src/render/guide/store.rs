@@ -5,12 +5,11 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::PATHS;
 use super::field::{Field, PhotonArrival};
 use crate::render::scene::RenderScene;
 use crate::render::together::Together;
 
-/// The paths from the lights that a guide is learnt from: some 0.2 seconds of one thread.
-const PATHS: u32 = 1 << 16;
 /// The paths of a block.
 const PATHS_OF_BLOCK: u32 = 1024;
 

@@ -30,6 +30,12 @@ impl<'a> Guided<'a> {
         })
     }
 
+    /// The lanes that have one, a bit each.
+    #[inline(always)]
+    pub fn lanes(&self) -> u32 {
+        self.lanes
+    }
+
     /// The densities of the directions `wi` in the world, for paths that would take them by the bsdf with density `bsdf_pdf`.
     #[inline(always)]
     pub fn mixed(&self, wi: Vec3Lanes, bsdf_pdf: Lanes) -> Lanes {

@@ -21,6 +21,7 @@ mod travelled;
 mod vertices;
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) use self::context::{EndedPath, Job, Samples};
@@ -28,7 +29,7 @@ pub(super) use self::context::{EndedPath, Job, Samples};
 use self::batch::PathBatch;
 use self::context::{Coherence, Context, STEPS_TO_CANCEL};
 use super::bidirectional::arrivals;
-use super::guide::PhotonPaths;
+use super::guide::{Field, PhotonPaths};
 use super::path_state::PathState;
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy, View};
@@ -42,17 +43,7 @@ pub(super) fn trace<'v>(
     jobs: &[Job],
     cancel: &AtomicBool,
 ) -> Option<Samples<'v>> {
-    let field = match &view.guide {
-        Some(guide) if is_guided(scene, settings) => {
-            let paths = PhotonPaths {
-                longest_path: settings.longest_path(),
-                rr_depth: settings.rr_depth,
-            };
-            let trace = |numbers: Range<u32>| arrivals(scene, view, numbers);
-            guide.field(scene, paths, trace, cancel)?
-        }
-        _ => None,
-    };
+    let field = field(scene, view, settings, cancel)?;
     let context = Context {
         scene,
         view,
@@ -67,6 +58,25 @@ pub(super) fn trace<'v>(
         false => Paths::<false>::new(view, jobs).trace(&context, cancel, &mut samples),
     };
     is_done.then_some(samples)
+}
+
+/// What paths are guided by, which is learnt if need be; None without a guide, and where there is nothing to be guided by. None at all if `cancel` was set in the
+/// meantime.
+pub(super) fn field(
+    scene: &RenderScene,
+    view: &View,
+    settings: &PathSettings,
+    cancel: &AtomicBool,
+) -> Option<Option<Arc<Field>>> {
+    let Some(guide) = view.guide.as_ref().filter(|_| is_guided(scene, settings)) else {
+        return Some(None);
+    };
+    let paths = PhotonPaths {
+        longest_path: settings.longest_path(),
+        rr_depth: settings.rr_depth,
+    };
+    let trace = |numbers: Range<u32>| arrivals(scene, view, numbers);
+    guide.field(scene, paths, trace, cancel)
 }
 
 /// Whether a guide is of use: not for paths that know no density of directions, in media, and for direct light alone.

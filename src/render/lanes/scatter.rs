@@ -102,7 +102,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
         self.paths.depth += ones_in(surfaces.lanes);
         let guided = context.field.and_then(|field| {
-            let asked = self.vertices.bsdf.guided() & surfaces.lanes;
+            let asked = self.vertices.guided() & surfaces.lanes;
             Guided::of(field, asked, surfaces.reference.position, surfaces.frame.n)
         });
         if surfaces.smooth != 0 && context.samples_lights() {
@@ -300,14 +300,19 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
-        if let Some(guided) = guided {
-            sample = self.guide(guided, surfaces, u_direction, sample);
+        let mut smooth = surfaces.smooth;
+        if other != 0 {
+            let (with_others, smooth_others) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
+            sample = with_others;
+            smooth &= !other | smooth_others;
         }
-        if other == 0 {
-            return (sample, surfaces.smooth);
+        match guided {
+            Some(guided) => (
+                self.guide(guided, surfaces, u_direction, sample),
+                smooth | guided.lanes(),
+            ),
+            None => (sample, smooth),
         }
-        let (sample, smooth) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
-        (sample, surfaces.smooth & (!other | smooth))
     }
 
     /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It is not inlined, so that paths without a guide have the code that they had.
@@ -316,7 +321,14 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let Surfaces { frame, wo, .. } = *surfaces;
         // No other lobe needs the number where there is a guide.
         let u_choice = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
-        let eval_and_pdf = |wi: Vec3Lanes| self.vertices.eval_and_pdf(wo, frame.to_local(wi));
+        let others = surfaces.other & guided.lanes();
+        let eval_and_pdf = |wi: Vec3Lanes| {
+            let (value, pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(wi));
+            match others {
+                0 => (value, pdf),
+                _ => self.vertices.eval_others(others, wi, value, pdf),
+            }
+        };
         guided.sample(eval_and_pdf, u_choice, u, sample)
     }
 

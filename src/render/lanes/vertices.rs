@@ -36,6 +36,8 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     singles: [Option<Single<'a>>; LANES],
     /// The lanes of `other` that have smooth lobes.
     other_smooth: u32,
+    /// The lanes of `other` that have a diffuse model and no other.
+    other_diffuse: u32,
     /// The lanes of `other` that scatter light from one half space only.
     other_halved: u32,
 }
@@ -65,6 +67,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             other: 0,
             singles: [const { None }; LANES],
             other_smooth: 0,
+            other_diffuse: 0,
             other_halved: 0,
         }
     }
@@ -75,6 +78,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.phase.lanes = 0;
         self.borders = 0;
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
+        self.other_diffuse = 0;
     }
 
     /// The lanes that are in media, a bit each.
@@ -86,6 +90,11 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// The lanes with [`crate::material::Scattering::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
         self.bsdf.smooth() | self.in_media() | self.other_smooth
+    }
+
+    /// The lanes whose directions are worth guiding, a bit each.
+    pub fn guided(&self) -> u32 {
+        self.bsdf.guided() | self.other_diffuse
     }
 
     /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
@@ -259,13 +268,16 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir, TransportMode::Radiance);
         let (one_sided_normal, albedo) = (scattering.one_sided_normal(), scattering.albedo());
         let is_smooth = scattering.has_smooth_lobe();
-        self.singles[lane] = Some(scattering.take_single()?);
+        let single = scattering.take_single()?;
+        let is_diffuse = single.is_diffuse();
+        self.singles[lane] = Some(single);
         self.set_place(lane, &point);
         self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
         self.side.as_mut_array()[lane] = 1.0;
         let bit = |condition: bool| u32::from(condition) << lane;
         self.other |= bit(true);
         self.other_smooth |= bit(is_smooth);
+        self.other_diffuse |= bit(is_diffuse);
         self.other_halved |= bit(one_sided_normal.is_some());
         Some(Met {
             point,

@@ -12,7 +12,7 @@ use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::{layers, render};
 use sunroom::engine::AutoStatus;
 use sunroom::layer::{Layer, Layers};
-use sunroom::render::auto::Choice;
+use sunroom::render::auto::{Choice, Method};
 use sunroom::scene::{IntegratorSettings, Strategy};
 
 use super::{Shown, click, entity, show, slide};
@@ -143,8 +143,9 @@ fn limits_have_a_switch_and_a_number() {
 #[test]
 fn the_panel_says_what_auto_stands_for() {
     let choice = Choice {
-        is_bidirectional: true,
+        method: Method::Bidirectional,
         gain: Some(12.3),
+        gain_of_guide: None,
         missed: 0.0,
     };
     let auto = AutoStatus {
@@ -158,6 +159,19 @@ fn the_panel_says_what_auto_stands_for() {
         ..RenderModel::default()
     });
     harness.get_by_label("bdpt: 12.3 times less variance for its cost");
+    let choice = Choice {
+        method: Method::GuidedPath,
+        gain: Some(0.7),
+        gain_of_guide: Some(2.1),
+        missed: 0.0,
+    };
+    harness.state_mut().given.auto = Some(AutoStatus {
+        integrator: "guided path",
+        is_searching: false,
+        choice,
+    });
+    harness.run_steps(3);
+    harness.get_by_label("guided path: 2.1 times less variance for its cost");
     click(&mut harness, "By scene");
     assert_eq!(harness.state().commands, [Command::SetPathIsAuto(false)]);
 }

@@ -209,7 +209,7 @@ fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if model.integrator.plugin == PathPlugin::Path {
         let mut is_auto = model.path_is_auto;
         let caption = Caption::from("By scene").explained(
-            "In this window path stands for auto: bdpt takes its place where it pays. The scene keeps path, and so does the command line. Without it the window \
+            "In this window path stands for auto: guided paths or bdpt take its place where they pay. The scene keeps path, and so does the command line. Without it the window \
              traces by path, whatever the scene.",
         );
         if fields::checkbox(ui, caption, &mut is_auto) {
@@ -226,8 +226,8 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
     let plugins = PathPlugin::ALL.map(|plugin| (plugin, plugin.name()));
     let about = "path follows light back from the camera, through empty space. volpath and volpathmis, which are the same here, scatter and absorb it in media \
                  as well. bdpt joins paths from the camera with paths from the lights: for caustics, and for lamps that are hard to find. vcm has \
-                 photons beside it, for caustics that are seen through glass and water; it blurs them a little. ptracer has paths from the lights alone. auto is path or \
-                 bdpt, whichever pays for the scene, as a pilot finds out.";
+                 photons beside it, for caustics that are seen through glass and water; it blurs them a little. ptracer has paths from the lights alone. auto is path, \
+                 guided path or bdpt, whichever pays for the scene, as a pilot finds out.";
     let caption = Caption::from("Integrator").explained(about);
     let mut changed = fields::choice(ui, caption, &mut integrator.plugin, &plugins);
     auto_rows(ui, model, commands);

@@ -9,6 +9,7 @@ use crate::app::editor::model::StatusModel;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::words::figures::counted;
 use crate::engine::{AutoStatus, RenderState, RenderStatus};
+use crate::render::auto::{Choice, Method};
 
 /// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
@@ -153,11 +154,21 @@ fn auto(auto: &AutoStatus) -> Part {
 /// The choice of the integrator `auto`, and what it goes by.
 pub fn auto_words(auto: &AutoStatus) -> String {
     let name = auto.integrator;
-    match auto.choice.gain {
+    let Choice {
+        method,
+        gain,
+        gain_of_guide,
+        ..
+    } = auto.choice;
+    match (method, gain) {
         _ if auto.is_searching => format!("{name}, while a pilot is traced"),
-        Some(gain) if auto.choice.is_bidirectional => format!("{name}: {gain:.1} times less variance for its cost"),
-        Some(gain) => format!("{name}: bdpt has {:.1} times its variance for the cost", gain.recip()),
-        None => name.to_owned(),
+        (_, None) => name.to_owned(),
+        (Method::Path, Some(gain)) => format!("{name}: bdpt has {:.1} times its variance for the cost", gain.recip()),
+        (Method::GuidedPath, Some(gain)) => {
+            let gain = gain_of_guide.unwrap_or(gain);
+            format!("{name}: {gain:.1} times less variance for its cost")
+        }
+        (Method::Bidirectional, Some(gain)) => format!("{name}: {gain:.1} times less variance for its cost"),
     }
 }
 
