@@ -71,7 +71,7 @@ pub enum Sides {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     mesh: usize,
-    /// The lengths and angles of its axes in the world, rounded.
+    /// The lengths and angles of its axes as it is laid out, rounded.
     shape: [i64; 6],
     sides: Sides,
 }
@@ -107,14 +107,14 @@ pub fn unwrap_level(
     let mut known: HashMap<Key, usize> = HashMap::new();
     let is_baked = |placed: &PlacedMesh| {
         let parts = &writer.mesh(placed.mesh).primitives;
-        !placed.moves && parts.iter().any(|part| takes_light(writer, part))
+        !placed.moves && placed.lightmap_scale > 0.0 && parts.iter().any(|part| takes_light(writer, part))
     };
     let placed: Vec<PlacedMesh> = writer.placed_meshes().into_iter().filter(is_baked).collect();
     let sides: Vec<Sides> = placed.par_iter().map(|placed| sides(writer, placed, &lit)).collect();
     for (placed, sides) in placed.into_iter().zip(sides) {
         let key = Key {
             mesh: placed.mesh,
-            shape: shape(&placed.world_from_mesh.matrix3),
+            shape: shape(&layout_axes(&placed)),
             sides,
         };
         let group = *known.entry(key).or_insert_with(|| {
@@ -177,6 +177,11 @@ fn takes_light(writer: &GltfWriter, part: &Primitive) -> bool {
         .as_ref()
         .is_some_and(|glass| glass.transmission_factor >= 1.0 && glass.transmission_texture.is_none());
     !(is_metal || is_black || is_glass)
+}
+
+/// The axes of a mesh in the size in which it is laid out: that in the world, times its scale.
+fn layout_axes(placed: &PlacedMesh) -> Mat3A {
+    placed.world_from_mesh.matrix3 * placed.lightmap_scale
 }
 
 /// Lengths and angles of axes, such that equal numbers mean equal sizes to four digits.
@@ -242,7 +247,7 @@ impl Group {
             },
         };
         let in_size = Affine3A {
-            matrix3: placed.world_from_mesh.matrix3,
+            matrix3: layout_axes(placed),
             ..Affine3A::IDENTITY
         };
         for (index, part) in mesh.primitives.iter().enumerate() {

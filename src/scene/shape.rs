@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::{DocumentOrder, Solid, ToWorld};
 
 /// A surface. Its material is [`super::UsesMaterial`], its emission [`super::AreaLight`].
-#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
 pub struct Shape {
@@ -15,9 +15,24 @@ pub struct Shape {
     pub kind: ShapeKind,
     /// Turns the normals over: the side that emits and, for one-sided materials, the side that is seen.
     pub flip_normals: bool,
+    /// How many times as many texels of a lightmap lie along a length of it as on other shapes, in [`Self::LIGHTMAP_SCALES`]; 0: it has none.
+    pub lightmap_scale: f32,
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self {
+            kind: ShapeKind::default(),
+            flip_normals: false,
+            lightmap_scale: 1.0,
+        }
+    }
 }
 
 impl Shape {
+    /// The range of [`lightmap_scale`](Self::lightmap_scale).
+    pub const LIGHTMAP_SCALES: std::ops::RangeInclusive<f32> = 0.0..=100.0;
+
     /// The middle of the shape in its own space, as users know it: the centre of a sphere, the origin for others.
     pub fn middle(&self) -> Vec3 {
         match self.kind {

@@ -413,3 +413,46 @@ fn what_cannot_be_baked_is_said() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("a lightmap could lie on"), "{said}");
 }
+
+#[test]
+fn shapes_say_how_fine_their_lightmaps_are() {
+    let workshop = Workshop::new();
+    let square = |name: &str, x: i32, scale: &str| {
+        let place = format!(r#"<transform name="to_world"><translate x="{x}"/></transform>"#);
+        format!(r#"<shape type="rectangle" id="{name}">{place}{scale}</shape>"#)
+    };
+    let [fine, none] = [2, 0].map(|scale| format!(r#"<float name="lightmap_scale" value="{scale}"/>"#));
+    // Two of each share a mesh, so that each has a rectangle.
+    let squares = [
+        square("usual", 0, ""),
+        square("usual-2", 3, ""),
+        square("fine", 6, &fine),
+        square("fine-2", 9, &fine),
+        square("bare", 12, &none),
+    ];
+    let light = r#"<emitter type="constant"/>"#;
+    let scene = workshop.scene(&format!(
+        r#"<scene version="3.0.0">{}{light}</scene>"#,
+        squares.concat()
+    ));
+    let folder = workshop.path("level");
+    let quick = ["--spp", "1", "--texels-per-unit", "8", "--no-denoise", "--no-probes"];
+    assert_code(&bake(&scene, &folder, &quick), 0);
+    let about = manifest(&folder);
+    let nodes = about["nodes"].as_array().expect("nodes");
+    let width = |path: &str| {
+        let node = nodes.iter().find(|node| node["path"] == path)?;
+        let corner = |place: usize| node["rect"][place].as_f64().expect("a number");
+        Some(corner(2) - corner(0))
+    };
+    assert_eq!((nodes.len(), width("bare")), (4, None), "{about}");
+    let [usual, fine] = ["usual-2", "fine-2"].map(|path| width(path).expect("a place"));
+    assert!((fine / usual - 2.0).abs() < 0.1, "{fine} {usual}");
+    // Mitsuba does not know of it.
+    let portable = workshop.path("portable.xml");
+    let mut convert = sunroom();
+    convert.arg("convert").arg(&scene).arg(&portable).arg("--portable");
+    assert_code(&convert.output().expect("the program starts"), 0);
+    let text = std::fs::read_to_string(&portable).expect("the file");
+    assert!(text.contains("fine-2") && !text.contains("lightmap_scale"), "{text}");
+}

@@ -21,12 +21,18 @@ fn rare_light(seed: u32, control: impl FnOnce(&mut RenderControl)) -> App {
         center: Vec3::new(0.8, 1.5, 2.6),
         radius: 0.2,
     };
-    let flip_normals = false;
     let lamp = AreaLight {
         radiance: Rgb::splat(40.0).into(),
         ..default()
     };
-    world.spawn((DocumentOrder(2), Shape { kind, flip_normals }, lamp));
+    world.spawn((
+        DocumentOrder(2),
+        Shape {
+            kind,
+            ..Shape::default()
+        },
+        lamp,
+    ));
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     (integrator.strategy, integrator.max_depth) = (Strategy::Bsdf, Some(2));
     world.resource_mut::<SamplerSettings>().seed = seed;

@@ -35,7 +35,7 @@ fn caustic(plugin: PathPlugin) -> App {
         .insert((UsesMaterial(glass), ToWorld::default()));
     let floor = Shape {
         kind: ShapeKind::Disk,
-        flip_normals: false,
+        ..Shape::default()
     };
     let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
     let pose = Transform::from_xyz(0.0, -1.5, 6.0)

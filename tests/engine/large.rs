@@ -84,7 +84,7 @@ impl Field {
         };
         let shape = Shape {
             kind,
-            flip_normals: false,
+            ..Shape::default()
         };
         let pose = self.pose();
         let material = self.material();
@@ -147,6 +147,7 @@ impl Field {
                 it.insert(Shape {
                     kind,
                     flip_normals: true,
+                    ..Shape::default()
                 });
             }
             _ => drop(it.insert(pose)),
@@ -221,9 +222,14 @@ fn edits_while_many_shapes_are_packed_are_packed_afterwards() {
     let shown = field.shown();
     let (last, place) = (shown[0], Vec3::splat(100.0));
     let kind = ShapeKind::Cube;
-    let flip_normals = false;
     let pose = ToWorld(Affine3A::from_translation(place));
-    let moved = (Shape { kind, flip_normals }, pose);
+    let moved = (
+        Shape {
+            kind,
+            ..Shape::default()
+        },
+        pose,
+    );
     field.app.world_mut().entity_mut(last).insert(moved);
     let is_packed = |field: &Field| {
         let instances = field.scene();

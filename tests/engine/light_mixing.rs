@@ -183,7 +183,7 @@ fn every_light_of_the_scene_has_its_layer_when_asked_for() {
             DocumentOrder(order),
             Shape {
                 kind: ShapeKind::Cube,
-                flip_normals: false,
+                ..Shape::default()
             },
             ToWorld(Affine3A::from_translation(Vec3::new(x, 0.0, 5.0)) * Affine3A::from_scale(Vec3::splat(0.5))),
             AreaLight::default(),

@@ -39,8 +39,13 @@ fn ball(center: Vec3, width: u32, height: u32) -> App {
         }),
     ));
     let kind = ShapeKind::Sphere { center, radius: 1.0 };
-    let flip_normals = false;
-    world.spawn((DocumentOrder(1), Shape { kind, flip_normals }));
+    world.spawn((
+        DocumentOrder(1),
+        Shape {
+            kind,
+            ..Shape::default()
+        },
+    ));
     look_along(world, width, height);
     world.resource_mut::<RenderControl>().threads = NonZeroUsize::MIN;
     app

@@ -27,7 +27,7 @@ fn square(seed: u32, control: impl FnOnce(&mut RenderControl)) -> (Film, RenderS
     let pose = Affine3A::from_scale_rotation_translation(Vec3::splat(HALF * pixel), Quat::IDENTITY, place);
     let shape = Shape {
         kind: ShapeKind::Rectangle,
-        flip_normals: false,
+        ..Shape::default()
     };
     world.spawn((DocumentOrder(2), shape, ToWorld(pose)));
     let mut films = world.query::<&mut FilmSettings>();

@@ -45,7 +45,7 @@ fn app() -> App {
 fn shape(kind: ShapeKind) -> Shape {
     Shape {
         kind,
-        flip_normals: false,
+        ..Shape::default()
     }
 }
 

@@ -419,7 +419,7 @@ fn what_is_new_looks_like_its_neighbours() {
                 center: Vec3::ZERO,
                 radius: 2.0,
             },
-            flip_normals: false,
+            ..Shape::default()
         },
         to_world: Affine3A::IDENTITY,
         interior: None,

@@ -137,7 +137,7 @@ mod tests {
         world.spawn((DocumentOrder(0), Emitter::from(EmitterKind::Constant { radiance })));
         let sphere = |center, radius| Shape {
             kind: ShapeKind::Sphere { center, radius },
-            flip_normals: false,
+            ..Shape::default()
         };
         world.spawn((DocumentOrder(1), sphere(Vec3::Z * 4.0, 1.0)));
         let lamp = AreaLight {

@@ -174,14 +174,14 @@ mod tests {
     fn sphere(center: Vec3, radius: f32) -> Shape {
         Shape {
             kind: ShapeKind::Sphere { center, radius },
-            flip_normals: false,
+            ..Shape::default()
         }
     }
 
     fn cylinder(p0: Vec3, p1: Vec3, radius: f32) -> Shape {
         Shape {
             kind: ShapeKind::Cylinder { p0, p1, radius },
-            flip_normals: false,
+            ..Shape::default()
         }
     }
 

@@ -21,6 +21,8 @@ pub struct PlacedMesh {
     pub world_from_mesh: Affine3A,
     /// Whether it moves, by its own node or one above.
     pub moves: bool,
+    /// How many times as many texels of a lightmap lie along a length of it as on other meshes; 0: it has none.
+    pub lightmap_scale: f32,
 }
 
 impl Pose {
@@ -58,6 +60,7 @@ impl GltfWriter {
                     mesh,
                     world_from_mesh: world,
                     moves,
+                    lightmap_scale: node.lightmap_scale.unwrap_or(1.0),
                 });
             }
         }

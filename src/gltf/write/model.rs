@@ -98,6 +98,9 @@ pub struct Node {
     /// What programs are to know that the specification does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extras: Option<serde_json::Value>,
+    /// How many times as fine its lightmap is to be; None is once. It is not written.
+    #[serde(skip)]
+    pub lightmap_scale: Option<f32>,
 }
 
 /// A pose as glTF has it: a scale, then a turn, then a shift.

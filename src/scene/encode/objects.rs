@@ -63,7 +63,9 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         }
         ShapeKind::Solid(solid) => with_solid(object(solid.plugin()), solid.clone()),
         // The group it shows is not these functions' business, and it has no other parameters.
-        ShapeKind::Instance => return with_to_world(object("instance"), to_world),
+        ShapeKind::Instance => {
+            return with_to_world(with_lightmap_scale(object("instance"), shape), to_world);
+        }
         ShapeKind::Frame => {
             let volume = Object::new(Category::Volume, FRAME);
             return with_to_world(with_float(volume, "value", 1.0), to_world);
@@ -82,10 +84,18 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
             with_flag(object, "face_normals", file.face_normals)
         }
     };
-    let object = with_to_world(with_flag(object, "flip_normals", shape.flip_normals), to_world);
+    let object = with_flag(object, "flip_normals", shape.flip_normals);
+    let object = with_to_world(with_lightmap_scale(object, shape), to_world);
     match area {
         Some(light) => with_child(object, area_light(light, folder)),
         None => object,
+    }
+}
+
+fn with_lightmap_scale(object: Object, shape: &Shape) -> Object {
+    match shape.lightmap_scale {
+        1.0 => object,
+        scale => with_float(object, "lightmap_scale", scale),
     }
 }
 

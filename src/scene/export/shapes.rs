@@ -95,6 +95,7 @@ impl<'a> Shapes<'a> {
             name: branch.leaf,
             pose,
             mesh: Some(mesh),
+            lightmap_scale: Some(shape.shape.lightmap_scale),
             ..Node::default()
         };
         let node = writer.add_node(node, branch.parent);
@@ -159,6 +160,7 @@ impl<'a> Shapes<'a> {
                 },
                 pose,
                 mesh: Some(mesh),
+                lightmap_scale: Some(shape.shape.lightmap_scale),
                 ..Node::default()
             };
             let node = writer.add_node(node, parent);

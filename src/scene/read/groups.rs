@@ -92,7 +92,7 @@ impl<'a> SceneReader<'a> {
                 },
                 shape: Shape {
                     kind: ShapeKind::Instance,
-                    flip_normals: false,
+                    ..Shape::default()
                 },
                 to_world: bevy::math::Affine3A::IDENTITY,
                 material: None,

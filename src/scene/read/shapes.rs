@@ -104,6 +104,10 @@ impl<'a> SceneReader<'a> {
         let is_instance = kind == ShapeKind::Instance;
         let has_surface = !is_instance && kind != ShapeKind::Frame;
         let flip_normals = has_surface && reader.boolean_or("flip_normals", false);
+        let mut lightmap_scale = None;
+        if has_surface || is_instance {
+            lightmap_scale = reader.float_in("lightmap_scale", Shape::LIGHTMAP_SCALES);
+        }
         reader.ignore(&["silhouette_sampling_weight"]);
         let to_world = reader.to_world();
         let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
@@ -124,7 +128,11 @@ impl<'a> SceneReader<'a> {
             }
         }
 
-        let mut shape = Shape { kind, flip_normals };
+        let mut shape = Shape {
+            kind,
+            flip_normals,
+            lightmap_scale: lightmap_scale.unwrap_or(1.0),
+        };
         if let (ShapeKind::Mesh(mesh), Some(name)) = (&mut shape.kind, file_name) {
             mesh.path = self.find_mesh(object, name);
         }

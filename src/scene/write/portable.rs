@@ -109,6 +109,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
         let Child::Object(inner) = child else { return true };
         let inner = Arc::make_mut(inner);
         translate_inside(inner, files, extensions);
+        if inner.category == Category::Shape && extensions == Extensions::Approximate {
+            inner.properties.retain(|property| property.name != "lightmap_scale");
+        }
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
             (Category::Medium, _) => medium(inner, extensions == Extensions::Approximate),

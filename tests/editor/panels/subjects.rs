@@ -80,6 +80,7 @@ pub fn awkward() -> Vec<Inspected> {
                     radius: -2.0,
                 },
                 flip_normals: true,
+                ..Shape::default()
             }),
             area_light: Some(light(Rgb::new(1e5 / 3.0, 7.0, 0.0))),
             uses_material: Some(entity(99)),

@@ -95,9 +95,9 @@ fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
         else {
             continue;
         };
-        let flip_normals = shape.flip_normals;
         if let Some((kind, pose)) = pushed(&shape.kind, pose, face, by) {
-            reshape(edit, entity, Shape { kind, flip_normals }, pose)?;
+            let shape = Shape { kind, ..shape.clone() };
+            reshape(edit, entity, shape, pose)?;
         }
     }
     Ok(())

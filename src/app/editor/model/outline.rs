@@ -233,7 +233,7 @@ mod tests {
     fn shape(kind: ShapeKind) -> Shape {
         Shape {
             kind,
-            flip_normals: false,
+            ..Shape::default()
         }
     }
 

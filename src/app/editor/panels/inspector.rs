@@ -294,7 +294,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
         ShapeKind::Solid(part) => changed |= solid::rows(ui, part),
         ShapeKind::Instance => {
             fields::note(ui, ("Type", "kind"), "instance");
-            return false;
+            return lightmap_scale(ui, shape);
         }
         ShapeKind::Frame => {
             fields::note(ui, ("Type", "kind"), "group");
@@ -324,7 +324,13 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
             changed |= fields::checkbox(ui, ("Flat shading", "kind.face_normals"), face_normals);
         }
     }
-    fields::checkbox(ui, ("Flip normals", "flip_normals"), &mut shape.flip_normals) || changed
+    changed |= fields::checkbox(ui, ("Flip normals", "flip_normals"), &mut shape.flip_normals);
+    lightmap_scale(ui, shape) || changed
+}
+
+fn lightmap_scale(ui: &mut Ui, shape: &mut Shape) -> bool {
+    let caption = ("Lightmap scale", "lightmap_scale");
+    fields::number(ui, caption, &mut shape.lightmap_scale, 0.01, Shape::LIGHTMAP_SCALES)
 }
 
 /// The text for a shape that has no material of the scene.

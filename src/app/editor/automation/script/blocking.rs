@@ -49,10 +49,9 @@ pub(super) fn push(world: &World, entity: Entity, face: &str, distance: &str) ->
     let (shape, pose) = parts(world, entity)?;
     let face = Face::of_name(face).ok_or("expected a face: +x, -x, +y, -y, +z or -z")?;
     let (kind, pose) = pushed(&shape.kind, pose, face, parse_float(distance)?).ok_or("it has no such face to push")?;
-    let flip_normals = shape.flip_normals;
     Ok(Command::Reshape(
         entity,
-        Shape { kind, flip_normals },
+        Shape { kind, ..shape.clone() },
         pose,
         Reshaping::Push,
     ))
@@ -91,10 +90,9 @@ pub(super) fn cut(
         }
     }
     let (kind, pose) = Cut { wall, pose, opening }.done();
-    let flip_normals = shape.flip_normals;
     Ok(Command::Reshape(
         entity,
-        Shape { kind, flip_normals },
+        Shape { kind, ..shape.clone() },
         pose,
         Reshaping::Cut,
     ))

@@ -45,7 +45,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
             center: Vec3::ZERO,
             radius: 0.5,
         },
-        flip_normals: false,
+        ..Shape::default()
     };
     apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
     let theirs = merged.replace("value='2'", "value='3'");

@@ -200,9 +200,9 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
             }
         }
         if let Some((wall, pose)) = wall {
-            let flip_normals = edit.world.get::<Shape>(shape).is_some_and(|shape| shape.flip_normals);
+            let before = edit.world.get::<Shape>(shape).cloned().unwrap_or_default();
             let kind = ShapeKind::Solid(wall.clone());
-            replace(edit, shape, Shape { kind, flip_normals })?;
+            replace(edit, shape, Shape { kind, ..before })?;
             edit.set(shape, ToWorld(*pose));
         }
     }

@@ -98,8 +98,10 @@ impl CutState {
         let Some(begun) = self.begun.take() else { return };
         if let Some(cut) = begun.cut(kind, screen, model, step) {
             let (kind, pose) = cut.done();
-            let flip_normals = begun.target.shape.flip_normals;
-            let shape = Shape { kind, flip_normals };
+            let shape = Shape {
+                kind,
+                ..begun.target.shape
+            };
             commands.push(Command::Reshape(begun.target.entity, shape, pose, Reshaping::Cut));
         }
     }

@@ -105,8 +105,10 @@ impl PushState {
             && let Some((kind, pose)) = pushed(&held.target.shape.kind, &held.target.pose, held.face, by)
         {
             held.by = by;
-            let flip_normals = held.target.shape.flip_normals;
-            let shape = Shape { kind, flip_normals };
+            let shape = Shape {
+                kind,
+                ..held.target.shape.clone()
+            };
             commands.push(Command::Reshape(held.target.entity, shape, pose, Reshaping::Push));
         }
         let was_dragged = held.is_dragged;
