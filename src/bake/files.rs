@@ -23,14 +23,46 @@ const MANIFEST: &str = "lightmaps.json";
 /// How the names of all other files begin.
 const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
 
-/// Makes the folder, and tries whether files can be written there. The error is a sentence.
-pub fn prepare(folder: &Path) -> Result<(), String> {
-    let fails = |error| format!("cannot write to {}: {error}", folder.display());
-    if folder.is_file() {
-        return Err(format!("{} is a file: a bake needs a folder", folder.display()));
+/// The folder of a bake. Folders that were made for it are removed when it is dropped, unless there is something in them.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// The folders that were made, the innermost first.
+    made: Vec<PathBuf>,
+}
+
+impl OutputFolder {
+    /// Makes the folder, and tries whether files can be written there. The error is a sentence.
+    pub fn prepare(folder: &Path) -> Result<Self, String> {
+        let fails = |error| format!("cannot write to {}: {error}", folder.display());
+        if folder.is_file() {
+            return Err(format!("{} is a file: a bake needs a folder", folder.display()));
+        }
+        let above = folder.ancestors().filter(|above| !above.as_os_str().is_empty());
+        let prepared = Self {
+            path: folder.to_owned(),
+            made: above.take_while(|above| !above.exists()).map(Path::to_owned).collect(),
+        };
+        fs::create_dir_all(folder).map_err(fails)?;
+        check_writable(&folder.join(MANIFEST)).map_err(fails)?;
+        Ok(prepared)
     }
-    fs::create_dir_all(folder).map_err(fails)?;
-    check_writable(&folder.join(MANIFEST)).map_err(fails)
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        for folder in &self.made {
+            // It fails where there are files.
+            if fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
+    }
 }
 
 /// The files in the folder that a bake may replace.

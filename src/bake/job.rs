@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use rayon::ThreadPool;
 
 use super::blueprint::{Baked, Blueprint};
@@ -16,16 +16,20 @@ use super::gathering::Gathering;
 use super::level::unwrap_level;
 use super::lightmap::Lightmaps;
 use super::manifest::BakedLight;
+use super::preview::{BakedSurfaces, LitBy, SeenPixels};
 use super::probes::{AskedProbe, Probe, ProbeSettings, ProbeSites, plan};
 use super::progress::{Gathered, Pace, Progress, Stage, Work};
 use super::seams::{Seam, smooth_seams};
 use super::sides::lit_sides;
 use super::texels::{Texel, Texels, covered_texels};
 use super::unwrap::UnwrapSettings;
+use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
 use crate::memory::Reservation;
+use crate::render::camera::Camera;
 use crate::render::irradiance::ReceivedLight;
 use crate::render::scene::RenderScene;
+use crate::render::sight::Sight;
 use crate::render::view::View;
 
 /// The samples of each texel where no limit is given.
@@ -45,6 +49,8 @@ pub struct BakeSource {
     pub probes: Vec<AskedProbe>,
     /// The threads that trace rays.
     pub pool: Arc<ThreadPool>,
+    /// Whether the level will be looked at as it is lit, see [`BakeJob::see`].
+    pub is_seen: bool,
 }
 
 /// How it is baked.
@@ -58,6 +64,17 @@ pub struct BakeSettings {
     pub probes: Option<ProbeSettings>,
     /// Whether noise is removed.
     pub denoise: bool,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            unwrap: UnwrapSettings::default(),
+            light: BakedLight::All,
+            probes: Some(ProbeSettings::default()),
+            denoise: true,
+        }
+    }
 }
 
 /// What ends the gathering of light: the limit that is reached first.
@@ -90,6 +107,8 @@ pub struct BakeJob {
     view: View,
     pool: Arc<ThreadPool>,
     texels: Texels,
+    /// The surfaces that have texels, if they are looked at.
+    surfaces: Option<BakedSurfaces>,
     /// The light of the lightmaps, and then that of each probe.
     pub(super) lights: Vec<Lightmaps>,
     /// What is finished so far; None before the lightmaps are.
@@ -115,6 +134,7 @@ impl BakeJob {
             mut level,
             probes,
             pool,
+            is_seen,
         } = source;
         let gathering = Gathering {
             scene: &scene,
@@ -151,10 +171,20 @@ impl BakeJob {
             seams[surface.page as usize].extend(smooth_seams(surface));
         }
         is_cancelled()?;
-        let (probes, memory_of_probes, warnings) = match plan {
+        let (probes, memory_of_probes, mut warnings) = match plan {
             Some(plan) => (plan.probes, Some(plan.memory), plan.warnings),
             None => Default::default(),
         };
+        let surfaces = is_seen.then(|| {
+            let density = baked.texels_per_unit;
+            pool.install(|| BakedSurfaces::new(&baked.surfaces, &texels, density))
+        });
+        let surfaces = surfaces.transpose().unwrap_or_else(|shortage| {
+            warnings.push(format!(
+                "the level is not shown by its lightmaps: that needs {shortage}"
+            ));
+            None
+        });
         let blueprint = Blueprint {
             level: level.binary()?,
             light: settings.light,
@@ -173,6 +203,7 @@ impl BakeJob {
             view,
             pool,
             texels,
+            surfaces,
             spent: vec![Duration::ZERO; lights.len()],
             lights,
             baked: None,
@@ -199,6 +230,22 @@ impl BakeJob {
     /// What is finished: nothing before the lightmaps are.
     pub fn baked(&self) -> Option<&Baked> {
         self.baked.as_ref()
+    }
+
+    /// What a camera sees of the level with so many pixels; None if it was not asked for, or if there is no memory for it. It takes a ray or two for each pixel.
+    pub fn see(&self, camera: &Camera, size: UVec2, sight: &Sight) -> Option<SeenPixels> {
+        let surfaces = self.surfaces.as_ref()?;
+        Some(self.pool.install(|| surfaces.see(&self.scene, camera, size, sight)))
+    }
+
+    /// The radiance of pixels by the lightmaps as they are, row by row from the top, linear Rec. 709.
+    pub fn lit(&self, seen: &SeenPixels) -> Vec<Rgb> {
+        let light = match &self.baked {
+            Some(baked) => LitBy::Finished(&baked.lightmaps),
+            None => LitBy::Gathered(self.light()),
+        };
+        let surfaces = self.surfaces.as_ref();
+        surfaces.map_or_else(Vec::new, |surfaces| self.pool.install(|| seen.lit(surfaces, light)))
     }
 
     /// Rays traced, shadow rays included, in all runs of the job.

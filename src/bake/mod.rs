@@ -8,6 +8,8 @@
 //! Probes are for what lightmaps have no answer to. A [`reflection`] probe is what metals mirror: a picture of all directions ([`mod@cube`]), filtered
 //! for every roughness ([`prefilter`]). An irradiance [`volume`] lights what moves. [`placement`] says where they are.
 //!
+//! [`preview`] shows a level by its lightmaps, and [`glimpse`] a lightmap as a small picture.
+//!
 //! [`job`] does all of it in turn, and can be watched and cancelled; [`part`] keeps its light in files, and [`merging`] puts shares of it together. [`ktx2`] writes textures for graphics cards, [`files`] writes everything, and [`manifest`] says how the files belong together.
 
 pub mod blueprint;
@@ -17,6 +19,7 @@ pub mod error;
 pub mod files;
 pub mod finish;
 pub mod gathering;
+pub mod glimpse;
 pub mod job;
 pub mod ktx2;
 pub mod level;
@@ -26,6 +29,7 @@ pub mod merging;
 pub mod part;
 pub mod placement;
 pub mod prefilter;
+pub mod preview;
 pub mod probes;
 pub mod progress;
 pub mod reflection;

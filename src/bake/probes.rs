@@ -31,6 +31,15 @@ pub struct ProbeSettings {
     pub spacing: Option<f32>,
 }
 
+impl Default for ProbeSettings {
+    fn default() -> Self {
+        Self {
+            size: 128,
+            spacing: None,
+        }
+    }
+}
+
 /// A probe that a scene asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedProbe {

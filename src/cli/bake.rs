@@ -91,14 +91,8 @@ fn check_denoiser(denoise: bool) -> Result<(), Failure> {
 
 /// Makes the folder and has it filled. Nothing is left of a bake that has failed.
 fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
-    let is_new = !folder.exists();
-    files::prepare(folder)?;
-    let result = fill();
-    if is_new && !matches!(result, Ok(ExitCode::SUCCESS)) {
-        // It fails where there are files.
-        let _ = std::fs::remove_dir(folder);
-    }
-    result
+    let _folder = files::OutputFolder::prepare(folder)?;
+    fill()
 }
 
 /// A job, and what looks after it.
@@ -140,6 +134,7 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
         level: level.writer,
         probes: level.probes,
         pool: Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
+        is_seen: false,
     };
     let mut progress = BakeProgress::new(args.quiet, limits);
     let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now| progress.prepare(now))?;

@@ -36,7 +36,7 @@ pub fn medium_at(scene: &RenderScene, from: Vec3, mut medium: Option<MediumId>, 
 }
 
 /// A surface that a ray meets.
-pub(super) struct Met {
+pub(crate) struct Met {
     /// The hit of the whole ray.
     pub hit: Hit,
     pub slot: SurfaceSlot,
@@ -45,7 +45,7 @@ pub(super) struct Met {
 
 /// The first surface along a ray but borders, and how many rays it took. `along` is shown the ways through media up to there; the ray begins in
 /// `medium`.
-pub(super) fn behind_borders(
+pub(crate) fn behind_borders(
     scene: &RenderScene,
     ray: &Ray,
     mut medium: Option<MediumId>,

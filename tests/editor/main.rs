@@ -11,6 +11,7 @@ mod replay;
 mod split_mix;
 mod support;
 
+mod baking;
 mod blocking;
 mod corpus;
 mod editing;

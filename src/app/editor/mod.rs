@@ -130,6 +130,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<command::light_mix::LightMix>()
             .init_resource::<command::light_mix::FilmLights>()
             .init_resource::<picture::compare::Comparison>()
+            .init_resource::<picture::baking::Baking>()
             .init_resource::<model::EditorModel>()
             .init_resource::<model::leaks::Leaks>()
             .init_resource::<model::thumbnails::Thumbnails>()
@@ -220,6 +221,7 @@ impl Plugin for EditorPlugin {
                         picture::noise_trend::follow_noise,
                         model::gather::gather_status,
                         model::timeline::gather_timeline,
+                        model::gather_bake::gather_bake,
                         window::title::follow_title,
                         viewport::outlining::collect_outline,
                         viewport::gather::gather_viewport,
@@ -254,6 +256,7 @@ impl Plugin for EditorPlugin {
                         .in_set(EditorSystems::Show),
                 ),
             )
+            .add_systems(PostUpdate, commands::baking::follow.after(EngineSystems::Report))
             .add_systems(
                 EguiPrimaryContextPass,
                 (
@@ -281,6 +284,7 @@ impl Plugin for EditorPlugin {
                         .run_if(resource_exists::<commands::saving::SaveUnderWay>.and_then(on_message::<AppExit>)),
                     commands::exporting::finish_at_exit
                         .run_if(resource_exists::<commands::exporting::ExportUnderWay>.and_then(on_message::<AppExit>)),
+                    commands::baking::end_at_exit.run_if(on_message::<AppExit>),
                     session::preferences::remember,
                     session::stored_views::note_view,
                     session::recovery::plan_autosave,

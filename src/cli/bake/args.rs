@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use clap::Args;
 use sunroom::bake::prefilter::{SIZES, is_size};
-use sunroom::bake::unwrap::ATLAS_SIZES;
+use sunroom::bake::probes::ProbeSettings;
+use sunroom::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};
 
 use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
@@ -23,7 +24,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N", value_parser = parse::density, allow_negative_numbers = true)]
     pub texels_per_unit: Option<f32>,
     /// Width of a lightmap in texels, and its largest height
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = atlas_size())]
+    #[arg(long, value_name = "N", default_value_t = UnwrapSettings::default().atlas_size, value_parser = atlas_size())]
     pub atlas_size: u32,
     /// Samples per texel [default: 64, or as many as --time and --noise allow]
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
@@ -47,7 +48,7 @@ pub struct BakeArgs {
     #[arg(long)]
     pub no_probes: bool,
     /// Width of each side of a reflection probe in texels, a power of two
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = probe_size, conflicts_with = "no_probes")]
+    #[arg(long, value_name = "N", default_value_t = ProbeSettings::default().size, value_parser = probe_size, conflicts_with = "no_probes")]
     pub probe_size: u32,
     /// Distance between neighbouring points of light of the irradiance volume, in the scene's units of length. It is for the volume around the whole level, which
     /// is made where the scene has none of its own [default: such that there are about 4096 points]

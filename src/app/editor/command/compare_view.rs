@@ -10,6 +10,8 @@ pub enum CompareView {
     Wipe(f32),
     /// The picture as sampled left of this fraction of the width, denoised right of it. It needs no snapshot, but a denoised picture.
     Noisy(f32),
+    /// The level as the lightmaps of the bake light it left of this fraction of the width, the picture right of it. It needs a bake.
+    Baked(f32),
     /// The difference of each component.
     Difference,
 }
@@ -18,7 +20,7 @@ impl CompareView {
     /// The border between both parts, as a fraction of the width; None without one.
     pub fn border(self) -> Option<f32> {
         match self {
-            Self::Wipe(at) | Self::Noisy(at) => Some(at),
+            Self::Wipe(at) | Self::Noisy(at) | Self::Baked(at) => Some(at),
             Self::Off | Self::Difference => None,
         }
     }
@@ -28,6 +30,7 @@ impl CompareView {
         match self {
             Self::Wipe(_) => Self::Wipe(at),
             Self::Noisy(_) => Self::Noisy(at),
+            Self::Baked(_) => Self::Baked(at),
             Self::Off | Self::Difference => self,
         }
     }

@@ -112,6 +112,7 @@ impl Command {
             | Self::SaveScene(_)
             | Self::SaveChanged(..)
             | Self::ExportScene(_)
+            | Self::Bake(_)
             | Self::SaveImage(_)
             | Self::KeptPicture(_)
             | Self::ShowDialog(_)

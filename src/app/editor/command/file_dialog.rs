@@ -19,6 +19,8 @@ pub enum FileDialogKind {
     Import,
     /// A picture of all directions, to be the scene's light from everywhere.
     OpenEnvironment,
+    /// The folder for a level with its lightmaps.
+    BakeFolder,
     /// A folder for the list of the browser of assets.
     AssetFolder,
     /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.

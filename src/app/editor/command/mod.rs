@@ -4,6 +4,7 @@ pub mod addition;
 pub mod arrange;
 pub mod asset_kind;
 pub mod axis_view;
+pub mod baking;
 pub mod blocking;
 pub mod bvh_overlay;
 pub mod compare_view;
@@ -58,6 +59,7 @@ use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
 use asset_kind::FileUse;
 use axis_view::AxisView;
+use baking::BakeCommand;
 use blocking::Reshaping;
 use blocking::block::Block;
 use bvh_overlay::BvhOverlay;
@@ -101,6 +103,8 @@ pub enum Command {
     SaveChanged(PathBuf, OnChange),
     /// Writes the scene to this file as glTF, for other programs. The scene's own file stays what it is.
     ExportScene(PathBuf),
+    /// Bakes the scene's lightmaps, or does something to the bake that is under way.
+    Bake(BakeCommand),
     /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
     /// Keeps the picture beside the scene, to render it later, or resumes one that was kept.

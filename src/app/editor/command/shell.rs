@@ -59,6 +59,8 @@ pub enum Sheet {
     Series,
     /// The form for new texture coordinates.
     Projection,
+    /// The form for a bake of lightmaps.
+    Bake,
     /// The start page: sample scenes, recent files, the tutorial.
     Start,
 }

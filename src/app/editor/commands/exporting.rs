@@ -8,6 +8,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::toasts::Toasts;
+use crate::files::Access;
+use crate::scene::description::SceneDescription;
 use crate::scene::export::{ExportError, Hidden, export};
 use crate::scene::write::gather::describe_entities;
 use crate::scene::{self, SceneAccess, SceneState, SceneStatus};
@@ -38,6 +40,18 @@ pub(crate) fn begin(world: &mut World, path: PathBuf) -> Result<(), CommandError
 }
 
 fn start(world: &mut World, path: &Path) -> Result<Task<Exported>, CommandError> {
+    let (scene, hidden, access) = described(world)?;
+    let target = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+    Ok(pool.spawn(async move {
+        let made = export(&scene, &hidden, &target, &access)?;
+        made.write()?;
+        Ok(made.messages.into_iter().chain(made.note).collect())
+    }))
+}
+
+/// The scene as it is now, with what of it is hidden and the files that it may read.
+pub(super) fn described(world: &mut World) -> Result<(SceneDescription, Hidden, Access), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         return Err(CommandError::file("A scene is still being read."));
     }
@@ -53,13 +67,7 @@ fn start(world: &mut World, path: &Path) -> Result<Task<Exported>, CommandError>
     };
     let access = world.get_resource::<SceneAccess>().map(SceneAccess::get);
     let access = access.unwrap_or_default();
-    let target = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
-    Ok(pool.spawn(async move {
-        let made = export(&scene, &hidden, &target, &access)?;
-        made.write()?;
-        Ok(made.messages.into_iter().chain(made.note).collect())
-    }))
+    Ok((scene, hidden, access))
 }
 
 /// Exports the scene, and waits for the end of it.
@@ -112,13 +120,19 @@ fn tell(world: &mut World, path: &Path, exported: Exported) -> Result<(), Comman
     for message in &lost {
         warn!("{}: {message}", path.display());
     }
-    let mut text = format!("{done}. Not all of the scene is in the file:");
-    for message in lost.iter().take(MOST_NAMED) {
-        text += &format!("\n• {message}");
-    }
-    if let Some(others) = lost.len().checked_sub(MOST_NAMED).filter(|others| *others > 0) {
-        text += &format!("\n• {others} more, which are in the log");
-    }
+    let text = with_list(&format!("{done}. Not all of the scene is in the file:"), &lost);
     toasts.report(text);
     Ok(())
+}
+
+/// The text with the messages below it, as far as there is room.
+pub(super) fn with_list(text: &str, messages: &[String]) -> String {
+    let mut text = text.to_owned();
+    for message in messages.iter().take(MOST_NAMED) {
+        text += &format!("\n• {message}");
+    }
+    if let Some(others) = messages.len().checked_sub(MOST_NAMED).filter(|others| *others > 0) {
+        text += &format!("\n• {others} more, which are in the log");
+    }
+    text
 }

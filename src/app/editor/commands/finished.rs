@@ -13,7 +13,7 @@ use crate::app::editor::picture::denoiser::{Denoised, Denoiser};
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderFilm, RenderState, RenderStatus, layered_picture};
+use crate::engine::{PackedScene, RenderFilm, RenderState, RenderStatus, layered_picture};
 use crate::layer::Layer;
 use crate::metrics::errors;
 use crate::render::denoise::denoise_film;
@@ -64,7 +64,10 @@ pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
 pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     let comparison = world.resource::<Comparison>();
     let is_shaded = world.resource::<ViewSettings>().display.mode == DisplayMode::Shaded;
-    let snapshot = comparison.snapshot.as_ref().filter(|_| is_shaded);
+    let view = world
+        .get_resource::<PackedScene>()
+        .and_then(|packed| packed.view.as_ref());
+    let snapshot = comparison.other(view.map(|view| &view.camera)).filter(|_| is_shaded);
     let size = [picture.width, picture.height];
     match snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size)) {
         Some(compared) => ImageRgb {

@@ -6,6 +6,7 @@
 mod adding;
 pub mod apply_edit;
 mod arranging;
+pub mod baking;
 pub mod bare_world;
 mod blocking;
 mod copying;
@@ -198,6 +199,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
         Command::ExportScene(path) => exporting::export_now(world, &path)?,
+        Command::Bake(command) => baking::apply(world, command)?,
         Command::SaveImage(path) => full_film::save_image(world, path)?,
         Command::KeptPicture(command) => kept_picture::apply(world, command)?,
         Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),

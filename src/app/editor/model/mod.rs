@@ -2,9 +2,11 @@
 //! below it.
 
 pub mod assets;
+pub mod baking;
 pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
+pub(crate) mod gather_bake;
 pub(crate) mod inspected_media;
 pub(crate) mod inspection;
 pub mod item_list;
@@ -22,6 +24,7 @@ use bevy::math::{Affine3A, UVec3, Vec3};
 use bevy::prelude::{Entity, Rect, *};
 
 use self::assets::AssetsModel;
+use self::baking::BakeModel;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::can_wrap;
@@ -424,6 +427,8 @@ pub struct Model {
     pub assets: AssetsModel,
     /// The render panel.
     pub render: RenderModel,
+    /// The bake of lightmaps.
+    pub bake: BakeModel,
     /// The messages panel.
     pub notices: Arc<Vec<Notice>>,
     /// The unit of length of the scene.

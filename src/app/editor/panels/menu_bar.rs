@@ -283,7 +283,7 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     ui.separator();
     entry(ui, "import", context, commands);
     ui.separator();
-    for name in ["save", "save-as", "export", "save-image"] {
+    for name in ["save", "save-as", "export", "bake-lightmaps", "save-image"] {
         entry(ui, name, context, commands);
     }
     ui.separator();

@@ -4,6 +4,7 @@
 //! [`Command`]: crate::app::editor::command::Command
 
 pub mod assets;
+pub mod baking;
 pub mod camera_angles;
 pub mod caption;
 pub mod color_field;

@@ -1,12 +1,15 @@
 //! Two pictures side by side, one over the other, and in numbers: the one being rendered and one that was kept.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use bevy::prelude::Resource;
 
 use crate::app::editor::command::compare_view::CompareView;
 use crate::color::Rgb;
 use crate::metrics::Errors;
+use crate::render::camera::Camera;
+use crate::render::sight::Sight;
 
 /// A picture that was kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +42,26 @@ impl Snapshot {
     }
 }
 
+/// A look at the level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// The camera.
+    pub camera: Camera,
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+    /// What the camera looks through.
+    pub sight: Sight,
+}
+
+/// The level as its lightmaps light it.
+#[derive(Clone, Debug)]
+pub struct LitPicture {
+    /// The look at it.
+    pub look: Look,
+    /// The picture. Its samples are those of each texel.
+    pub picture: Snapshot,
+}
+
 /// The snapshot and how it is shown.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Comparison {
@@ -48,8 +71,24 @@ pub struct Comparison {
     pub view: CompareView,
     /// The differences as they were measured last.
     pub figures: Option<Measured>,
-    /// Counts snapshots.
+    /// The level as the lightmaps of the bake light it.
+    pub baked: Option<Arc<LitPicture>>,
+    /// Counts snapshots, and pictures of the lit level.
     pub revision: u64,
+}
+
+impl Comparison {
+    /// The picture that the one of this camera is compared with. None if it is compared with none, or if the lit level is still to be seen from there.
+    pub fn other(&self, camera: Option<&Camera>) -> Option<&Snapshot> {
+        match self.view {
+            CompareView::Off | CompareView::Noisy(_) => None,
+            CompareView::Wipe(_) | CompareView::Difference => self.snapshot.as_ref(),
+            CompareView::Baked(_) => {
+                let lit = self.baked.as_ref()?;
+                (camera == Some(&lit.look.camera)).then_some(&lit.picture)
+            }
+        }
+    }
 }
 
 /// The figures of a comparison, with the job that they belong to.
@@ -84,7 +123,7 @@ impl<'a> PixelComparison<'a> {
     pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
         let border = match view {
             CompareView::Off | CompareView::Noisy(_) => return None,
-            CompareView::Wipe(share) => border(share, size),
+            CompareView::Wipe(share) | CompareView::Baked(share) => border(share, size),
             CompareView::Difference => 0,
         };
         Some(Self {
@@ -117,7 +156,7 @@ impl<'a> PixelComparison<'a> {
         match self.view {
             CompareView::Difference => (now - then).abs(),
             CompareView::Noisy(_) if x >= self.border => then,
-            CompareView::Wipe(_) if x < self.border => then,
+            CompareView::Wipe(_) | CompareView::Baked(_) if x < self.border => then,
             _ => now,
         }
     }

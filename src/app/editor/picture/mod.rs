@@ -3,6 +3,7 @@
 
 pub mod awaited_image;
 pub mod axis_colors;
+pub mod baking;
 pub mod ball_picture;
 pub mod compare;
 pub mod denoiser;

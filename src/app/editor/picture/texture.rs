@@ -16,7 +16,7 @@ use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderFilm, fit};
+use crate::engine::{PackedScene, RenderFilm, fit};
 use crate::render::tile::tiles;
 
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
@@ -112,6 +112,7 @@ pub fn update_picture(
     mix: Res<LightMix>,
     lights: Res<FilmLights>,
     comparison: Res<Comparison>,
+    packed: Res<PackedScene>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
@@ -124,8 +125,8 @@ pub fn update_picture(
     let mix = mix.factors(&film.light_groups, &lights);
     let is_shaded = settings.mode == DisplayMode::Shaded;
     let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
-    let snapshot = comparison.snapshot.as_ref();
-    let snapshot = snapshot.filter(|_| is_shaded && comparison.view != CompareView::Off);
+    let camera = packed.view.as_ref().map(|view| &view.camera);
+    let snapshot = comparison.other(camera).filter(|_| is_shaded);
     let noisy_left = match comparison.view {
         CompareView::Noisy(share) => denoised.map(|denoised| (share, denoised)),
         _ => None,

@@ -11,6 +11,7 @@ pub fn captions(split: bool, compared: CompareView) -> Vec<Caption> {
     match (compared, split) {
         (CompareView::Wipe(at), _) => vec![(0.5 * at, "snapshot"), (0.5 + 0.5 * at, "now")],
         (CompareView::Noisy(at), _) => vec![(0.5 * at, "as sampled"), (0.5 + 0.5 * at, "denoised")],
+        (CompareView::Baked(at), _) => vec![(0.5 * at, "lightmaps"), (0.5 + 0.5 * at, "path traced")],
         (CompareView::Difference, _) => vec![(0.5, "difference from the snapshot")],
         (CompareView::Off, true) => vec![
             (1.0 / 6.0, "BSDF sampling"),

@@ -7,6 +7,7 @@ use bevy_egui::egui;
 
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
+use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, FileDialogKind};
@@ -85,7 +86,7 @@ impl Dialogs {
                         self.picture_folder = folder
                     }
                     FileDialogKind::Import => self.import_folder = folder,
-                    FileDialogKind::AssetFolder => self.around_folder = folder,
+                    FileDialogKind::AssetFolder | FileDialogKind::BakeFolder => self.around_folder = folder,
                     FileDialogKind::ExportScene => self.export_folder = folder,
                     FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
                 }
@@ -113,6 +114,7 @@ impl Dialogs {
             FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
             FileDialogKind::Import => self.import_folder.clone(),
             FileDialogKind::AssetFolder => self.around_folder.clone(),
+            FileDialogKind::BakeFolder => self.around_folder.clone().or_else(|| own_folder(model)),
             FileDialogKind::OpenScene => None,
         };
         let start = before.or_else(|| beside(model.scene));
@@ -206,6 +208,7 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
     Ok(match kind {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
+        FileDialogKind::BakeFolder => Command::Bake(BakeCommand::ChooseFolder(path)),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::ExportScene => Command::ExportScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
@@ -264,6 +267,7 @@ fn opened(kind: FileDialogKind, model: DialogModel, start: &Path, ending: &str) 
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::AssetFolder => ("Add a folder to the assets".to_owned(), Purpose::Folder),
+        FileDialogKind::BakeFolder => ("Choose a folder for the level".to_owned(), Purpose::Folder),
         FileDialogKind::SaveScene => (
             "Save the scene".to_owned(),
             Purpose::Save(&[("Scene", "xml")], proposed("scene", "xml")),

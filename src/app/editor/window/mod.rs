@@ -1,6 +1,7 @@
 //! The window as a whole: menus, docked panels, dialogs, questions, and sheets over them. May import everything but `automation`.
 
 pub(crate) mod assets;
+pub mod baking;
 pub(crate) mod dialog;
 pub(crate) mod dialogs;
 pub(crate) mod docking;

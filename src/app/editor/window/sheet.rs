@@ -71,6 +71,7 @@ pub fn show(
                 projection(ui, form, shapes, commands)
             })
         }
+        Sheet::Bake => widgets.bake.sheet(context, &model.bake, commands),
         Sheet::Start => start_page::show(context, shown.preferences, &shown.actions, commands),
     };
     if !stays {

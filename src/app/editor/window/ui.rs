@@ -5,6 +5,7 @@ use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
+use super::baking::BakeQuestion;
 use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
@@ -85,6 +86,7 @@ pub struct Shell<'w, 's> {
     unsaved_question: Local<'s, UnsavedQuestion>,
     late_quit: Local<'s, LateQuit>,
     picture_question: Local<'s, PictureQuestion>,
+    bake_question: Local<'s, BakeQuestion>,
     kept_pictures: Res<'w, KeptPictures>,
     ended_image: Option<Res<'w, EndedImage>>,
 }
@@ -133,7 +135,8 @@ pub fn show_window(
         && shell.recovery.offer.is_none()
         && shell.trusted.question.is_none()
         && !shell.unsaved_question.is_asking()
-        && !shell.picture_question.is_asking();
+        && !shell.picture_question.is_asking()
+        && !shell.bake_question.is_asking();
     let action_context = ActionContext {
         display: settings.display,
         overlay: settings.overlay,
@@ -263,6 +266,7 @@ pub fn show_window(
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
     scene_question::question(&context, &mut requests.scene_question, commands);
+    (widgets.bake).panel(&context, &model.bake, widgets.viewport_place, commands);
     full_film::progress(&context, &model.status, widgets.viewport_place, commands);
     // One question at a time.
     if shell.recovery.offer.is_none() {
@@ -281,6 +285,7 @@ pub fn show_window(
     let image = model.status.awaited_image.as_ref();
     let ended = shell.ended_image.as_deref();
     let edits = model.status.unsaved && !model.status.being_saved;
+    shell.bake_question.hold(commands, &model.bake);
     shell.late_quit.hold(commands, image, ended, &mut said.toasts);
     shell.unsaved_question.hold(commands, edits);
     let asks = shell.unsaved_question.is_asking();
@@ -299,6 +304,7 @@ pub fn show_window(
     shell.picture_question.hold(commands, shell.kept_pictures.is_offered);
     let seconds = model.status.status.seconds;
     shell.picture_question.show(&context, seconds, commands);
+    shell.bake_question.show(&context, commands);
     let hidden = match requests.sheet {
         // The answer may solve the errors.
         _ if shell.trusted.question.is_some() => Some(Tone::Error),

@@ -3,6 +3,7 @@
 use bevy::prelude::Resource;
 use bevy_egui::egui::Rect;
 
+use super::baking::BakeWidgets;
 use super::palette::Palette;
 use crate::app::editor::panels::assets::AssetsState;
 use crate::app::editor::panels::inspector::InspectorState;
@@ -28,6 +29,8 @@ pub(crate) struct Widgets {
     pub series: SeriesForm,
     /// The form for new texture coordinates.
     pub projection: ProjectionForm,
+    /// The form and the panel of a bake.
+    pub bake: BakeWidgets,
     /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
@@ -44,6 +47,7 @@ impl Default for Widgets {
             keys: KeyList::default(),
             series: SeriesForm::default(),
             projection: ProjectionForm::default(),
+            bake: BakeWidgets::default(),
             viewport_place: Rect::ZERO,
         }
     }

@@ -295,13 +295,14 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            const SHEETS: [Sheet; 7] = [
+            const SHEETS: [Sheet; 8] = [
                 Sheet::Palette,
                 Sheet::Shortcuts,
                 Sheet::Preferences,
                 Sheet::Keys,
                 Sheet::Series,
                 Sheet::Projection,
+                Sheet::Bake,
                 Sheet::Start,
             ];
             let sheet = SHEETS[random.below(SHEETS.len())];

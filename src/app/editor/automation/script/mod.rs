@@ -5,6 +5,7 @@
 //! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
+pub mod baking;
 mod blocking;
 pub mod error;
 mod keys;
@@ -28,6 +29,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use super::exit_door::ExitDoor;
 use super::screenshot::{WindowWait, save_window};
 use crate::app::editor::command::Command;
+use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::commands;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::picture::resolution::PicturePlace;
@@ -37,6 +39,7 @@ use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
 use crate::scene::{SceneState, SceneStatus};
+use baking::BakeWait;
 use error::ScriptError;
 use parse::{Step, Wait};
 
@@ -53,6 +56,8 @@ pub(crate) struct Script {
     /// A line that was read and has to wait for something.
     step: Option<Step>,
     wait: Option<Wait>,
+    /// The bake that the next line waits for.
+    bake: Option<BakeWait>,
     screenshot_awaited: bool,
     /// The wait before a screenshot.
     window_wait: WindowWait,
@@ -74,6 +79,7 @@ impl Script {
             frames: 0,
             step: None,
             wait: None,
+            bake: None,
             screenshot_awaited: false,
             window_wait: WindowWait::default(),
             image_awaited: false,
@@ -88,6 +94,7 @@ impl Script {
         self.lines.is_empty()
             && self.step.is_none()
             && self.wait.is_none()
+            && self.bake.is_none()
             && !self.screenshot_awaited
             && !self.image_awaited
             && self.frames >= FRAMES_TO_BEGIN
@@ -137,6 +144,12 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
     if !status.is_up_to_date || commands::awaits_denoised(world) {
         return Ok(false);
     }
+    if let Some(wait) = script.bake {
+        if !baking::has_come(world, wait)? {
+            return Ok(false);
+        }
+        script.bake = None;
+    }
     let Some(wait) = script.wait else {
         return Ok(true);
     };
@@ -174,7 +187,7 @@ impl Script {
         let shows_picture = match &step {
             Step::Do(command) => command.keeps_picture(),
             Step::Screenshot(_) => true,
-            Step::Wait(_) => false,
+            Step::Wait(_) | Step::Bake(_) | Step::AwaitBake(_) => false,
         };
         if shows_picture && let Some(samples) = lost_samples(world) {
             self.wait = Some(Wait::Samples(samples));
@@ -215,7 +228,7 @@ impl Script {
             terminal::line(format_args!("error: {}: no picture was written", picture.display()));
         }
         self.lines.clear();
-        (self.step, self.wait) = (None, None);
+        (self.step, self.wait, self.bake) = (None, None, None);
         self.failed = true;
         world.write_message(AppExit::error());
     }
@@ -235,6 +248,11 @@ impl Script {
                     }
                 })?;
             }
+            Step::Bake(folder) => {
+                commands::apply_now(world, Command::Bake(BakeCommand::Begin(folder)))?;
+                self.bake = Some(BakeWait::End);
+            }
+            Step::AwaitBake(wait) => self.bake = Some(wait),
             Step::Wait(wait) => {
                 let mut control = world.resource_mut::<RenderControl>();
                 control.exact_samples = match wait {

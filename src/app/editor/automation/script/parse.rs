@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
 use super::assign;
+use super::baking::{self, BakeWait};
 use super::error::ScriptError;
 use super::names::{all_named, count, material_of, named, unknown};
 use super::placing::{about_origin, looking, transformed};
@@ -17,6 +18,7 @@ use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::asset_kind::FileUse;
+use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::NO_BINDINGS;
@@ -45,6 +47,10 @@ pub enum Step {
     Do(Command),
     /// The lines after it wait.
     Wait(Wait),
+    /// A bake into this folder. The lines after it wait for the end of it.
+    Bake(PathBuf),
+    /// The lines after it wait for the bake that is under way.
+    AwaitBake(BakeWait),
     /// The whole window, as PNG.
     Screenshot(PathBuf),
 }
@@ -131,6 +137,11 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("save-to", [path, "merge"]) => Command::SaveChanged(path.into(), OnChange::TakeIn),
         ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
         ("export-to", [path]) => Command::ExportScene(path.into()),
+        ("bake-with", words) if !words.is_empty() => baking::choices(world, words)?,
+        ("bake-to", [folder]) => return Ok(Step::Bake(folder.into())),
+        ("begin-bake", [folder]) => Command::Bake(BakeCommand::Begin(folder.into())),
+        ("wait-for-bake", [wait]) => return Ok(Step::AwaitBake(baking::wait(wait)?)),
+        ("show-lightmap", [number]) => baking::page(number)?,
         ("save-image-to", [path]) => Command::SaveImage(path.into()),
         ("import-file", [path]) => Command::Import(path.into()),
         ("use-file", [path, at @ ..]) if at.len() < 2 => {

@@ -1,10 +1,18 @@
 //! The verbs of scripts, with the words that follow them.
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 77] = [
+pub const VERBS: [(&str, &str); 82] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("export-to", "FILE"),
+    (
+        "bake-with",
+        "SETTING=VALUE... (texels-per-unit, page-size, samples, time, noise, light, probes, denoise)",
+    ),
+    ("bake-to", "FOLDER"),
+    ("begin-bake", "FOLDER"),
+    ("wait-for-bake", "SAMPLES|done"),
+    ("show-lightmap", "NUMBER (from 0)"),
     ("save-image-to", "FILE"),
     ("import-file", "FILE"),
     (
@@ -87,7 +95,10 @@ pub const VERBS: [(&str, &str); 77] = [
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("denoise", "[on | off] (without a word it switches)"),
-    ("compare", "off | wipe FRACTION | difference | noisy FRACTION"),
+    (
+        "compare",
+        "off | wipe FRACTION | difference | noisy FRACTION | baked FRACTION",
+    ),
     ("bind", "ACTION KEY|none|usual"),
     ("tutorial-step", "NUMBER|off (1 to 5)"),
     ("time", "SECONDS"),

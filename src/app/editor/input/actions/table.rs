@@ -4,6 +4,7 @@ use bevy_egui::egui::Key;
 
 use super::action::{Action, ActionContext, Group, action, alt, command, command_shift, plain, shift};
 use crate::app::editor::command::addition::AdditionKind;
+use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::kept_picture::KeptPicture;
@@ -74,6 +75,15 @@ pub const FILE: &[Action] = &[
     }),
     action(Group::File, "export", "Export to glTF…", &[], |_| {
         Some(Command::ShowDialog(FileDialogKind::ExportScene))
+    }),
+    action(Group::File, "bake-lightmaps", "Bake lightmaps…", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Bake)))
+    }),
+    action(Group::File, "stop-bake", "Stop the bake", &[], |_| {
+        Some(Command::Bake(BakeCommand::Stop))
+    }),
+    action(Group::File, "discard-bake", "Discard the bake", &[], |_| {
+        Some(Command::Bake(BakeCommand::Discard))
     }),
     action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
         Some(Command::ShowDialog(FileDialogKind::SaveImage))

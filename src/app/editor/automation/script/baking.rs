@@ -1,0 +1,91 @@
+//! The words of scripts about the bake of lightmaps.
+
+use bevy::prelude::World;
+
+use super::assign::within;
+use super::error::ScriptError;
+use super::names::count;
+use super::rendering::{limit, switch};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
+use crate::app::editor::picture::baking::Baking;
+use crate::bake::unwrap::ATLAS_SIZES;
+use crate::document::value::parse_float;
+
+/// What of a bake is waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BakeWait {
+    /// So many samples of each texel, or the end.
+    Samples(u32),
+    /// The end.
+    End,
+}
+
+/// Parses what of a bake is waited for: a number of samples, or `done`.
+pub(super) fn wait(text: &str) -> Result<BakeWait, ScriptError> {
+    match text {
+        "done" => Ok(BakeWait::End),
+        number => Ok(BakeWait::Samples(count(number)?)),
+    }
+}
+
+/// Whether what is waited for has come. The error says that the bake has failed.
+pub(super) fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
+    let Some(baking) = world.get_resource::<Baking>() else {
+        return Ok(true);
+    };
+    if let Some(reason) = &baking.failure {
+        return Err(reason.clone().into());
+    }
+    let samples = || {
+        let gathered = baking.thread()?.news().progress?.gathered?;
+        Some(gathered.samples)
+    };
+    Ok(match wait {
+        _ if !baking.is_busy() => true,
+        BakeWait::Samples(wanted) => samples().is_some_and(|samples| samples >= wanted),
+        BakeWait::End => false,
+    })
+}
+
+/// The command that sets how lightmaps are baked: what is not named stays.
+pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptError> {
+    let mut choices = world
+        .get_resource::<Baking>()
+        .map_or_else(BakeChoices::default, |baking| baking.choices);
+    let positive = |text: &str, most: f32| -> Result<Option<f32>, ScriptError> {
+        let limit = limit(text)?;
+        Ok(limit
+            .map(|limit| within(limit, &(f32::MIN_POSITIVE..=most)))
+            .transpose()?)
+    };
+    for word in words {
+        match word.split_once('=') {
+            Some(("texels-per-unit", text)) => choices.texels_per_unit = positive(text, f32::MAX)?,
+            Some(("page-size", text)) => {
+                let size = count(text)?;
+                if !ATLAS_SIZES.contains(&size) {
+                    let (least, most) = (ATLAS_SIZES.start(), ATLAS_SIZES.end());
+                    return Err(format!("expected a size from {least} to {most}, found {size}").into());
+                }
+                choices.atlas_size = size;
+            }
+            Some(("samples", "none")) => choices.samples = None,
+            Some(("samples", text)) => choices.samples = Some(count(text)?.max(1)),
+            Some(("time", text)) => choices.time = positive(text, f32::MAX)?,
+            Some(("noise", text)) => choices.noise = positive(text, 1.0)?,
+            Some(("light", "all")) => choices.indirect_only = false,
+            Some(("light", "indirect")) => choices.indirect_only = true,
+            Some(("probes", text)) => choices.probes = switch(text)?,
+            Some(("denoise", text)) => choices.denoise = switch(text)?,
+            _ => return Err(format!("`{word}` is no setting of a bake").into()),
+        }
+    }
+    Ok(Command::Bake(BakeCommand::Choose(choices)))
+}
+
+/// The command that shows another lightmap, counted from 0.
+pub(super) fn page(text: &str) -> Result<Command, ScriptError> {
+    let page = within(parse_float(text)?, &(0.0..=1e6))?;
+    Ok(Command::Bake(BakeCommand::ShowPage(page as usize)))
+}

@@ -1,0 +1,92 @@
+//! The bake of lightmaps: how it is done, and what the user asks of it.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::bake::job::{BakeLimits, BakeSettings};
+use crate::bake::manifest::BakedLight;
+use crate::bake::probes::ProbeSettings;
+use crate::bake::unwrap::UnwrapSettings;
+
+/// How lightmaps are baked. The defaults are those of `sunroom bake`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeChoices {
+    /// Texels per unit of length, above 0; None is as many as fit in one lightmap.
+    pub texels_per_unit: Option<f32>,
+    /// The width of a lightmap and its largest height, in texels.
+    pub atlas_size: u32,
+    /// Samples per texel; None is 64, or as many as the other limits allow.
+    pub samples: Option<u32>,
+    /// The seconds to stop at; None is no limit.
+    pub time: Option<f32>,
+    /// The noise to stop at; None is no limit.
+    pub noise: Option<f32>,
+    /// Whether the direct light of points, spots and directional lights is left to the game.
+    pub indirect_only: bool,
+    /// Whether probes are baked.
+    pub probes: bool,
+    /// Whether noise is removed.
+    pub denoise: bool,
+}
+
+impl Default for BakeChoices {
+    fn default() -> Self {
+        Self {
+            texels_per_unit: None,
+            atlas_size: UnwrapSettings::default().atlas_size,
+            samples: None,
+            time: None,
+            noise: None,
+            indirect_only: false,
+            probes: true,
+            denoise: cfg!(feature = "denoise"),
+        }
+    }
+}
+
+impl BakeChoices {
+    /// The settings of the bake.
+    pub fn settings(&self) -> BakeSettings {
+        BakeSettings {
+            unwrap: UnwrapSettings {
+                atlas_size: self.atlas_size,
+                texels_per_unit: self.texels_per_unit,
+                ..UnwrapSettings::default()
+            },
+            light: match self.indirect_only {
+                true => BakedLight::WithoutDirectPunctual,
+                false => BakedLight::All,
+            },
+            probes: self.probes.then(ProbeSettings::default),
+            denoise: self.denoise,
+        }
+    }
+
+    /// What ends it.
+    pub fn limits(&self) -> BakeLimits {
+        BakeLimits {
+            samples: self.samples,
+            time: self.time.and_then(|time| Duration::try_from_secs_f32(time).ok()),
+            noise: self.noise,
+        }
+    }
+}
+
+/// What the user asks of the bake.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BakeCommand {
+    /// Sets how the next one is done.
+    Choose(BakeChoices),
+    /// Sets the folder of the next one.
+    ChooseFolder(PathBuf),
+    /// Begins to bake the scene as it is now into this folder.
+    Begin(PathBuf),
+    /// Ends the gathering of light, and writes what there is.
+    Stop,
+    /// Gives the bake up. Nothing is written.
+    Discard,
+    /// Shows this lightmap, from 0.
+    ShowPage(usize),
+    /// Closes what is shown of a bake that has ended.
+    Close,
+}

@@ -1,0 +1,258 @@
+//! Bakes the scene on a thread of its own while the user goes on. The bake is of the scene as it was when it began; another scene may be opened meanwhile.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::exporting::{described, with_list};
+use crate::app::editor::command::baking::BakeCommand;
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::shell::Sheet;
+use crate::app::editor::picture::baking::shown::Wanted;
+use crate::app::editor::picture::baking::thread::{BakeOrder, BakeThread};
+use crate::app::editor::picture::baking::{Baking, Work};
+use crate::app::editor::picture::compare::{Comparison, LitPicture, Look};
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::figures::counted;
+use crate::bake::files::OutputFolder;
+use crate::engine::{PackedScene, RenderControl, RenderStatus, WakeUp, fit};
+use crate::render::sight::Sight;
+use crate::render::view::{Integrator, Shown, View};
+use crate::scene::{ActiveSensor, InMedium};
+
+/// Does what a command asks of the bake.
+pub(super) fn apply(world: &mut World, command: BakeCommand) -> Result<(), CommandError> {
+    let mut baking = world.get_resource_or_init::<Baking>();
+    match command {
+        BakeCommand::Choose(choices) => baking.choices = choices,
+        BakeCommand::ChooseFolder(folder) => baking.folder = Some(folder),
+        BakeCommand::Begin(folder) => begin(world, &folder)?,
+        BakeCommand::Stop => match &baking.work {
+            Work::UnderWay(thread) => thread.stop(),
+            Work::Waiting(_) => close(world),
+            Work::None | Work::Ended(_) => return Err(NOTHING.into()),
+        },
+        BakeCommand::Discard if baking.is_busy() => close(world),
+        BakeCommand::Discard => return Err(NOTHING.into()),
+        BakeCommand::ShowPage(page) => {
+            if let Some(thread) = baking.thread() {
+                let wanted = thread.wanted();
+                thread.show(Wanted { page, ..wanted });
+            }
+        }
+        BakeCommand::Close => {
+            if !baking.is_busy() {
+                close(world);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The most pixels of the picture of the level along each side.
+const LARGEST_LOOK: UVec2 = UVec2::new(1280, 1280);
+const NOTHING: &str = "No bake is under way.";
+
+/// Gives the bake up, or closes what is shown of it.
+fn close(world: &mut World) {
+    world.resource_mut::<Baking>().discard();
+    if let Some(mut comparison) = world.get_resource_mut::<Comparison>() {
+        show_lit(&mut comparison, None);
+        if matches!(comparison.view, CompareView::Baked(_)) {
+            comparison.view = CompareView::Off;
+        }
+    }
+}
+
+fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
+    let mut baking = world.get_resource_or_init::<Baking>();
+    if baking.is_busy() {
+        return Err("A bake is still under way.".into());
+    }
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let prepared = OutputFolder::prepare(&folder).map_err(CommandError::file)?;
+    // The last one is closed.
+    baking.discard();
+    baking.failure = None;
+    baking.folder = Some(folder);
+    baking.work = Work::Waiting(prepared);
+    let mut requests = world.resource_mut::<Requests>();
+    // The form would cover what is to be seen.
+    requests.sheet = requests.sheet.filter(|sheet| *sheet != Sheet::Bake);
+    Ok(())
+}
+
+/// Goes on with the bake, in every frame after the engine has packed the scene.
+pub fn follow(world: &mut World) {
+    let Some(mut baking) = world.get_resource_mut::<Baking>() else {
+        return;
+    };
+    baking.ending.retain(|thread| !thread.is_finished());
+    match &baking.work {
+        // A bake that was given up may be about to remove the folder.
+        Work::Waiting(_) if baking.ending.is_empty() => start(world),
+        Work::UnderWay(_) | Work::Ended(_) => look(world),
+        Work::None | Work::Waiting(_) => {}
+    }
+    tell_end(world);
+}
+
+/// Tells the bake what is to be seen of it, and takes the picture of the level.
+fn look(world: &mut World) {
+    let display = world.resource::<ViewSettings>().display.tone();
+    let is_compared = |comparison: &Comparison| matches!(comparison.view, CompareView::Baked(_));
+    let is_seen = world.get_resource::<Comparison>().is_some_and(is_compared);
+    let view = world.resource::<PackedScene>().view.as_ref().filter(|_| is_seen);
+    let look = view.map(|view| Look {
+        camera: view.camera,
+        size: match UVec2::new(view.width, view.height) {
+            size if size.cmple(LARGEST_LOOK).all() => size.to_array(),
+            size => fit(size, LARGEST_LOOK).to_array(),
+        },
+        sight: Sight {
+            // Shapes by themselves are those of the scene that is open now.
+            only: None,
+            ..view.sight.clone()
+        },
+    });
+    let Some(thread) = world.resource::<Baking>().thread() else {
+        return;
+    };
+    let page = thread.wanted().page;
+    thread.show(Wanted { page, display, look });
+    let lit = thread.lit();
+    if let Some(mut comparison) = world.get_resource_mut::<Comparison>() {
+        show_lit(&mut comparison, lit);
+    }
+}
+
+fn show_lit(comparison: &mut Mut<Comparison>, lit: Option<Arc<LitPicture>>) {
+    if comparison.baked.as_ref().map(Arc::as_ptr) != lit.as_ref().map(Arc::as_ptr) {
+        comparison.baked = lit;
+        comparison.revision += 1;
+    }
+}
+
+/// Begins once the packed scene is the one that the user sees.
+fn start(world: &mut World) {
+    if !world.resource::<RenderStatus>().is_up_to_date {
+        return;
+    }
+    let work = std::mem::take(&mut world.resource_mut::<Baking>().work);
+    let Work::Waiting(folder) = work else { return };
+    match order(world, folder).and_then(|order| {
+        let display = world.resource::<ViewSettings>().display.tone();
+        let wanted = Wanted {
+            display,
+            ..Wanted::default()
+        };
+        BakeThread::begin(order, wanted).map_err(CommandError::file)
+    }) {
+        Ok(thread) => world.resource_mut::<Baking>().work = Work::UnderWay(thread),
+        Err(error) => fail(world, error.to_string()),
+    }
+}
+
+fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandError> {
+    // Another bake may have removed it.
+    let path = folder.path().to_owned();
+    drop(folder);
+    let folder = OutputFolder::prepare(&path).map_err(CommandError::file)?;
+    let (level, hidden, access) = described(world)?;
+    if let Some(shortage) = world.resource::<RenderStatus>().shortages.first() {
+        return Err(format!("The scene is not complete, and is not baked: {shortage}").into());
+    }
+    let packed = world.resource::<PackedScene>();
+    let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
+        return Err("There is nothing to bake: the scene has no camera.".into());
+    };
+    let sensor = world.resource::<ActiveSensor>().0;
+    let medium = sensor.and_then(|sensor| world.get::<InMedium>(sensor));
+    let medium = medium.and_then(|medium| packed.medium_of_entity.get(&medium.0).copied());
+    let choices = world.resource::<Baking>().choices;
+    Ok(BakeOrder {
+        scene: scene.clone(),
+        view: View {
+            medium,
+            // What the window alone does.
+            integrator: Integrator::Path(view.integrator.settings()),
+            shown: Shown::Radiance,
+            sight: Sight::default(),
+            ..view.clone()
+        },
+        level,
+        hidden,
+        access,
+        settings: choices.settings(),
+        limits: choices.limits(),
+        folder,
+        threads: world.resource::<RenderControl>().threads,
+        wake_up: world.get_resource::<WakeUp>().cloned().unwrap_or_default(),
+    })
+}
+
+fn fail(world: &mut World, reason: String) {
+    let mut toasts = world.resource_mut::<Toasts>();
+    toasts.error(Topic::Other, reason.clone(), None);
+    world.resource_mut::<Baking>().failure = Some(reason);
+}
+
+/// Tells of the end of the bake, once.
+fn tell_end(world: &mut World) {
+    let mut baking = world.resource_mut::<Baking>();
+    let Some(ended) = (match &baking.work {
+        Work::UnderWay(thread) => thread.ended(),
+        Work::None | Work::Waiting(_) | Work::Ended(_) => None,
+    }) else {
+        return;
+    };
+    let Work::UnderWay(thread) = std::mem::take(&mut baking.work) else {
+        return;
+    };
+    let (news, folder) = (thread.news(), thread.folder().to_owned());
+    baking.work = Work::Ended(thread);
+    let written = match ended {
+        Ok(written) => written,
+        Err(reason) => {
+            baking.discard();
+            return fail(world, format!("The scene is not baked: {reason}"));
+        }
+    };
+    let place = folder.display();
+    let done = match written.is_stopped {
+        true => format!(
+            "The bake was stopped: the lightmaps in {place} have {} per texel, and probes that were not finished are left out",
+            counted(written.samples.into(), "sample")
+        ),
+        false => format!("The level with its lightmaps is in {place}"),
+    };
+    let mut toasts = world.resource_mut::<Toasts>();
+    match news.warnings.is_empty() {
+        true => toasts.info(format!("{done}.")),
+        false => {
+            for message in &news.warnings {
+                warn!("{place}: {message}");
+            }
+            toasts.report(with_list(
+                &format!("{done}. Not all is as it was asked for:"),
+                &news.warnings,
+            ));
+        }
+    }
+}
+
+/// Gives up the bake that is under way, and waits until its folder is as it was, before the program ends.
+pub fn end_at_exit(world: &mut World) {
+    let Some(mut baking) = world.get_resource_mut::<Baking>() else {
+        return;
+    };
+    baking.discard();
+    for thread in std::mem::take(&mut baking.ending) {
+        // What it had to say is of no use any more.
+        let _ = thread.join();
+    }
+}

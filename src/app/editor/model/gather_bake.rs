@@ -1,0 +1,41 @@
+//! Fills the data about the bake, once per frame.
+
+use bevy::prelude::*;
+
+use super::EditorModel;
+use super::baking::{BakeModel, ShownBake};
+use crate::app::editor::picture::baking::thread::BakeNews;
+use crate::app::editor::picture::baking::{Baking, Work};
+use crate::app::editor::picture::compare::Comparison;
+
+pub(crate) fn gather_bake(baking: Option<Res<Baking>>, comparison: Res<Comparison>, mut model: ResMut<EditorModel>) {
+    let Some(baking) = baking else { return };
+    let view = comparison.view;
+    let shown = match &baking.work {
+        Work::None => None,
+        Work::Waiting(folder) => Some(ShownBake {
+            folder: folder.path().to_owned(),
+            news: BakeNews {
+                stage: "Waiting for the scene".to_owned(),
+                ..BakeNews::default()
+            },
+            is_stopped: false,
+            is_busy: true,
+            page: 0,
+            view,
+        }),
+        Work::UnderWay(thread) | Work::Ended(thread) => Some(ShownBake {
+            folder: thread.folder().to_owned(),
+            news: thread.news(),
+            is_stopped: thread.is_stopped(),
+            is_busy: baking.is_busy(),
+            page: thread.wanted().page,
+            view,
+        }),
+    };
+    model.0.bake = BakeModel {
+        choices: baking.choices,
+        folder: baking.folder.clone(),
+        shown,
+    };
+}

@@ -1,0 +1,326 @@
+//! The form for a bake of lightmaps, and the panel of the one that is under way.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+use bevy_egui::egui::{
+    self, Color32, Label, ProgressBar, Rect, RichText, Sense, TextEdit, TextureHandle, Ui, pos2, vec2,
+};
+
+use super::caption::Caption;
+use super::status::{clock, percent};
+use super::{fields, look, typed};
+use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::model::baking::{BakeModel, ShownBake};
+use crate::app::editor::words::figures::legible;
+use crate::bake::job::USUAL_SAMPLES;
+use crate::bake::progress::{Gathered, Stage};
+use crate::bake::unwrap::ATLAS_SIZES;
+
+/// The edge of the picture of a lightmap, in points.
+const PICTURE: f32 = 220.0;
+
+/// The form. It is kept while the window is open.
+#[derive(Clone, Debug, Default)]
+pub struct BakeForm {
+    /// The folder as it is typed.
+    folder: String,
+    /// The folder that the text was last made of.
+    known: Option<PathBuf>,
+}
+
+/// Shows the form. True when it is done with.
+pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut Vec<Command>) -> bool {
+    if form.known != model.folder {
+        form.folder = model
+            .folder
+            .as_deref()
+            .map_or(String::new(), |path| path.display().to_string());
+        form.known.clone_from(&model.folder);
+    }
+    folder_row(ui, &mut form.folder, commands);
+    let mut choices = model.choices;
+    choice_rows(ui, &mut choices);
+    if choices != model.choices {
+        commands.push(Command::Bake(BakeCommand::Choose(choices)));
+    }
+    let text =
+        "The bake is of the scene as it is now, without what is hidden. The picture and your edits go on meanwhile.";
+    ui.add(Label::new(RichText::new(text).weak()).wrap());
+    ui.add_space(6.0);
+    let folder = form.folder.trim();
+    let is_ready = !folder.is_empty() && !model.is_busy();
+    let (mut bakes, mut cancels) = (false, false);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let button = look::primary_if(ui, is_ready, "Bake");
+        let button = ui
+            .add_enabled(is_ready, button)
+            .on_hover_text("Bakes the level, its lightmaps and its probes into the folder")
+            .on_disabled_hover_text(match model.is_busy() {
+                true => "A bake is under way",
+                false => "A bake needs a folder",
+            });
+        bakes = button.clicked();
+        cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
+    });
+    if bakes {
+        commands.push(Command::Bake(BakeCommand::Begin(folder.into())));
+    }
+    bakes || cancels
+}
+
+fn folder_row(ui: &mut Ui, folder: &mut String, commands: &mut Vec<Command>) {
+    const BUTTON: f32 = 74.0;
+    fields::row(ui, "Folder", |ui| {
+        let width = ui.available_width() - BUTTON;
+        let hint = "for the level and its lightmaps";
+        let field = ui.add(TextEdit::singleline(folder).desired_width(width).hint_text(hint));
+        if ui.button("Choose…").clicked() {
+            commands.push(Command::ShowDialog(FileDialogKind::BakeFolder));
+        }
+        field
+    });
+}
+
+fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
+    let about = |name: &'static str, about: &'static str| Caption::from(name).explained(about);
+    let texels = about(
+        "Texels per unit",
+        "How fine lightmaps are. Without a number they are as fine as one lightmap of the page size allows.",
+    );
+    optional(
+        ui,
+        texels,
+        &mut choices.texels_per_unit,
+        16.0,
+        1e-3..=1e6,
+        ("", "automatic"),
+    );
+    let page = about(
+        "Page size",
+        "The width of a lightmap in texels, and its largest height.",
+    );
+    fields::integer(ui, page, &mut choices.atlas_size, ATLAS_SIZES);
+    let usual = match choices.time.or(choices.noise) {
+        Some(_) => "as many as the limits allow".to_owned(),
+        None => format!("{USUAL_SAMPLES}, as usual"),
+    };
+    let samples = about("Samples", "The samples of each texel.");
+    optional(
+        ui,
+        samples,
+        &mut choices.samples,
+        USUAL_SAMPLES,
+        1..=1 << 24,
+        ("", &usual),
+    );
+    let noise = about(
+        "Stop at noise",
+        "The root mean square error of texels relative to their luminance, as estimated.",
+    );
+    let mut in_percent = choices.noise.map(|noise| 100.0 * noise);
+    if optional(ui, noise, &mut in_percent, 2.0, 1e-3..=100.0, (" %", "no limit")) {
+        choices.noise = in_percent.map(|noise| noise / 100.0);
+    }
+    let time = about(
+        "Stop after",
+        "The time for the lightmaps, which end at the end of a round of samples.",
+    );
+    optional(ui, time, &mut choices.time, 60.0, 0.1..=1e7, (" s", "no limit"));
+    let light = about(
+        "Light",
+        "Without it, the direct light of points, spots and directional lights is left to the game, which has them in the level.",
+    );
+    fields::switch(
+        ui,
+        light,
+        &mut choices.indirect_only,
+        &[(false, "all"), (true, "indirect only")],
+    );
+    fields::checkbox(
+        ui,
+        about("Probes", "Reflection probes and irradiance volumes."),
+        &mut choices.probes,
+    );
+    ui.add_enabled_ui(cfg!(feature = "denoise"), |ui| {
+        fields::checkbox(
+            ui,
+            about("Denoise", "Noise is removed with Open Image Denoise."),
+            &mut choices.denoise,
+        )
+    });
+}
+
+/// A switch with a number beside it where it is on, and with a word where it is off. `words` are the unit and that word. True if the user has changed it.
+fn optional<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    caption: Caption,
+    value: &mut Option<N>,
+    first: N,
+    range: RangeInclusive<N>,
+    words: (&str, &str),
+) -> bool {
+    let mut copy = *value;
+    let mut is_on = copy.is_some();
+    let mut changed = false;
+    ui.horizontal(|ui| {
+        let name = fields::name_cell(ui, caption);
+        let switch = ui.add(egui::Checkbox::without_text(&mut is_on));
+        switch.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, true, is_on, caption.text));
+        if switch.labelled_by(name.id).changed() {
+            copy = is_on.then_some(first);
+            changed = true;
+        }
+        match &mut copy {
+            Some(number) => {
+                let drag = egui::DragValue::new(number)
+                    .clamp_existing_to_range(false)
+                    .custom_formatter(legible)
+                    .suffix(words.0);
+                let drag = typed::number(ui, drag, range);
+                changed |= fields::wide_number(ui, drag).changed();
+            }
+            None => {
+                ui.weak(words.1);
+            }
+        }
+    });
+    fields::write_back(changed, value, copy)
+}
+
+/// Shows the bake that is under way, or that has ended.
+pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, commands: &mut Vec<Command>) {
+    ui.set_width(PICTURE);
+    let news = &shown.news;
+    let folder = shown.folder.file_name().unwrap_or_default().to_string_lossy();
+    if shown.is_busy {
+        let stage = match shown.is_stopped {
+            true => "Writing what there is",
+            false => &news.stage,
+        };
+        ui.add(Label::new(stage).truncate());
+        let done = news.progress.map_or(0.0, |progress| progress.done as f32);
+        ui.add(ProgressBar::new(done).text(RichText::new(bar_text(shown)).small()));
+    } else {
+        let text = format!("The level is in {folder}");
+        ui.add(Label::new(text).truncate())
+            .on_hover_text(shown.folder.display().to_string());
+    }
+    ui.add_space(2.0);
+    page(ui, shown, picture, commands);
+    ui.add_space(4.0);
+    let mut is_compared = matches!(shown.view, CompareView::Baked(_));
+    let compares = ui.checkbox(&mut is_compared, "Beside the picture");
+    let hint = "Shows the level as its lightmaps light it, left of a border in the picture: diffuse surfaces alone, as a game would";
+    if compares.on_hover_text(hint).changed() {
+        let view = match is_compared {
+            true => CompareView::Baked(0.5),
+            false => CompareView::Off,
+        };
+        commands.push(Command::SetCompareView(view));
+    }
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        let mut say = |ui: &mut Ui, is_enabled: bool, text: &str, hint: &str, command: BakeCommand| {
+            let button = ui.add_enabled(is_enabled, egui::Button::new(text)).on_hover_text(hint);
+            if button.clicked() {
+                commands.push(Command::Bake(command));
+            }
+        };
+        if shown.is_busy {
+            let stop = "Ends the gathering of light, and writes what there is";
+            say(ui, !shown.is_stopped, "Stop", stop, BakeCommand::Stop);
+            say(
+                ui,
+                true,
+                "Discard",
+                "Gives the bake up: nothing is written",
+                BakeCommand::Discard,
+            );
+        } else {
+            say(
+                ui,
+                true,
+                "Close",
+                "Frees the memory of the lightmaps",
+                BakeCommand::Close,
+            );
+        }
+    });
+}
+
+/// Samples, noise and the time left.
+fn bar_text(shown: &ShownBake) -> String {
+    let Some(progress) = &shown.news.progress else {
+        return String::new();
+    };
+    let mut parts: Vec<String> = progress.gathered.iter().flat_map(of_gathered).collect();
+    if parts.is_empty() {
+        parts.push(format!("{:.0} %", 100.0 * progress.done));
+    }
+    if matches!(progress.stage, Stage::Lightmaps | Stage::Probe(_))
+        && let Some(left) = progress.left()
+    {
+        parts.push(format!("{} left", clock(left.as_secs_f64())));
+    }
+    parts.join("  ")
+}
+
+fn of_gathered(gathered: &Gathered) -> Vec<String> {
+    let samples = match gathered.target {
+        u32::MAX => format!("{} spp", gathered.samples),
+        target => format!("{}/{target} spp", gathered.samples),
+    };
+    let noise = gathered.noise.map(|noise| format!("noise {}", percent(noise)));
+    std::iter::once(samples).chain(noise).collect()
+}
+
+/// The chooser of the lightmap, and its picture.
+fn page(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, commands: &mut Vec<Command>) {
+    let news = &shown.news;
+    ui.horizontal(|ui| {
+        if news.pages > 1 {
+            let mut chosen = shown.page.min(news.pages - 1);
+            egui::ComboBox::from_id_salt("lightmap")
+                .selected_text(format!("Lightmap {chosen}"))
+                .show_ui(ui, |ui| {
+                    for page in 0..news.pages {
+                        ui.selectable_value(&mut chosen, page, format!("Lightmap {page}"));
+                    }
+                });
+            if chosen != shown.page {
+                commands.push(Command::Bake(BakeCommand::ShowPage(chosen)));
+            }
+        }
+        if news.pages > 0 {
+            let [width, height] = news.page_size;
+            let hint = "Each as a white surface would look there, with the exposure and the tone map of the picture";
+            ui.weak(format!("{width} × {height} texels")).on_hover_text(hint);
+        }
+    });
+    let (place, _) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
+    let painter = ui.painter_at(place);
+    painter.rect_filled(place, 2.0, Color32::from_gray(24));
+    match picture {
+        Some(picture) => {
+            let size = picture.size_vec2();
+            let scale = (place.size() / size).min_elem();
+            let shown = Rect::from_center_size(place.center(), size * scale);
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(picture.id(), shown, whole, Color32::WHITE);
+        }
+        None => {
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let text = "no light yet";
+            painter.text(
+                place.center(),
+                egui::Align2::CENTER_CENTER,
+                text,
+                font,
+                Color32::from_gray(150),
+            );
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What of a bake is seen in the window, made on the thread that bakes.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy_egui::egui::{Color32, ColorImage};
+
+use super::thread::Shared;
+use crate::app::editor::picture::compare::{LitPicture, Look, Snapshot};
+use crate::bake::glimpse::Glimpse;
+use crate::bake::job::BakeJob;
+use crate::bake::preview::SeenPixels;
+use crate::render::tonemap::Display;
+
+/// The longest side of the small picture of a lightmap, in pixels.
+const LARGEST: u32 = 512;
+/// The time between two pictures while light is gathered.
+const INTERVAL: Duration = Duration::from_millis(500);
+/// Pictures take at most the share 1 / (1 + this) of the time.
+const WORK_PER_PICTURE: u32 = 20;
+
+/// What the window wants to see.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// The lightmap, from 0.
+    pub page: usize,
+    /// How light becomes colours.
+    pub display: Display,
+    /// Where the level is looked at from as its lightmaps light it; None if it is not looked at.
+    pub look: Option<Look>,
+}
+
+/// A small picture of a lightmap.
+#[derive(Clone, Debug)]
+pub struct PagePicture {
+    /// The lightmap, from 0.
+    pub page: usize,
+    /// The picture: what a white surface would look like there; transparent where no surface lies.
+    pub image: Arc<ColorImage>,
+}
+
+/// When something was shown last, and what it took.
+#[derive(Default)]
+pub(super) struct Showing {
+    last: Option<(Instant, Duration, Wanted)>,
+    /// What is seen in each pixel of the last look.
+    seen: Option<(Look, SeenPixels)>,
+}
+
+impl Showing {
+    /// Shows the job as it is, if it is time.
+    pub fn look(&mut self, shared: &Shared, job: &BakeJob) {
+        let wanted = shared.wanted();
+        let is_early = |(at, cost, shown): &(Instant, Duration, Wanted)| {
+            *shown == wanted && at.elapsed() < INTERVAL.max(*cost * WORK_PER_PICTURE)
+        };
+        if !self.last.as_ref().is_some_and(is_early) {
+            self.show_now(shared, job, &wanted);
+        }
+    }
+
+    /// Shows the job as it is.
+    pub fn show_now(&mut self, shared: &Shared, job: &BakeJob, wanted: &Wanted) {
+        let begin = Instant::now();
+        let page = wanted.page.min(job.blueprint().page_count() - 1);
+        let glimpse = match job.baked() {
+            Some(baked) => baked.lightmaps[page].glimpse(LARGEST),
+            None => job.blueprint().glimpse(page, job.light(), LARGEST),
+        };
+        let image = Arc::new(picture(&glimpse, &wanted.display));
+        let lit = wanted.look.as_ref().and_then(|look| self.lit(job, look));
+        shared.tell(|news| {
+            news.picture = Some(PagePicture { page, image });
+            news.lit = lit;
+        });
+        self.last = Some((Instant::now(), begin.elapsed(), wanted.clone()));
+    }
+}
+
+impl Showing {
+    fn lit(&mut self, job: &BakeJob, look: &Look) -> Option<Arc<LitPicture>> {
+        if self.seen.as_ref().is_none_or(|(known, _)| known != look) {
+            let seen = job.see(&look.camera, look.size.into(), &look.sight);
+            self.seen = seen.map(|seen| (look.clone(), seen));
+        }
+        let (_, seen) = self.seen.as_ref()?;
+        let picture = Snapshot {
+            size: look.size,
+            radiance: job.lit(seen),
+            samples: job.light().samples(),
+        };
+        let look = look.clone();
+        Some(Arc::new(LitPicture { look, picture }))
+    }
+}
+
+fn picture(glimpse: &Glimpse, display: &Display) -> ColorImage {
+    let encoder = display.encoder();
+    let color = |white: &Option<_>| match white {
+        Some(white) => {
+            let [red, green, blue] = encoder.encode(*white);
+            Color32::from_rgb(red, green, blue)
+        }
+        None => Color32::TRANSPARENT,
+    };
+    let size = glimpse.size.to_array().map(|side| side as usize);
+    ColorImage::new(size, glimpse.white.iter().map(color).collect())
+}

@@ -1,0 +1,302 @@
+//! The thread that bakes: it tells how far the bake is, and makes the small pictures of lightmaps that the window shows.
+//!
+//! The window's thread reads what is told and says what it wants to see, both under a lock that is held for a moment.
+
+use std::num::NonZeroUsize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use super::shown::{PagePicture, Showing, Wanted};
+use crate::app::baking::{BakedLevel, baked_level};
+use crate::app::editor::picture::compare::LitPicture;
+use crate::bake::blueprint::Blueprint;
+use crate::bake::files::{self, OutputFolder};
+use crate::bake::job::{BakeEnding, BakeJob, BakeLimits, BakeSettings, BakeSource};
+use crate::bake::probes::ProbeKind;
+use crate::bake::progress::{Progress, Stage};
+use crate::engine::{WakeUp, yield_to_window};
+use crate::files::Access;
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+use crate::scene::description::SceneDescription;
+use crate::scene::export::Hidden;
+
+/// Everything that a bake is made of. It is a copy: later edits of the scene change nothing.
+pub struct BakeOrder {
+    /// The scene that sends the light.
+    pub scene: RenderScene,
+    /// The settings of paths, the medium that all surfaces are in, and the random numbers.
+    pub view: View,
+    /// The level.
+    pub level: SceneDescription,
+    /// What of it is left out.
+    pub hidden: Hidden,
+    /// The files that may be read.
+    pub access: Access,
+    /// How it is baked.
+    pub settings: BakeSettings,
+    /// What ends the gathering of light.
+    pub limits: BakeLimits,
+    /// The folder for the files.
+    pub folder: OutputFolder,
+    /// The number of threads that trace rays.
+    pub threads: NonZeroUsize,
+    /// Lets the window show what is new.
+    pub wake_up: WakeUp,
+}
+
+/// How a bake has ended that has written its files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Whether it was stopped before its time.
+    pub is_stopped: bool,
+    /// The samples of each texel of a lightmap.
+    pub samples: u32,
+}
+
+/// What is known of a bake.
+#[derive(Clone, Debug, Default)]
+pub struct BakeNews {
+    /// What is being done, in words.
+    pub stage: String,
+    /// How far that is; None before anything is begun.
+    pub progress: Option<Progress>,
+    /// The number of lightmaps; 0 before that is known.
+    pub pages: usize,
+    /// Width and height of a lightmap.
+    pub page_size: [u32; 2],
+    /// The small picture of a lightmap; None before the first.
+    pub picture: Option<PagePicture>,
+    /// The level as its lightmaps light it, if the window wants to see it.
+    pub lit: Option<Arc<LitPicture>>,
+    /// Sentences about what is not as it was asked for.
+    pub warnings: Vec<String>,
+    /// How it has ended, or the sentence why it failed.
+    pub ended: Option<Result<Written, String>>,
+}
+
+#[derive(Default)]
+pub(super) struct Shared {
+    /// Ends the gathering of light.
+    cancel: AtomicBool,
+    /// Nothing is written.
+    discards: AtomicBool,
+    /// Nobody looks any more.
+    closes: AtomicBool,
+    wanted: Mutex<Wanted>,
+    is_wanted_anew: Condvar,
+    news: Mutex<BakeNews>,
+    wake_up: WakeUp,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    /// Tells what `change` writes.
+    pub fn tell(&self, change: impl FnOnce(&mut BakeNews)) {
+        change(&mut lock(&self.news));
+        if let Some(wake) = &self.wake_up.0 {
+            wake();
+        }
+    }
+
+    fn tell_progress(&self, stage: String, progress: &Progress) {
+        self.tell(|news| (news.stage, news.progress) = (stage, Some(*progress)));
+    }
+
+    /// What the window wants to see.
+    pub fn wanted(&self) -> Wanted {
+        lock(&self.wanted).clone()
+    }
+
+    /// Waits until the window wants something else than `before`. False when nobody looks any more.
+    fn wait_for_other(&self, before: &Wanted) -> bool {
+        let mut wanted = lock(&self.wanted);
+        while *wanted == *before && !self.closes.load(Ordering::Relaxed) {
+            wanted = self.is_wanted_anew.wait(wanted).unwrap_or_else(PoisonError::into_inner);
+        }
+        !self.closes.load(Ordering::Relaxed)
+    }
+}
+
+/// A bake on a thread of its own.
+pub struct BakeThread {
+    shared: Arc<Shared>,
+    thread: JoinHandle<()>,
+    folder: PathBuf,
+}
+
+impl BakeThread {
+    /// Begins to bake. The error is that of the system, which has no more threads.
+    pub fn begin(order: BakeOrder, wanted: Wanted) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            wanted: Mutex::new(wanted),
+            wake_up: order.wake_up.clone(),
+            ..Shared::default()
+        });
+        let (folder, own) = (order.folder.path().to_owned(), shared.clone());
+        let thread = std::thread::Builder::new().name("bake".to_owned()).spawn(move || {
+            let mut showing = Showing::default();
+            let baked = catch_unwind(AssertUnwindSafe(|| bake(order, &own, &mut showing)));
+            let baked = baked.unwrap_or_else(|_| Err("the bake has failed by a fault of the program".to_owned()));
+            let (job, ended) = match baked {
+                Ok((job, written)) => (Some(job), Ok(written)),
+                Err(reason) => (None, Err(reason)),
+            };
+            own.tell(|news| news.ended = Some(ended));
+            let Some(job) = job else { return };
+            loop {
+                let seen = own.wanted();
+                showing.show_now(&own, &job, &seen);
+                if !own.wait_for_other(&seen) {
+                    return;
+                }
+            }
+        })?;
+        Ok(Self { shared, thread, folder })
+    }
+
+    /// The folder for the files.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What is known of it.
+    pub fn news(&self) -> BakeNews {
+        lock(&self.shared.news).clone()
+    }
+
+    /// The level as its lightmaps light it.
+    pub fn lit(&self) -> Option<Arc<LitPicture>> {
+        lock(&self.shared.news).lit.clone()
+    }
+
+    /// How it has ended; None while it is under way.
+    pub fn ended(&self) -> Option<Result<Written, String>> {
+        lock(&self.shared.news).ended.clone()
+    }
+
+    /// Ends the gathering of light; what there is will be written.
+    pub fn stop(&self) {
+        self.shared.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was stopped.
+    pub fn is_stopped(&self) -> bool {
+        self.shared.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Says what the window wants to see.
+    pub fn show(&self, wanted: Wanted) {
+        let mut known = lock(&self.shared.wanted);
+        if *known != wanted {
+            *known = wanted;
+            self.shared.is_wanted_anew.notify_all();
+        }
+    }
+
+    /// What the window wants to see.
+    pub fn wanted(&self) -> Wanted {
+        self.shared.wanted()
+    }
+
+    /// Ends it; nothing is written that is not written already. The thread ends soon.
+    pub fn discard(self) -> JoinHandle<()> {
+        self.shared.discards.store(true, Ordering::Relaxed);
+        self.shared.cancel.store(true, Ordering::Relaxed);
+        // Under the lock, so that the thread does not begin to wait in between.
+        let wanted = lock(&self.shared.wanted);
+        self.shared.closes.store(true, Ordering::Relaxed);
+        self.shared.is_wanted_anew.notify_all();
+        drop(wanted);
+        self.thread
+    }
+}
+
+/// Bakes and writes the files. The error is a sentence.
+fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(BakeJob, Written), String> {
+    yield_to_window();
+    let BakeOrder { settings, folder, .. } = &order;
+    shared.tell_progress("Describing the level".to_owned(), &Progress::default());
+    let BakedLevel {
+        writer,
+        probes,
+        messages,
+    } = baked_level(
+        &order.level,
+        &order.hidden,
+        settings.light,
+        folder.path(),
+        &order.access,
+    )
+    .map_err(|error| error.to_string())?;
+    shared.tell(|news| news.warnings = messages);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(order.threads.get())
+        .start_handler(|_| yield_to_window());
+    let source = BakeSource {
+        scene: order.scene.clone(),
+        view: order.view.clone(),
+        level: writer,
+        probes,
+        pool: Arc::new(pool.build().map_err(|error| error.to_string())?),
+        is_seen: true,
+    };
+    let mut prepared = |now: &Progress| shared.tell_progress(stage(now.stage, None), now);
+    let mut job =
+        BakeJob::prepare(source, settings, &shared.cancel, &mut prepared).map_err(|error| error.to_string())?;
+    shared.tell(|news| {
+        news.warnings.extend_from_slice(job.warnings());
+        news.pages = job.blueprint().page_count();
+        news.page_size = job.blueprint().places.size.to_array();
+    });
+    let mut watch = |job: &BakeJob, now: &Progress| {
+        showing.look(shared, job);
+        shared.tell_progress(stage(now.stage, Some(job.blueprint())), now);
+    };
+    let ending = job
+        .run(&order.limits, &shared.cancel, &mut watch)
+        .map_err(|error| error.to_string())?;
+    let is_discarded = || shared.discards.load(Ordering::Relaxed);
+    if ending == BakeEnding::Cancelled && !is_discarded() {
+        job.finish_so_far(&mut watch).map_err(|error| error.to_string())?;
+    }
+    let Some(baked) = job.baked().filter(|_| !is_discarded()) else {
+        return Err("the bake is given up".to_owned());
+    };
+    files::write(folder.path(), job.blueprint(), baked).map_err(|error| error.to_string())?;
+    let written = Written {
+        is_stopped: ending == BakeEnding::Cancelled,
+        samples: baked.samples,
+    };
+    let invalid = job.invalid_samples();
+    if invalid > 0 {
+        shared.tell(|news| {
+            let warning = format!("{invalid} samples are not finite, which count as black");
+            news.warnings.push(warning);
+        });
+    }
+    Ok((job, written))
+}
+
+/// What is being done, in words.
+fn stage(stage: Stage, blueprint: Option<&Blueprint>) -> String {
+    let probe = |number: usize| blueprint.and_then(|blueprint| blueprint.probes.get(number));
+    let name = |number: usize| probe(number).map_or("", |probe| probe.name.as_str());
+    match stage {
+        Stage::PlacingProbes => "Placing the probes".to_owned(),
+        Stage::Unwrapping => "Unwrapping the level".to_owned(),
+        Stage::Lightmaps => "Gathering the light of the lightmaps".to_owned(),
+        Stage::FinishingLightmaps => "Finishing the lightmaps".to_owned(),
+        Stage::Probe(number) => match probe(number).map(|probe| probe.kind) {
+            Some(ProbeKind::Volume { .. }) => format!("Irradiance volume `{}`", name(number)),
+            _ => format!("Reflection probe `{}`", name(number)),
+        },
+        Stage::FinishingProbe(number) => format!("Filtering `{}`", name(number)),
+    }
+}

@@ -1,0 +1,102 @@
+//! A small picture of a lightmap while its light is gathered. It is made in a moment: nothing is denoised, and gaps are not filled.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::UVec2;
+
+use super::blueprint::Blueprint;
+use super::finish::LightmapPicture;
+use super::lightmap::Lightmaps;
+use crate::color::Rgb;
+
+/// A small picture of a lightmap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glimpse {
+    /// Width and height.
+    pub size: UVec2,
+    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies.
+    pub white: Vec<Option<Rgb>>,
+}
+
+/// Sums of texels in the pixels of a smaller picture.
+struct Cells {
+    size: UVec2,
+    /// The texels along the side of a cell.
+    side: u32,
+    sums: Vec<(Rgb, u32)>,
+}
+
+impl Cells {
+    fn new(size: UVec2, most: u32) -> Self {
+        let side = size.max_element().div_ceil(most.max(1)).max(1);
+        let size = UVec2::new(size.x.div_ceil(side), size.y.div_ceil(side));
+        Self {
+            size,
+            side,
+            sums: vec![(Rgb::ZERO, 0); size.x as usize * size.y as usize],
+        }
+    }
+
+    fn add(&mut self, place: UVec2, light: Rgb) {
+        let cell = place / self.side;
+        let (sum, count) = &mut self.sums[(cell.y * self.size.x + cell.x) as usize];
+        *sum += light;
+        *count += 1;
+    }
+
+    fn means(self) -> Glimpse {
+        let mean = |(sum, count)| (count > 0).then(|| sum * (FRAC_1_PI / count as f32));
+        Glimpse {
+            size: self.size,
+            white: self.sums.into_iter().map(mean).collect(),
+        }
+    }
+}
+
+impl Blueprint {
+    /// A lightmap of the light so far, no side of it longer than `most`.
+    pub fn glimpse(&self, page: usize, light: &Lightmaps, most: u32) -> Glimpse {
+        let mut cells = Cells::new(self.places.size, most);
+        for texel in self.places.pages[page].clone() {
+            cells.add(self.places.texels[texel].place, light.light(texel));
+        }
+        cells.means()
+    }
+}
+
+impl LightmapPicture {
+    /// The picture, no side of it longer than `most`.
+    pub fn glimpse(&self, most: u32) -> Glimpse {
+        let mut cells = Cells::new(self.size, most);
+        for (index, light) in (0..).zip(&self.irradiance) {
+            cells.add(UVec2::new(index % self.size.x, index / self.size.x), *light);
+        }
+        cells.means()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_picture_has_the_means_of_the_large_one() {
+        let picture = LightmapPicture {
+            size: UVec2::new(5, 2),
+            irradiance: (0..10).map(|texel| Rgb::splat(texel as f32)).collect(),
+        };
+        let small = picture.glimpse(3);
+        assert_eq!(small.size, UVec2::new(3, 1));
+        let means = [3.0, 5.0, 6.5].map(|mean: f32| Some(Rgb::splat(mean * FRAC_1_PI)));
+        assert_eq!(small.white, means);
+        assert_eq!(picture.glimpse(5).size, picture.size);
+    }
+
+    #[test]
+    fn cells_without_texels_are_known() {
+        let mut cells = Cells::new(UVec2::splat(4), 2);
+        cells.add(UVec2::new(3, 1), Rgb::ONE);
+        let expected = [None, Some(Rgb::splat(FRAC_1_PI)), None, None];
+        assert_eq!(cells.means().white, expected);
+    }
+}

@@ -1,0 +1,257 @@
+//! What a game shows of a level that is lit by its lightmaps alone: for each pixel the albedo of the first surface times the irradiance of its texels over pi,
+//! and what it sends out itself. What has no lightmap (metals, glass, what moves) is black.
+//!
+//! A ray through the middle of each pixel finds the surface. A second one finds the same place on the surfaces that have texels, which are triangles also where
+//! the scene has a sphere; so the two lie apart by up to some texels. The light can be gathered on while the view stays: only [`SeenPixels::lit`] is done again.
+
+use std::collections::HashMap;
+use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+use glam::{UVec2, Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::finish::LightmapPicture;
+use super::lightmap::Lightmaps;
+use super::texels::{BakeSurface, Texels};
+use crate::accel::{Blas, SplitMethod};
+use crate::color::Rgb;
+use crate::geometry::mesh::MeshData;
+use crate::light::SurfaceHit;
+use crate::math::Ray;
+use crate::memory::{self, Reservation, Shortage};
+use crate::render::borders::{Met, behind_borders};
+use crate::render::camera::Camera;
+use crate::render::scene::RenderScene;
+use crate::render::sight::Sight;
+use crate::shading::TransportMode;
+
+/// The texels by which the triangles of a lightmap may lie apart from the surface that is seen.
+const REACH: f32 = 3.0;
+/// The same as a share of the distance from the camera, for rounding.
+const ROUNDING: f32 = 1e-4;
+/// No texel.
+const NONE: u32 = u32::MAX;
+/// Bytes that a texel takes, covered or not.
+const TEXEL_BYTES: u64 = size_of::<u32>() as u64;
+/// Bytes that a triangle takes with its corners and its part of the hierarchy.
+const TRIANGLE_BYTES: u64 = 320;
+
+/// A surface in a lightmap.
+struct Layer {
+    triangles: Blas,
+    /// The lightmap of each triangle.
+    pages: Vec<u32>,
+    /// The places of the corners of each triangle in its lightmap, in texels.
+    coordinates: Vec<[Vec2; 3]>,
+}
+
+/// The surfaces that have lightmaps, where rays find them.
+pub struct BakedSurfaces {
+    /// Triangles that have the same place and look to opposite sides are in layers of their own.
+    layers: Vec<Layer>,
+    /// The number of the texel at each place of each lightmap.
+    texels: Vec<Vec<u32>>,
+    size: UVec2,
+    /// The length of a texel in the world.
+    texel: f32,
+    _memory: Reservation,
+}
+
+/// What is seen in a pixel.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    /// The light that comes from there whatever the lightmaps say.
+    own: Rgb,
+    albedo: Rgb,
+    /// The lightmap, [`NONE`] without one, and the place in it in texels.
+    page: u32,
+    at: Vec2,
+}
+
+/// The pixels of a view.
+pub struct SeenPixels {
+    /// Width and height.
+    pub size: UVec2,
+    pixels: Vec<Seen>,
+}
+
+/// The light of lightmaps.
+#[derive(Clone, Copy)]
+pub enum LitBy<'a> {
+    /// What is gathered so far.
+    Gathered(&'a Lightmaps),
+    /// What is finished.
+    Finished(&'a [LightmapPicture]),
+}
+
+impl BakedSurfaces {
+    /// Prepares the surfaces, whose texels have `texels_per_unit`. An error if the memory budget has no room.
+    pub fn new<S>(surfaces: &[BakeSurface], texels: &Texels<S>, texels_per_unit: f32) -> Result<Self, Shortage> {
+        let size = texels.size;
+        let page_texels = size.x as usize * size.y as usize;
+        let count: usize = surfaces.iter().map(|surface| surface.triangles.len()).sum();
+        let bytes = TEXEL_BYTES * (page_texels * texels.pages.len()) as u64 + TRIANGLE_BYTES * count as u64;
+        let memory = memory::reserve(bytes)?;
+        let mut numbers = vec![vec![NONE; page_texels]; texels.pages.len()];
+        for (page, range) in numbers.iter_mut().zip(&texels.pages) {
+            for texel in range.clone() {
+                let place = texels.texels[texel].place;
+                page[(place.y * size.x + place.x) as usize] = texel as u32;
+            }
+        }
+        Ok(Self {
+            layers: layers(surfaces),
+            texels: numbers,
+            size,
+            texel: 1.0 / texels_per_unit.max(f32::MIN_POSITIVE),
+            _memory: memory,
+        })
+    }
+
+    /// What `camera` sees of the scene in each of so many pixels.
+    pub fn see(&self, scene: &RenderScene, camera: &Camera, size: UVec2, sight: &Sight) -> SeenPixels {
+        let camera = camera.sharp();
+        let pixel = |index: u32| {
+            let place = UVec2::new(index % size.x, index / size.x).as_vec2() + 0.5;
+            let ray = camera.ray(place / size.as_vec2(), Vec2::splat(0.5));
+            self.see_along(scene, &sight.narrow(&scene.geometry, ray))
+        };
+        SeenPixels {
+            size,
+            pixels: (0..size.x * size.y).into_par_iter().map(pixel).collect(),
+        }
+    }
+
+    fn see_along(&self, scene: &RenderScene, ray: &Ray) -> Seen {
+        let mut seen = Seen {
+            own: Rgb::ZERO,
+            albedo: Rgb::ZERO,
+            page: NONE,
+            at: Vec2::ZERO,
+        };
+        let (met, _) = behind_borders(scene, ray, None, |_, _| {});
+        let Some(Met { hit, slot, point }) = met else {
+            let sky = scene.lights.infinite().iter();
+            seen.own = sky.map(|light| scene.lights.radiance_from(*light, ray.dir)).sum();
+            return seen;
+        };
+        if let Some(light) = slot.light {
+            let on_light = SurfaceHit {
+                position: point.position,
+                normal: point.geometric_normal,
+                shading_normal: point.shading_normal,
+                primitive: hit.primitive,
+                barycentric: Vec2::new(hit.u, hit.v),
+                uv: point.uv,
+            };
+            seen.own = scene.lights.emitted(light, &on_light, -ray.dir);
+        }
+        if let Some((page, at)) = self.place(ray, hit.t) {
+            let scattering = scene.scattering(slot.material, &hit, &point, -ray.dir, TransportMode::Radiance);
+            seen.albedo = scattering.albedo().clamp(Rgb::ZERO, Rgb::ONE);
+            (seen.page, seen.at) = (page, at);
+        }
+        seen
+    }
+
+    /// The lightmap and the place in it of what the ray meets at about `t`.
+    fn place(&self, ray: &Ray, t: f32) -> Option<(u32, Vec2)> {
+        let reach = REACH * self.texel + ROUNDING * t;
+        let mut nearest: Option<(f32, u32, Vec2)> = None;
+        for layer in &self.layers {
+            let mut part = Ray {
+                t_min: (t - reach).max(ray.t_min),
+                t_max: t + reach,
+                ..*ray
+            };
+            // A wall has two sides.
+            for _ in 0..4 {
+                let Some(hit) = layer.triangles.intersect(&part) else {
+                    break;
+                };
+                let triangle = hit.triangle as usize;
+                let [a, b, c] = layer.triangles.mesh().corners(triangle);
+                let off = (hit.t - t).abs();
+                let is_front = (b - a).cross(c - a).dot(ray.dir) < 0.0;
+                if is_front && nearest.is_none_or(|(best, ..)| off < best) {
+                    let [a, b, c] = layer.coordinates[triangle];
+                    let at = a + hit.u * (b - a) + hit.v * (c - a);
+                    nearest = Some((off, layer.pages[triangle], at));
+                }
+                part.t_min = hit.t + (ROUNDING * t).max(1e-3 * self.texel);
+            }
+        }
+        nearest.map(|(_, page, at)| (page, at))
+    }
+
+    /// The irradiance at a place of a lightmap, filtered between the four texels around it.
+    fn irradiance(&self, light: LitBy, page: u32, at: Vec2) -> Rgb {
+        let low = (at - 0.5).floor();
+        let share = at - 0.5 - low;
+        let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
+        for corner in [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE] {
+            let place = low + corner;
+            let weight = (1.0 - (share - corner).abs()).element_product();
+            if place.min_element() < 0.0 || place.x >= self.size.x as f32 || place.y >= self.size.y as f32 {
+                continue;
+            }
+            let index = place.y as usize * self.size.x as usize + place.x as usize;
+            let value = match light {
+                LitBy::Finished(pages) => Some(pages[page as usize].irradiance[index]),
+                LitBy::Gathered(light) => match self.texels[page as usize][index] {
+                    NONE => None,
+                    texel => (!light.is_buried(texel as usize)).then(|| light.light(texel as usize)),
+                },
+            };
+            if let Some(value) = value {
+                sum += weight * value;
+                weights += weight;
+            }
+        }
+        sum / f32::max(weights, f32::MIN_POSITIVE)
+    }
+}
+
+impl SeenPixels {
+    /// The radiance of each pixel, row by row from the top, linear Rec. 709.
+    pub fn lit(&self, surfaces: &BakedSurfaces, light: LitBy) -> Vec<Rgb> {
+        let pixel = |seen: &Seen| match seen.page {
+            NONE => seen.own,
+            page => seen.own + seen.albedo * FRAC_1_PI * surfaces.irradiance(light, page, seen.at),
+        };
+        self.pixels.par_iter().map(pixel).collect()
+    }
+}
+
+fn layers(surfaces: &[BakeSurface]) -> Vec<Layer> {
+    /// The corners of a triangle in an order that does not depend on its side.
+    fn key(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
+        let mut key = corners.map(|corner| corner.to_array().map(|number| (number + 0.0).to_bits()));
+        key.sort_unstable();
+        key
+    }
+    let mut known: HashMap<[[u32; 3]; 3], usize> = HashMap::new();
+    let mut parts: Vec<(MeshData, Vec<u32>, Vec<[Vec2; 3]>)> = Vec::new();
+    for surface in surfaces {
+        for corners in &surface.triangles {
+            let positions = corners.map(|corner| surface.positions[corner as usize]);
+            let layer = known.entry(key(positions)).and_modify(|layer| *layer += 1).or_insert(0);
+            if parts.len() <= *layer {
+                parts.push(Default::default());
+            }
+            let (mesh, pages, coordinates) = &mut parts[*layer];
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(positions);
+            mesh.triangles.push([first, first + 1, first + 2]);
+            pages.push(surface.page);
+            coordinates.push(corners.map(|corner| surface.coordinates[corner as usize]));
+        }
+    }
+    let layer = |(mesh, pages, coordinates)| Layer {
+        triangles: Blas::build(Arc::new(mesh), SplitMethod::default()),
+        pages,
+        coordinates,
+    };
+    parts.into_iter().map(layer).collect()
+}

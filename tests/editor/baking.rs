@@ -1,0 +1,389 @@
+//! Bakes of the editor without a window: what they write, and what is left of those that are stopped or given up.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command as Process;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand};
+use sunroom::app::editor::command::compare_view::CompareView;
+use sunroom::app::editor::command::error::CommandError;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::commands::{apply, baking};
+use sunroom::app::editor::picture::baking::Baking;
+use sunroom::app::editor::picture::compare::Comparison;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::app::editor::session::toasts::Toasts;
+use sunroom::app::editor::session::view_settings::ViewSettings;
+use sunroom::engine::{EnginePlugin, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus};
+use sunroom::scene::*;
+use tempfile::TempDir;
+
+/// No test takes so long, however busy the machine is.
+const HANG: Duration = Duration::from_secs(600);
+
+/// A floor below a lamp, a wall that leaves with `secret`, and a bulb; the camera has a seed of its own.
+const SCENE: &str = r#"<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+    <sampler type="independent"><integer name="seed" value="7"/></sampler>
+  </sensor>
+  <shape type="rectangle" id="floor">
+    <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.7, 0.6"/></bsdf>
+  </shape>
+  <shape type="rectangle" id="lamp">
+    <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
+    <emitter type="area"><rgb name="radiance" value="4, 4, 4"/></emitter>
+  </shape>
+  <emitter type="point" id="bulb"><point name="position" x="2" y="1" z="0"/><rgb name="intensity" value="3, 3, 3"/></emitter>
+</scene>
+"#;
+
+const QUICK: BakeChoices = BakeChoices {
+    texels_per_unit: Some(4.0),
+    atlas_size: 64,
+    samples: Some(16),
+    time: None,
+    noise: None,
+    indirect_only: false,
+    probes: false,
+    denoise: false,
+};
+
+/// What the window has of scenes, of the engine and of bakes.
+struct Window {
+    app: App,
+    folder: TempDir,
+}
+
+impl Window {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("scene.xml"), SCENE).expect("a writable folder");
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            FileSourcePlugin,
+            asset_plugin(),
+            ScenePlugin,
+            EnginePlugin,
+        ))
+        .init_resource::<ViewSettings>()
+        .init_resource::<Comparison>()
+        .init_resource::<Requests>()
+        .init_resource::<Toasts>()
+        .init_resource::<Selection>()
+        .init_resource::<History>()
+        .add_systems(Last, baking::follow);
+        app.finish();
+        app.cleanup();
+        let mut window = Self { app, folder };
+        let path = window.path("scene.xml");
+        window.app.world_mut().write_message(OpenScene {
+            path,
+            ..OpenScene::default()
+        });
+        window.until("the scene", |world| {
+            let status = world.resource::<SceneStatus>();
+            let is_read = status.state == SceneState::Ready && status.files_loading() == 0;
+            is_read && world.resource::<RenderStatus>().is_up_to_date
+        });
+        window
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    #[track_caller]
+    fn until(&mut self, what: &str, done: impl Fn(&World) -> bool) {
+        let deadline = Instant::now() + HANG;
+        while !done(self.app.world()) {
+            assert!(Instant::now() < deadline, "not in time: {what}");
+            std::thread::sleep(Duration::from_millis(5));
+            self.app.update();
+        }
+    }
+
+    fn say(&mut self, command: BakeCommand) -> Result<(), CommandError> {
+        apply(self.app.world_mut(), Command::Bake(command))
+    }
+
+    #[track_caller]
+    fn begin(&mut self, choices: BakeChoices, folder: &str) {
+        let folder = self.path(folder);
+        self.say(BakeCommand::Choose(choices)).expect("choices");
+        self.say(BakeCommand::Begin(folder)).expect("a folder");
+    }
+
+    /// Waits for the end of the bake.
+    #[track_caller]
+    fn end(&mut self) {
+        self.until("the bake", |world| !world.resource::<Baking>().is_busy());
+    }
+
+    fn failure(&self) -> Option<&str> {
+        self.app.world().resource::<Baking>().failure.as_deref()
+    }
+
+    fn told(&self) -> String {
+        let toasts = self.app.world().resource::<Toasts>();
+        toasts.texts().collect::<Vec<_>>().join("\n")
+    }
+
+    /// The samples of each texel so far.
+    fn samples(world: &World) -> u32 {
+        let thread = world.resource::<Baking>().thread();
+        let gathered = thread.and_then(|thread| thread.news().progress?.gathered);
+        gathered.map_or(0, |gathered| gathered.samples)
+    }
+}
+
+/// The files of a folder with their content.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder)
+        .expect("the folder")
+        .map(|entry| entry.expect("an entry").path());
+    let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
+    entries
+        .map(|path| (name(&path), std::fs::read(&path).expect("a file")))
+        .collect()
+}
+
+/// What the command line bakes.
+fn by_command_line(scene: &Path, folder: &Path, more: &[&str]) -> BTreeMap<String, Vec<u8>> {
+    let mut command = Process::new(env!("CARGO_BIN_EXE_sunroom"));
+    command.arg("bake").arg(scene).arg("-o").arg(folder).arg("--quiet");
+    command.args([
+        "--texels-per-unit",
+        "4",
+        "--atlas-size",
+        "64",
+        "--spp",
+        "16",
+        "--no-denoise",
+    ]);
+    let output = command.args(more).output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    files(folder)
+}
+
+#[track_caller]
+fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    assert!(
+        found.keys().eq(expected.keys()),
+        "{:?} {:?}",
+        found.keys(),
+        expected.keys()
+    );
+    for (name, content) in expected {
+        assert!(found[name] == *content, "{name} is another file");
+    }
+}
+
+#[test]
+fn the_window_writes_the_files_of_the_command_line() {
+    let mut window = Window::new();
+    // What the window alone does is no part of a bake.
+    let there = FreeView::at(bevy::math::Affine3A::from_translation(Vec3::new(0.3, 1.0, 2.0)));
+    window.app.world_mut().insert_resource(there);
+    window.begin(QUICK, "plain");
+    window.end();
+    assert_eq!(window.failure(), None);
+    assert!(
+        window.told().contains("The level with its lightmaps is in"),
+        "{}",
+        window.told()
+    );
+    let expected = by_command_line(&window.path("scene.xml"), &window.path("by-line"), &["--no-probes"]);
+    assert!(expected.len() >= 4, "{:?}", expected.keys());
+    assert_same(&files(&window.path("plain")), &expected);
+    // The panel has a picture of the lightmap.
+    window.until("a picture", |world| {
+        let thread = world.resource::<Baking>().thread();
+        thread.is_some_and(|thread| thread.news().picture.is_some())
+    });
+
+    let choices = BakeChoices {
+        indirect_only: true,
+        probes: true,
+        samples: Some(2),
+        ..QUICK
+    };
+    window.begin(choices, "nested/indirect");
+    window.end();
+    assert_eq!(window.failure(), None);
+    let more = ["--indirect-only", "--spp", "2"];
+    let folder = window.path("by-line-indirect");
+    let mut command = Process::new(env!("CARGO_BIN_EXE_sunroom"));
+    command.arg("bake").arg(window.path("scene.xml")).arg("-o").arg(&folder);
+    command
+        .args([
+            "--quiet",
+            "--texels-per-unit",
+            "4",
+            "--atlas-size",
+            "64",
+            "--no-denoise",
+        ])
+        .args(more);
+    assert!(command.status().expect("the program starts").success());
+    let found = files(&window.path("nested/indirect"));
+    assert!(
+        found.keys().any(|name| name.starts_with("irradiance-")),
+        "{:?}",
+        found.keys()
+    );
+    assert_same(&found, &files(&folder));
+}
+
+#[test]
+fn a_bake_that_is_stopped_writes_what_there_is() {
+    let mut window = Window::new();
+    let endless = BakeChoices {
+        samples: Some(1 << 24),
+        ..QUICK
+    };
+    window.begin(endless, "stopped");
+    window.until("some samples", |world| Window::samples(world) > 0);
+    let other = window.path("other");
+    let refused = window
+        .say(BakeCommand::Begin(other))
+        .expect_err("one is under way")
+        .to_string();
+    assert!(refused.contains("still under way"), "{refused}");
+    window.say(BakeCommand::Stop).expect("it is under way");
+    window.end();
+    assert_eq!(window.failure(), None);
+    let files = files(&window.path("stopped"));
+    assert!(files.contains_key("lightmaps.json") && files.contains_key("lightmap-0.exr"));
+    let about: serde_json::Value = serde_json::from_slice(&files["lightmaps.json"]).expect("JSON");
+    let samples = about["samples"].as_u64().expect("a number");
+    assert!(samples > 0 && samples < 1 << 24, "{samples}");
+    assert!(window.told().contains("The bake was stopped"), "{}", window.told());
+    assert!(!window.path("other").exists());
+    window.say(BakeCommand::Close).expect("it has ended");
+    assert!(window.app.world().resource::<Baking>().thread().is_none());
+    assert!(window.say(BakeCommand::Stop).is_err());
+}
+
+#[test]
+fn nothing_is_left_of_a_bake_that_is_given_up() {
+    let mut window = Window::new();
+    let endless = BakeChoices {
+        samples: Some(1 << 24),
+        ..QUICK
+    };
+    window.begin(endless, "new/level");
+    window.until("some samples", |world| Window::samples(world) > 0);
+    assert!(window.path("new/level").is_dir());
+    window.say(BakeCommand::Discard).expect("it is under way");
+    // Another one in the same folder waits until the first has left it.
+    window.begin(QUICK, "new/level");
+    window.end();
+    assert_eq!(window.failure(), None);
+    assert!(window.path("new/level/lightmaps.json").is_file());
+
+    window.begin(endless, "second/level");
+    window.until("some samples", |world| Window::samples(world) > 0);
+    baking::end_at_exit(window.app.world_mut());
+    assert!(!window.path("second").exists());
+    // What was there stays.
+    std::fs::create_dir(window.path("own")).expect("a folder");
+    window.begin(endless, "own");
+    window.until("some samples", |world| Window::samples(world) > 0);
+    window.say(BakeCommand::Discard).expect("it is under way");
+    baking::end_at_exit(window.app.world_mut());
+    assert!(files(&window.path("own")).is_empty());
+}
+
+#[test]
+fn a_bad_folder_and_a_bad_scene_are_told() {
+    let mut window = Window::new();
+    let scene = window.path("scene.xml");
+    let error = window
+        .say(BakeCommand::Begin(scene.clone()))
+        .expect_err("it is a file")
+        .to_string();
+    let output = Process::new(env!("CARGO_BIN_EXE_sunroom"))
+        .arg("bake")
+        .arg(&scene)
+        .arg("-o")
+        .arg(&scene)
+        .output()
+        .expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        error.contains("is a file: a bake needs a folder") && said.contains(&error),
+        "{error} {said}"
+    );
+    assert!(!window.app.world().resource::<Baking>().is_busy());
+
+    // A scene whose surfaces are all too small.
+    let coarse = BakeChoices {
+        texels_per_unit: Some(1e9),
+        ..QUICK
+    };
+    window.begin(coarse, "failed");
+    window.end();
+    let reason = window.failure().expect("it fails").to_owned();
+    assert!(
+        reason.starts_with("The scene is not baked: ") && window.told().contains(&reason),
+        "{reason}"
+    );
+    baking::end_at_exit(window.app.world_mut());
+    assert!(!window.path("failed").exists());
+}
+
+#[test]
+fn the_level_by_its_lightmaps_is_as_bright_as_the_true_picture() {
+    let mut window = Window::new();
+    window.app.world_mut().resource_mut::<RenderControl>().target_samples = Some(64);
+    window.begin(QUICK, "level");
+    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    apply(window.app.world_mut(), compare).expect("it is allowed");
+    window.end();
+    let samples = |world: &World| {
+        let baked = world.resource::<Comparison>().baked.as_ref()?;
+        Some(baked.picture.samples)
+    };
+    window.until("the finished lightmaps", |world| {
+        let status = world.resource::<RenderStatus>();
+        samples(world) == Some(16) && status.state == RenderState::Done && status.is_up_to_date
+    });
+    let world = window.app.world();
+    let comparison = world.resource::<Comparison>();
+    let camera = world.resource::<PackedScene>().view.as_ref().map(|view| view.camera);
+    let lit = comparison.other(camera.as_ref()).expect("it is of this view");
+    let film = &world.resource::<RenderFilm>().film;
+    assert_eq!(lit.size, [film.width(), film.height()]);
+    let truth = film.radiance();
+    // The lower third of the picture is floor alone.
+    let rows = lit.radiance.len() / 3 * 2..;
+    let mean = |pixels: &[Vec3]| pixels[rows.clone()].iter().copied().sum::<Vec3>();
+    let ratio = mean(&lit.radiance) / mean(&truth);
+    assert!((ratio - 1.0).abs().max_element() < 0.03, "{ratio}");
+    // Nothing is beside the floor, and the lamp shines downwards.
+    assert!(truth[0] == Vec3::ZERO && lit.radiance[0] == Vec3::ZERO);
+    // From somewhere else it is seen once that is looked at.
+    let there = FreeView::at(bevy::math::Affine3A::from_rotation_translation(
+        Quat::from_rotation_y(std::f32::consts::PI),
+        Vec3::new(0.0, 1.0, 4.0),
+    ));
+    window.app.world_mut().insert_resource(there);
+    window.app.update();
+    let is_seen = |world: &World| {
+        let camera = world.resource::<PackedScene>().view.as_ref().map(|view| view.camera);
+        camera.is_some_and(|camera| world.resource::<Comparison>().other(Some(&camera)).is_some())
+    };
+    window.until("the other view", is_seen);
+    window.say(BakeCommand::Close).expect("it has ended");
+    let comparison = window.app.world().resource::<Comparison>();
+    assert!(comparison.baked.is_none() && comparison.view == CompareView::Off);
+}
