@@ -1,6 +1,8 @@
 //! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones, and replaces only those that
 //! differ. Entities, handles and names end here.
 
+mod view;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,14 +12,12 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::authored::{Authored, name_of};
-use super::auto::{AutoIntegrator, before_choice, is_auto};
+use super::auto::{AutoIntegrator, is_auto};
 use super::blas_cache::{BlasCache, BuildPolicy};
-use super::clipping::clipping_warning;
-use super::control::{RenderControl, SightControl, WakeUp};
+use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::detect::{Dirty, Touched};
 use super::light_groups::{LightGroup, group_lights};
-use super::pack::Checker;
 use super::pack::environment::Environments;
 use super::pack::group::Layout;
 use super::pack::light::LightContext;
@@ -25,12 +25,10 @@ use super::pack::material::material_table;
 use super::pack::medium::PackedMedia;
 use super::pack::surface::{SurfacePacker, SurfaceSource};
 use super::pack::texture::TexturePacker;
-use super::pack::view::pack_view;
 use super::packed_scene::PackedScene;
 use super::packing::Packing;
 use super::rebuild::Rebuild;
 use super::renderer::Renderer;
-use super::resolution::{self, is_same_at_other_size};
 use super::sight::{SeenAlone, SeenThrough};
 use super::splice::{ListEdits, ShapeNews};
 use super::status::BvhStatus;
@@ -40,14 +38,11 @@ use crate::layer::Layer;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::MediumId;
-use crate::render::auto::{Choice, Method};
-use crate::render::borders::medium_at;
 use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
-use crate::render::sight::Sight;
 use crate::render::view::{Integrator, View};
-use crate::scene::{AccelMethod, DocumentOrder, Film, Sensor};
+use crate::scene::{AccelMethod, DocumentOrder, Film};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
@@ -433,105 +428,6 @@ impl Extracted {
         if let Some(view) = &mut self.view {
             view.light_groups = layers;
         }
-    }
-
-    /// Whether the view differs from this one in nothing but the number of pixels.
-    fn sees_as(&self, old: Option<&View>) -> bool {
-        match (&self.view, old) {
-            (Some(view), Some(old)) => is_same_at_other_size(old, view),
-            (view, old) => view.is_none() && old.is_none(),
-        }
-    }
-
-    /// A view that was flown through borders of media is in another medium than its sensor.
-    fn update_medium_of_view(&mut self) {
-        if let (Some(view), Some(flight)) = (&mut self.view, &self.flight) {
-            view.medium = medium_at(&self.scene, flight.from, flight.medium, flight.to);
-        }
-    }
-
-    fn update_sight(&mut self, control: &SightControl) {
-        let only = (self.seen_alone).update(&control.only, &self.scene.geometry, &self.entity_of_instance);
-        if let Some(view) = &mut self.view {
-            view.sight = Sight {
-                passes_backs: control.passes_backs,
-                outer_walls: self.seen_through.update(control.passes_backs, &self.scene.geometry),
-                cut: control.cut,
-                only,
-            };
-        }
-    }
-
-    /// Gives the view the guide of the scene, a new one if that has changed: it would be learnt anew, and until then keep the old scene. Returns the guide of
-    /// before.
-    fn keep_guide(&mut self, same_scene: bool) -> Option<Guide> {
-        let old = (!same_scene).then(|| std::mem::take(&mut self.guide));
-        if let Some(view) = &mut self.view {
-            view.guide = self.guide_is_asked.then(|| self.guide.clone());
-        }
-        old
-    }
-
-    /// Has the view be by the method of the choice, if there is one. It is as before a choice.
-    pub fn take_choice(&mut self, auto: &AutoIntegrator) {
-        let Some(view) = &mut self.view else { return };
-        let choice = auto.choice(&self.scene, view).unwrap_or(Choice::UNTRIED);
-        view.integrator = choice.integrator(view.integrator.settings());
-        let is_guided = self.guide_is_asked || choice.method == Method::GuidedPath;
-        view.guide = is_guided.then(|| self.guide.clone());
-    }
-
-    /// The integrator `auto` is as before its choice.
-    fn forget_choice(&mut self, is_auto: bool) {
-        if let Some(view) = self.view.as_mut().filter(|_| is_auto) {
-            view.integrator = before_choice(&self.scene, view);
-        }
-    }
-
-    fn update_clipping(&mut self) {
-        self.errors.clipping.clear();
-        let view = self.view.as_ref();
-        if let Some(warning) = view.and_then(|view| clipping_warning(&self.scene.geometry, &view.camera)) {
-            let mut check = Checker {
-                name: &self.sensor_name,
-                errors: &mut self.errors.clipping,
-            };
-            check.report(warning);
-        }
-    }
-
-    fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
-        self.errors.view.clear();
-        // Without a sensor the last view stays, so that replacing one sensor by another shows no blank picture in between.
-        let Some((order, id, sensor, film, to_world, in_medium)) =
-            authored.active.0.and_then(|sensor| authored.sensors.get(sensor).ok())
-        else {
-            return;
-        };
-        let name = name_of("sensor", *order, id);
-        let mut check = Checker {
-            name: &name,
-            errors: &mut self.errors.view,
-        };
-        let (integrator, sampler) = (&authored.integrator, &authored.sampler);
-        let pose = authored.free_view.pose.unwrap_or(to_world.0);
-        let lens = authored.free_view.lens.unwrap_or(sensor.lens);
-        let sensor = &Sensor { lens, ..*sensor };
-        let medium = in_medium.and_then(|medium| self.packed_media.ids.get(&medium.0).copied());
-        let view = pack_view(sensor, film, pose, integrator, sampler, medium, control, &mut check);
-        if view.is_some() {
-            self.guide_is_asked = view.as_ref().is_some_and(|view| view.guide.is_some());
-            self.view = view;
-            self.sensor_name = name;
-            self.flight = authored.free_view.pose.map(|pose| Flight {
-                from: to_world.0.translation.into(),
-                medium,
-                to: pose.translation.into(),
-            });
-        }
-        (self.sample_count, self.noise_target) = (film.sample_count, film.noise_target);
-        self.is_adaptive = film.adaptive;
-        self.full_size = resolution::full_size(film, control);
     }
 }
 
