@@ -15,8 +15,8 @@ use crate::math::Aabb;
 const THICKNESS: f32 = 0.2;
 /// The most walls of a scene, the largest ones.
 const MOST: usize = 64;
-/// The most comparisons of walls with shapes: with more shapes there are fewer walls.
-const MOST_COMPARISONS: usize = 2_000_000;
+/// The most shapes of a scene that has walls: they are sought between two frames of a window, also while something is dragged.
+const MOST_SHAPES: usize = 30_000;
 /// How far shapes that touch may be apart, as a share of the larger one's half extent.
 const GAP: f32 = 0.02;
 /// The cosine of the angle between normals below which walls are perpendicular.
@@ -48,10 +48,16 @@ struct Slab {
 impl OuterWalls {
     /// Finds them among the shapes that stand in the world by themselves.
     pub fn find(scene: &Tlas) -> Self {
-        let bounds: Vec<Aabb> = scene.instances().iter().map(Instance::world_bounds).collect();
+        if scene.instances().len() > MOST_SHAPES {
+            return Self::default();
+        }
         let mut slabs: Vec<Slab> = (0..).zip(scene.instances().iter()).filter_map(slab).collect();
-        slabs.sort_by(|a, b| b.area().total_cmp(&a.area()).then(a.item.cmp(&b.item)));
-        slabs.truncate(MOST.min(MOST_COMPARISONS / bounds.len().max(1)));
+        if slabs.len() > MOST {
+            let larger = |a: &Slab, b: &Slab| b.area().total_cmp(&a.area()).then(a.item.cmp(&b.item));
+            slabs.select_nth_unstable_by(MOST, larger);
+            slabs.truncate(MOST);
+        }
+        let bounds: Vec<Aabb> = scene.instances().iter().map(Instance::world_bounds).collect();
         let is_wall = |slab: &&Slab| {
             let (own, gap) = (bounds[slab.item as usize], GAP * slab.extent[0].max(slab.extent[1]));
             let near = Aabb {

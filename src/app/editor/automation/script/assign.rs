@@ -134,7 +134,9 @@ fn parse_lengths(text: &str, unit: LengthUnit) -> Result<Rgb, AssignError> {
 pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.parsed("flip_normals", &mut shape.flip_normals, parse_boolean);
-        visitor.bounded("lightmap_scale", &mut shape.lightmap_scale, Shape::LIGHTMAP_SCALES);
+        if !shape.is_frame() {
+            visitor.bounded("lightmap_scale", &mut shape.lightmap_scale, Shape::LIGHTMAP_SCALES);
+        }
         match &mut shape.kind {
             ShapeKind::Sphere { center, radius } => {
                 visitor.parsed("center", center, parse_vec3);
