@@ -7,11 +7,13 @@ use crate::support::{SceneBuilder, render};
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
+use sunroom::material::{BumpOptions, Material};
 use sunroom::render::film::Film;
 use sunroom::render::guide::Guide;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::tile::{TileSamples, render_tile, tiles};
+use sunroom::render::tile::{Tile, TileSamples, render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
+use sunroom::texture::Parameter;
 
 pub fn guided(view: &View) -> View {
     View {
@@ -22,17 +24,28 @@ pub fn guided(view: &View) -> View {
 
 /// A room whose lamp shines at the ceiling from behind a board.
 pub fn cove() -> RenderScene {
+    cove_of(0.0, |_, _| diffuse(0.7).into())
+}
+
+/// The same room, whose walls have the materials that `wall` makes for their numbers: floor, ceiling, back, left and right. They are turned by `spin` about their
+/// normals.
+fn cove_of(spin: f32, wall: impl Fn(&mut SceneBuilder, usize) -> Material) -> RenderScene {
     let mut scene = SceneBuilder::default();
     let turn = |x: f32, y: f32| Quat::from_rotation_y(y) * Quat::from_rotation_x(x);
     let quarter = std::f32::consts::FRAC_PI_2;
-    for (turn, place) in [
+    for (number, (turn, place)) in [
         (turn(-quarter, 0.0), Vec3::new(0.0, -1.0, 0.0)),
         (turn(quarter, 0.0), Vec3::new(0.0, 1.0, 0.0)),
         (turn(0.0, 0.0), Vec3::new(0.0, 0.0, -1.0)),
         (turn(0.0, quarter), Vec3::new(-1.0, 0.0, 0.0)),
         (turn(0.0, -quarter), Vec3::new(1.0, 0.0, 0.0)),
-    ] {
-        scene.add(Primitive::Rectangle, placed(Vec3::ONE, turn, place), diffuse(0.7), None);
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let material = wall(&mut scene, number);
+        let turn = turn * Quat::from_rotation_z(spin);
+        scene.add(Primitive::Rectangle, placed(Vec3::ONE, turn, place), material, None);
     }
     let ball = Affine3A::from_scale_rotation_translation(Vec3::splat(0.3), Quat::IDENTITY, Vec3::new(0.4, -0.7, -0.2));
     scene.add(Primitive::Sphere, ball, glass(), None);
@@ -44,6 +57,27 @@ pub fn cove() -> RenderScene {
     let lamp = placed(Vec3::new(0.8, 0.03, 1.0), up, Vec3::new(0.0, 0.8, -0.8));
     scene.add(Primitive::Rectangle, lamp, diffuse(0.0), Some(Rgb::splat(100.0)));
     scene.build()
+}
+
+/// The room with a floor, a back and a wall whose normals lean so far that much of what they scatter would go below their surfaces. The walls are turned, so that
+/// the tangents of their materials are not those that lanes have for the same normals.
+fn ridged_cove() -> RenderScene {
+    cove_of(std::f32::consts::PI, |scene, number| {
+        let normal = match number {
+            0 => Vec3::new(0.8, 0.3, 0.5),
+            2 => Vec3::new(-0.3, 0.85, 0.4),
+            4 => Vec3::new(0.6, -0.6, 0.5),
+            _ => return diffuse(0.7).into(),
+        };
+        Material::NormalMap {
+            nested: scene.material(diffuse(0.7)),
+            normals: Parameter::Constant(0.5 * (normal.normalize() + 1.0)),
+            options: BumpOptions {
+                flip_invalid_normals: true,
+                use_shadowing_function: false,
+            },
+        }
+    })
 }
 
 /// The mean variance of pixels in relation to their light.
@@ -86,6 +120,41 @@ fn what_cannot_be_guided_is_as_without_a_guide() {
     scene.add(Primitive::Rectangle, floor, diffuse(0.5), Some(Rgb::ONE));
     let scene = scene.build();
     assert!(render(&scene, &look(6), 4).radiance() == render(&scene, &guided(&look(6)), 4).radiance());
+}
+
+#[test]
+fn normals_that_lean_are_guided_without_bias() {
+    let (scene, free) = (ridged_cove(), look(6));
+    let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 8192));
+    assert!(plain.radiance() != led.radiance(), "nothing is guided");
+    assert_pictures("leaning normals", &plain, &led);
+}
+
+/// Whatever else is traced beside it, a guided sample is the same.
+#[test]
+fn guided_samples_do_not_depend_on_their_neighbours() {
+    let view = guided(&View {
+        width: 24,
+        height: 24,
+        ..look(6)
+    });
+    let go = AtomicBool::new(false);
+    for scene in [cove(), ridged_cove()] {
+        let tile = tiles(24, 24)[0];
+        for sample in 0..4 {
+            let whole = render_tile(&scene, &view, tile, sample..sample + 1, &go).expect("not cancelled");
+            for (number, expected) in whole.pixels.iter().enumerate() {
+                let alone = Tile {
+                    x: number as u32 % 24,
+                    y: number as u32 / 24,
+                    width: 1,
+                    height: 1,
+                };
+                let alone = render_tile(&scene, &view, alone, sample..sample + 1, &go).expect("not cancelled");
+                assert_eq!(alone.pixels[0], *expected, "pixel {number}, sample {sample}");
+            }
+        }
+    }
 }
 
 fn traced(scene: &RenderScene, view: &View, tile: usize) -> TileSamples {

@@ -74,6 +74,8 @@ impl<'a> Guided<'a> {
     ) -> BsdfSampleLanes {
         let here = lanes_of(self.lanes);
         let by_guide = u_choice.simd_lt(Lanes::splat(SHARE)) & here;
+        // The bsdf may have returned no direction, and none is there then: `sample.wi` is what other lanes have left.
+        let is_there = by_guide | sample.returned;
         let wi = Vec3Lanes::select(by_guide, self.directions(u), sample.wi);
         let (value, bsdf_pdf) = eval_and_pdf(wi);
         let pdf = self.mixed(wi, bsdf_pdf);
@@ -84,7 +86,7 @@ impl<'a> Guided<'a> {
             // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In other directions paths have more than
             // that, and are to be kept for it.
             eta: (pdf / bsdf_pdf).fast_max(Lanes::ONE).sqrt(),
-            returned: bsdf_pdf.simd_gt(Lanes::ZERO),
+            returned: bsdf_pdf.simd_gt(Lanes::ZERO) & is_there,
         };
         sample.returned &= !here;
         sample.choose(here, mixed);
