@@ -1,6 +1,6 @@
 //! Everything about a bake but its light: what is needed to make its files of the sums of samples.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::ThreadPool;
 
@@ -73,19 +73,22 @@ impl Blueprint {
         })
     }
 
-    /// All lightmaps. `watch` hears of the part that is done, from 0 to 1.
+    /// All lightmaps. `watch` hears of the part that is done, from 0 to 1. An error soon after `discards` is set: an interrupt alone does not set it, since what light
+    /// there is shall be written after it.
     pub(super) fn lightmaps(
         &self,
         light: &Lightmaps,
         threads: usize,
+        discards: &AtomicBool,
         mut watch: impl FnMut(f64),
     ) -> Result<Vec<LightmapPicture>, DenoiseError> {
-        // What light there is shall be written after an interrupt as well.
-        let never = AtomicBool::new(false);
         let count = self.page_count();
         let picture = |page| {
             watch(page as f64 / count as f64);
-            self.lightmap(page, light, self.denoising(threads, &never))
+            match discards.load(Ordering::Relaxed) {
+                true => Err(DenoiseError::Cancelled),
+                false => self.lightmap(page, light, self.denoising(threads, discards)),
+            }
         };
         (0..count).map(picture).collect()
     }
@@ -109,7 +112,7 @@ impl Blueprint {
         };
         let probes = lights[1..].iter().enumerate();
         Ok(Baked {
-            lightmaps: self.lightmaps(&lights[0], pool.current_num_threads(), |_| {})?,
+            lightmaps: self.lightmaps(&lights[0], pool.current_num_threads(), work.cancel, |_| {})?,
             samples: lights[0].samples(),
             probes: probes
                 .map(|(number, light)| self.probe(number, light, work))

@@ -3,8 +3,8 @@
 //! A callback is told of its progress, on the thread that runs it, between pieces of work of about half a second. It can look at the job meanwhile: its
 //! lightmaps can be shown as they are.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use glam::{UVec2, Vec3};
@@ -28,6 +28,7 @@ use crate::gltf::write::GltfWriter;
 use crate::memory::Reservation;
 use crate::render::camera::Camera;
 use crate::render::irradiance::ReceivedLight;
+use crate::render::outer_walls::OuterWalls;
 use crate::render::scene::RenderScene;
 use crate::render::sight::Sight;
 use crate::render::view::View;
@@ -51,6 +52,8 @@ pub struct BakeSource {
     pub pool: Arc<ThreadPool>,
     /// Whether the level will be looked at as it is lit, see [`BakeJob::see`].
     pub is_seen: bool,
+    /// When set, nothing of the job is of use any more: not even the light that there is is finished.
+    pub discards: Arc<AtomicBool>,
 }
 
 /// How it is baked.
@@ -106,6 +109,9 @@ pub struct BakeJob {
     scene: RenderScene,
     view: View,
     pool: Arc<ThreadPool>,
+    discards: Arc<AtomicBool>,
+    /// What views pass that pass the backs of surfaces, found when it is first needed.
+    outer_walls: OnceLock<OuterWalls>,
     texels: Texels,
     /// The surfaces that have texels, if they are looked at.
     surfaces: Option<BakedSurfaces>,
@@ -135,6 +141,7 @@ impl BakeJob {
             probes,
             pool,
             is_seen,
+            discards,
         } = source;
         let gathering = Gathering {
             scene: &scene,
@@ -202,6 +209,8 @@ impl BakeJob {
             scene,
             view,
             pool,
+            discards,
+            outer_walls: OnceLock::new(),
             texels,
             surfaces,
             spent: vec![Duration::ZERO; lights.len()],
@@ -233,8 +242,19 @@ impl BakeJob {
     }
 
     /// What a camera sees of the level with so many pixels; None if it was not asked for, or if there is no memory for it. It takes a ray or two for each pixel.
+    /// The outer walls of `sight` are those of the scene of the job, whatever they are.
     pub fn see(&self, camera: &Camera, size: UVec2, sight: &Sight) -> Option<SeenPixels> {
         let surfaces = self.surfaces.as_ref()?;
+        let sight = &Sight {
+            outer_walls: match sight.passes_backs {
+                true => self
+                    .outer_walls
+                    .get_or_init(|| OuterWalls::find(&self.scene.geometry))
+                    .clone(),
+                false => OuterWalls::default(),
+            },
+            ..sight.clone()
+        };
         Some(self.pool.install(|| surfaces.see(&self.scene, camera, size, sight)))
     }
 
@@ -381,7 +401,7 @@ impl BakeJob {
         let light = &self.lights[0];
         let lightmaps = self
             .blueprint
-            .lightmaps(light, self.threads(), |done| watch(self, &told(done)))?;
+            .lightmaps(light, self.threads(), &self.discards, |done| watch(self, &told(done)))?;
         self.baked = Some(Baked {
             lightmaps,
             samples: light.samples(),

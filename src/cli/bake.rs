@@ -135,6 +135,7 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
         probes: level.probes,
         pool: Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
         is_seen: false,
+        discards: Arc::default(),
     };
     let mut progress = BakeProgress::new(args.quiet, limits);
     let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now| progress.prepare(now))?;

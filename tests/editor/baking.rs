@@ -15,6 +15,7 @@ use sunroom::app::editor::commands::{apply, baking};
 use sunroom::app::editor::picture::baking::Baking;
 use sunroom::app::editor::picture::compare::Comparison;
 use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::options::SceneDefines;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::toasts::Toasts;
 use sunroom::app::editor::session::view_settings::ViewSettings;
@@ -78,6 +79,7 @@ impl Window {
         .init_resource::<Comparison>()
         .init_resource::<Requests>()
         .init_resource::<Toasts>()
+        .init_resource::<SceneDefines>()
         .init_resource::<Selection>()
         .init_resource::<History>()
         .add_systems(Last, baking::follow);
@@ -339,6 +341,105 @@ fn a_bad_folder_and_a_bad_scene_are_told() {
     );
     baking::end_at_exit(window.app.world_mut());
     assert!(!window.path("failed").exists());
+}
+
+#[test]
+fn a_bake_that_fails_takes_its_preview_away() {
+    let mut window = Window::new();
+    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    let coarse = BakeChoices {
+        texels_per_unit: Some(1e9),
+        ..QUICK
+    };
+    window.begin(QUICK, "level");
+    apply(window.app.world_mut(), compare.clone()).expect("it is allowed");
+    window.end();
+    window.until("the lit level", |world| world.resource::<Comparison>().baked.is_some());
+    window.begin(coarse, "failed");
+    // What the bake before has left is no picture of this one.
+    let comparison = |window: &Window| window.app.world().resource::<Comparison>().clone();
+    assert!(comparison(&window).baked.is_none());
+    assert_eq!(comparison(&window).view, CompareView::Baked(0.5));
+    window.end();
+    assert!(window.failure().is_some());
+    assert!(comparison(&window).baked.is_none());
+    assert_eq!(comparison(&window).view, CompareView::Off);
+
+    // One that cannot even begin.
+    window.begin(QUICK, "level");
+    apply(window.app.world_mut(), compare).expect("it is allowed");
+    window.app.world_mut().resource_mut::<PackedScene>().scene = None;
+    window.end();
+    let reason = window.failure().expect("it fails");
+    assert!(reason.contains("There is nothing to bake"), "{reason}");
+    assert_eq!(comparison(&window).view, CompareView::Off);
+}
+
+#[test]
+fn a_bake_that_waits_is_of_no_other_scene() {
+    let mut window = Window::new();
+    let other = window.path("other.xml");
+    std::fs::write(&other, SCENE).expect("a writable folder");
+    window.begin(QUICK, "new/level");
+    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    assert!(!window.app.world().resource::<Baking>().is_busy());
+    let reason = window.failure().expect("it is given up");
+    assert!(reason.contains("another scene was opened"), "{reason}");
+    assert!(!window.path("new").exists());
+}
+
+#[test]
+fn an_edit_leaves_the_level_of_the_bake_as_it_was() {
+    let mut window = Window::new();
+    let endless = BakeChoices {
+        samples: Some(1 << 24),
+        ..QUICK
+    };
+    window.begin(endless, "level");
+    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    apply(window.app.world_mut(), compare).expect("it is allowed");
+    let lit = |world: &World| {
+        let camera = world.resource::<PackedScene>().view.as_ref().map(|view| view.camera)?;
+        let comparison = world.resource::<Comparison>();
+        let seen = comparison.other(Some(&camera))?;
+        let floor = seen.radiance[seen.radiance.len() / 3 * 2..]
+            .iter()
+            .copied()
+            .sum::<Vec3>();
+        (seen.samples > 0).then_some((seen.samples, floor))
+    };
+    window.until("the lit level", |world| lit(world).is_some());
+    let (before, bright) = lit(window.app.world()).expect("it is there");
+    // The lamp, the bulb and the floor go.
+    let world = window.app.world_mut();
+    let things: Vec<Entity> = world
+        .query_filtered::<Entity, With<ToWorld>>()
+        .iter(world)
+        .filter(|thing| {
+            world
+                .get::<Name>(*thing)
+                .is_some_and(|name| ["lamp", "floor"].contains(&name.as_str()))
+        })
+        .collect();
+    assert_eq!(things.len(), 2);
+    for thing in things {
+        world.despawn(thing);
+    }
+    window.until("the edit", |world| {
+        world.resource::<RenderStatus>().is_up_to_date
+            && world
+                .resource::<RenderFilm>()
+                .film
+                .radiance()
+                .iter()
+                .all(|pixel| *pixel == Vec3::ZERO)
+    });
+    window.until("more samples", |world| lit(world).is_some_and(|(now, _)| now > before));
+    let (_, after) = lit(window.app.world()).expect("it is there");
+    assert!((after / bright - 1.0).abs().max_element() < 0.2, "{bright} {after}");
+    window.say(BakeCommand::Discard).expect("it is under way");
+    baking::end_at_exit(window.app.world_mut());
+    assert!(!window.path("level").exists());
 }
 
 #[test]

@@ -20,6 +20,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
 use crate::bake::files::OutputFolder;
 use crate::engine::{PackedScene, RenderControl, RenderStatus, WakeUp, fit};
+use crate::render::outer_walls::OuterWalls;
 use crate::render::sight::Sight;
 use crate::render::view::{Integrator, Shown, View};
 use crate::scene::{ActiveSensor, InMedium};
@@ -75,11 +76,14 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
     }
     let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let prepared = OutputFolder::prepare(&folder).map_err(CommandError::file)?;
-    // The last one is closed.
+    // The last one is closed. The level by its lightmaps will be seen of the new one.
     baking.discard();
     baking.failure = None;
     baking.folder = Some(folder);
     baking.work = Work::Waiting(prepared);
+    if let Some(mut comparison) = world.get_resource_mut::<Comparison>() {
+        show_lit(&mut comparison, None);
+    }
     let mut requests = world.resource_mut::<Requests>();
     // The form would cover what is to be seen.
     requests.sheet = requests.sheet.filter(|sheet| *sheet != Sheet::Bake);
@@ -114,8 +118,9 @@ fn look(world: &mut World) {
             size => fit(size, LARGEST_LOOK).to_array(),
         },
         sight: Sight {
-            // Shapes by themselves are those of the scene that is open now.
+            // These are of the scene that is open now. The bake finds the walls of its own.
             only: None,
+            outer_walls: OuterWalls::default(),
             ..view.sight.clone()
         },
     });
@@ -195,7 +200,20 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
     })
 }
 
+/// Gives up a bake that waits for a scene, since another one takes its place.
+pub(super) fn leave_scene(world: &mut World) {
+    let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));
+    if world.get_resource::<Baking>().is_some_and(waits) {
+        fail(
+            world,
+            "Nothing is baked: another scene was opened before the bake began.".to_owned(),
+        );
+    }
+}
+
+/// Closes what is shown of the bake, and tells why it has failed.
 fn fail(world: &mut World, reason: String) {
+    close(world);
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.error(Topic::Other, reason.clone(), None);
     world.resource_mut::<Baking>().failure = Some(reason);
@@ -217,10 +235,7 @@ fn tell_end(world: &mut World) {
     baking.work = Work::Ended(thread);
     let written = match ended {
         Ok(written) => written,
-        Err(reason) => {
-            baking.discard();
-            return fail(world, format!("The scene is not baked: {reason}"));
-        }
+        Err(reason) => return fail(world, format!("The scene is not baked: {reason}")),
     };
     let place = folder.display();
     let done = match written.is_stopped {

@@ -191,10 +191,19 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
 
 fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
     match command {
-        Command::NewScene => files::new_scene(world),
-        Command::OpenScene(path) => files::open_scene(world, path),
+        Command::NewScene => {
+            baking::leave_scene(world);
+            files::new_scene(world);
+        }
+        Command::OpenScene(path) => {
+            baking::leave_scene(world);
+            files::open_scene(world, path);
+        }
         Command::ReloadScene => files::reload_scene(world)?,
-        Command::RevertScene => files::revert_scene(world)?,
+        Command::RevertScene => {
+            files::revert_scene(world)?;
+            baking::leave_scene(world);
+        }
         Command::Save => files::save(world)?,
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,

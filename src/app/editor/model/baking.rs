@@ -39,4 +39,9 @@ impl BakeModel {
     pub fn is_busy(&self) -> bool {
         self.shown.as_ref().is_some_and(|shown| shown.is_busy)
     }
+
+    /// Whether there is light that can be written if the bake is stopped.
+    pub fn has_samples(&self) -> bool {
+        self.shown.as_ref().is_some_and(|shown| shown.news.samples > 0)
+    }
 }

@@ -16,7 +16,10 @@ pub(crate) fn gather_bake(baking: Option<Res<Baking>>, comparison: Res<Compariso
         Work::Waiting(folder) => Some(ShownBake {
             folder: folder.path().to_owned(),
             news: BakeNews {
-                stage: "Waiting for the scene".to_owned(),
+                stage: match baking.ending.is_empty() {
+                    true => "Waiting for the scene".to_owned(),
+                    false => "Waiting for the end of the last bake".to_owned(),
+                },
                 ..BakeNews::default()
             },
             is_stopped: false,

@@ -224,14 +224,18 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         let mut say = |ui: &mut Ui, is_enabled: bool, text: &str, hint: &str, command: BakeCommand| {
-            let button = ui.add_enabled(is_enabled, egui::Button::new(text)).on_hover_text(hint);
-            if button.clicked() {
+            let button = ui.add_enabled(is_enabled, egui::Button::new(text));
+            if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
                 commands.push(Command::Bake(command));
             }
         };
         if shown.is_busy {
-            let stop = "Ends the gathering of light, and writes what there is";
-            say(ui, !shown.is_stopped, "Stop", stop, BakeCommand::Stop);
+            let can_stop = !shown.is_stopped && news.samples > 0;
+            let stop = match news.samples {
+                0 => "Before the first sample of all texels there is nothing to write",
+                _ => "Ends the gathering of light, and writes what there is",
+            };
+            say(ui, can_stop, "Stop", stop, BakeCommand::Stop);
             say(
                 ui,
                 true,

@@ -28,7 +28,7 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
     let kept = model.snapshot.map(|samples| counted(samples.into(), "sample"));
     fields::note(ui, "Snapshot", kept.as_deref().unwrap_or("none"));
     // The row is there before the snapshot is, so that nothing below it moves away from the pointer.
-    let has_other = model.snapshot.is_some() || model.denoising;
+    let has_other = model.snapshot.is_some() || model.denoising || matches!(model.view, CompareView::Baked(_));
     ui.add_enabled_ui(has_other, |ui| view_rows(ui, model, commands));
     if let (Some(_), Some(measured)) = (model.snapshot, &model.figures) {
         fields::note(ui, "Measured at", counted(measured.samples.into(), "sample"));
@@ -42,15 +42,20 @@ fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) 
     // The place of the border does not matter to the choice, and stays where it is.
     let border = model.view.border().unwrap_or(0.5);
     let mut views = vec![(CompareView::Off, "off")];
-    if model.snapshot.is_some() || !model.denoising {
+    let is_baked = matches!(model.view, CompareView::Baked(_));
+    if model.snapshot.is_some() || !model.denoising && !is_baked {
         views.push((CompareView::Wipe(border), "wipe"));
         views.push((CompareView::Difference, "difference"));
     }
     if model.denoising {
         views.push((CompareView::Noisy(border), "noisy"));
     }
+    // The panel of the bake begins it.
+    if is_baked {
+        views.push((model.view, "baked"));
+    }
     let mut changed = fields::switch(ui, "Compare", &mut view, &views);
-    if let CompareView::Wipe(share) | CompareView::Noisy(share) = &mut view {
+    if let CompareView::Wipe(share) | CompareView::Noisy(share) | CompareView::Baked(share) = &mut view {
         changed |= fields::slider(ui, "Border", share, 0.0..=1.0);
     }
     if changed {

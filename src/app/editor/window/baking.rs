@@ -85,8 +85,10 @@ pub enum BakeQuestion {
     None,
     /// It is asked.
     Asking,
-    /// The window closes when the bake has ended.
+    /// The window closes when the bake has written what there is.
     Waiting,
+    /// The window closes when the bake is given up.
+    Leaving,
 }
 
 impl BakeQuestion {
@@ -95,28 +97,43 @@ impl BakeQuestion {
         self == Self::Asking
     }
 
-    /// Holds back the command to quit while a bake is under way, and gives it when the bake has ended that was waited for.
+    /// Holds back the command to quit while a bake is under way, and gives it when the bake has ended that was waited for. To be called before everything else
+    /// that holds back the command to quit, such as the question about unsaved edits, which holds back what this adds.
     pub fn hold(&mut self, commands: &mut Vec<Command>, model: &BakeModel) {
         if !model.is_busy() {
-            // A bake that failed is no longer shown, and leaves the window open.
-            if std::mem::take(self) == Self::Waiting && model.shown.is_some() {
+            let quits = match std::mem::take(self) {
+                Self::None | Self::Asking => false,
+                // A bake that failed is no longer shown, and leaves the window open.
+                Self::Waiting => model.shown.is_some(),
+                Self::Leaving => true,
+            };
+            if quits && !commands.contains(&Command::Quit) {
                 commands.push(Command::Quit);
             }
         } else if commands.contains(&Command::Quit) {
             commands.retain(|command| *command != Command::Quit);
-            *self = Self::Asking;
+            if *self != Self::Leaving {
+                *self = Self::Asking;
+            }
         }
     }
 
     /// Shows the question. To be called after [`Self::hold`] and after what else holds back the command to quit.
-    pub fn show(&mut self, context: &egui::Context, commands: &mut Vec<Command>) {
+    pub fn show(&mut self, context: &egui::Context, model: &BakeModel, commands: &mut Vec<Command>) {
         if !self.is_asking() {
             return;
         }
         let modal = dialog::question(context, "bake", 440.0, "Stop the bake?", |ui| {
             ui.label("Lightmaps are still being baked.");
             ui.add_space(6.0);
-            dialog::consequence(ui, "Stop", "what there is is written, and then the window closes.");
+            let can_stop = model.has_samples();
+            if can_stop {
+                dialog::consequence(
+                    ui,
+                    "Stop",
+                    "the lightmaps are written with the samples that they have, and then the window closes.",
+                );
+            }
             dialog::consequence(ui, "Discard", "nothing is written, and the window closes.");
             dialog::consequence(ui, "Cancel", "the bake goes on.");
             let (lose, stop) = (look::danger(ui, "Discard"), look::primary(ui, "Stop"));
@@ -125,24 +142,27 @@ impl BakeQuestion {
                 ui,
                 |ui| loses = ui.add(lose).clicked(),
                 |ui| {
-                    stops = ui.add(stop).clicked();
+                    stops = can_stop && ui.add(stop).clicked();
                     cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
                 },
             );
-            if loses {
-                commands.extend([Command::Bake(BakeCommand::Discard), Command::Quit]);
-            } else if stops {
-                commands.push(Command::Bake(BakeCommand::Stop));
-            }
-            if loses || cancels {
+            if cancels {
                 ui.close();
             }
-            stops
+            (loses, stops)
         });
-        if modal.inner {
-            *self = Self::Waiting;
-        } else if modal.should_close() {
-            *self = Self::None;
+        match modal.inner {
+            (true, _) => {
+                // The next call of `hold` quits, ahead of the other questions.
+                commands.push(Command::Bake(BakeCommand::Discard));
+                *self = Self::Leaving;
+            }
+            (_, true) => {
+                commands.push(Command::Bake(BakeCommand::Stop));
+                *self = Self::Waiting;
+            }
+            _ if modal.should_close() => *self = Self::None,
+            _ => {}
         }
     }
 }
@@ -151,6 +171,7 @@ impl BakeQuestion {
 mod tests {
     use super::*;
     use crate::app::editor::model::baking::ShownBake;
+    use crate::app::editor::window::unsaved_question::UnsavedQuestion;
 
     fn bake(is_busy: bool) -> BakeModel {
         let shown = ShownBake {
@@ -191,5 +212,86 @@ mod tests {
         question = BakeQuestion::Waiting;
         assert_eq!(after(&mut question, Vec::new(), &BakeModel::default()), []);
         assert_eq!(question, BakeQuestion::None);
+    }
+
+    /// Runs a frame of egui with what is pressed at a place.
+    fn frame(
+        context: &egui::Context,
+        question: &mut BakeQuestion,
+        model: &BakeModel,
+        click: Option<egui::Pos2>,
+    ) -> (Vec<Command>, egui::FullOutput) {
+        let mut commands = Vec::new();
+        let button = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let events = click.map(|pos| vec![egui::Event::PointerMoved(pos), button(pos, true), button(pos, false)]);
+        let input = egui::RawInput {
+            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0))),
+            events: events.unwrap_or_default(),
+            ..Default::default()
+        };
+        let output = context.run_ui(input, |ui| question.show(&ui.ctx().clone(), model, &mut commands));
+        (commands, output)
+    }
+
+    /// The middle of a button with this text, if it is shown.
+    fn button(output: &egui::FullOutput, name: &str) -> Option<egui::Pos2> {
+        fn texts(shape: &egui::Shape, name: &str, found: &mut Option<egui::Pos2>) {
+            match shape {
+                egui::Shape::Text(text) if text.galley.text() == name => {
+                    *found = Some(text.visual_bounding_rect().center());
+                }
+                egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| texts(shape, name, found)),
+                _ => {}
+            }
+        }
+        let mut found = None;
+        let shapes = output.shapes.iter();
+        shapes.for_each(|shape| texts(&shape.shape, name, &mut found));
+        found
+    }
+
+    #[test]
+    fn edits_are_asked_for_after_the_bake_is_discarded() {
+        let context = egui::Context::default();
+        let (mut bakes, mut edits) = (BakeQuestion::default(), UnsavedQuestion::default());
+        let mut hold = |bakes: &mut BakeQuestion, mut commands: Vec<Command>, model: &BakeModel| {
+            bakes.hold(&mut commands, model);
+            edits.hold(&mut commands, true);
+            (commands, edits.is_asking())
+        };
+        assert_eq!(hold(&mut bakes, vec![Command::Quit], &bake(true)), (Vec::new(), false));
+        // The size of a window is known after it was shown once.
+        frame(&context, &mut bakes, &bake(true), None);
+        let (_, output) = frame(&context, &mut bakes, &bake(true), None);
+        assert!(button(&output, "Stop").is_none(), "there are no samples");
+        let place = button(&output, "Discard");
+        let (said, _) = frame(&context, &mut bakes, &bake(true), place);
+        assert_eq!(said, [Command::Bake(BakeCommand::Discard)]);
+        assert_eq!(bakes, BakeQuestion::Leaving);
+        // While the command is on its way, nothing is asked again.
+        assert_eq!(hold(&mut bakes, vec![Command::Quit], &bake(true)), (Vec::new(), false));
+        assert_eq!(bakes, BakeQuestion::Leaving);
+        assert_eq!(hold(&mut bakes, Vec::new(), &BakeModel::default()), (Vec::new(), true));
+        assert_eq!(bakes, BakeQuestion::None);
+    }
+
+    #[test]
+    fn a_bake_with_samples_can_be_stopped() {
+        let context = egui::Context::default();
+        let mut question = BakeQuestion::Asking;
+        let mut model = bake(true);
+        if let Some(shown) = &mut model.shown {
+            shown.news.samples = 1;
+        }
+        frame(&context, &mut question, &model, None);
+        let (_, output) = frame(&context, &mut question, &model, None);
+        let (said, _) = frame(&context, &mut question, &model, button(&output, "Stop"));
+        assert_eq!(said, [Command::Bake(BakeCommand::Stop)]);
+        assert_eq!(question, BakeQuestion::Waiting);
     }
 }

@@ -304,7 +304,7 @@ pub fn show_window(
     shell.picture_question.hold(commands, shell.kept_pictures.is_offered);
     let seconds = model.status.status.seconds;
     shell.picture_question.show(&context, seconds, commands);
-    shell.bake_question.show(&context, commands);
+    shell.bake_question.show(&context, &model.bake, commands);
     let hidden = match requests.sheet {
         // The answer may solve the errors.
         _ if shell.trusted.question.is_some() => Some(Tone::Error),

@@ -64,6 +64,8 @@ pub struct BakeNews {
     pub stage: String,
     /// How far that is; None before anything is begun.
     pub progress: Option<Progress>,
+    /// The samples that each texel of the lightmaps has.
+    pub samples: u32,
     /// The number of lightmaps; 0 before that is known.
     pub pages: usize,
     /// Width and height of a lightmap.
@@ -82,8 +84,8 @@ pub struct BakeNews {
 pub(super) struct Shared {
     /// Ends the gathering of light.
     cancel: AtomicBool,
-    /// Nothing is written.
-    discards: AtomicBool,
+    /// Nothing is written, and nothing is finished any more.
+    discards: Arc<AtomicBool>,
     /// Nobody looks any more.
     closes: AtomicBool,
     wanted: Mutex<Wanted>,
@@ -106,7 +108,12 @@ impl Shared {
     }
 
     fn tell_progress(&self, stage: String, progress: &Progress) {
-        self.tell(|news| (news.stage, news.progress) = (stage, Some(*progress)));
+        self.tell(|news| {
+            (news.stage, news.progress) = (stage, Some(*progress));
+            if let Some(gathered) = progress.gathered.filter(|_| progress.stage == Stage::Lightmaps) {
+                news.samples = gathered.samples;
+            }
+        });
     }
 
     /// What the window wants to see.
@@ -205,7 +212,8 @@ impl BakeThread {
         self.shared.wanted()
     }
 
-    /// Ends it; nothing is written that is not written already. The thread ends soon.
+    /// Gives it up. Nothing is written; files that are being written already are all written, so that they fit together. The thread ends soon, or when the level is
+    /// described or unwrapped.
     pub fn discard(self) -> JoinHandle<()> {
         self.shared.discards.store(true, Ordering::Relaxed);
         self.shared.cancel.store(true, Ordering::Relaxed);
@@ -217,6 +225,9 @@ impl BakeThread {
         self.thread
     }
 }
+
+/// Why a bake ends that is given up.
+const GIVEN_UP: &str = "the bake is given up";
 
 /// Bakes and writes the files. The error is a sentence.
 fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(BakeJob, Written), String> {
@@ -235,6 +246,9 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         &order.access,
     )
     .map_err(|error| error.to_string())?;
+    if shared.discards.load(Ordering::Relaxed) {
+        return Err(GIVEN_UP.to_owned());
+    }
     shared.tell(|news| news.warnings = messages);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(order.threads.get())
@@ -246,6 +260,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         probes,
         pool: Arc::new(pool.build().map_err(|error| error.to_string())?),
         is_seen: true,
+        discards: shared.discards.clone(),
     };
     let mut prepared = |now: &Progress| shared.tell_progress(stage(now.stage, None), now);
     let mut job =
@@ -267,8 +282,9 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         job.finish_so_far(&mut watch).map_err(|error| error.to_string())?;
     }
     let Some(baked) = job.baked().filter(|_| !is_discarded()) else {
-        return Err("the bake is given up".to_owned());
+        return Err(GIVEN_UP.to_owned());
     };
+    shared.tell(|news| (news.stage, news.progress) = ("Writing the files".to_owned(), None));
     files::write(folder.path(), job.blueprint(), baked).map_err(|error| error.to_string())?;
     let written = Written {
         is_stopped: ending == BakeEnding::Cancelled,
