@@ -6,6 +6,7 @@ use glam::{UVec2, Vec3};
 
 use super::Sample;
 use super::subpath::{LightPath, Vertex};
+use super::weights::Ways;
 use crate::color::{Rgb, luminance};
 use crate::render::guide::{Field, SHARE};
 
@@ -75,35 +76,12 @@ impl Guidance<'_> {
     /// The sum of the squared densities of path tracing's ways, relative to that which joins the vertex number `last` of a path from a light with the camera's. From there it has the
     /// density `pdf` per area, and `next` is the density per solid angle with which a path from the camera would leave it against the light.
     pub fn of_joined(&self, path: &LightPath, light: &[Vertex], last: usize, pdf: f32, next: f32) -> f32 {
-        let mut number = last;
-        let mut ratio = pdf / light[last].pdf;
-        let mut is_delta = false;
-        loop {
-            let vertex = &light[number];
-            let Some(before) = vertex.before else {
-                let start = path.emitted.pdf.start;
-                let (mut sampled, mut met) = (0.0, 0.0);
-                if !is_delta {
-                    sampled = ratio * vertex.pdf_of_start / start;
-                }
-                if !path.emitted.start.is_delta() {
-                    let reverse = match number == last {
-                        true => path.start_density(vertex.point.position, next),
-                        false => path.pdf_reverse,
-                    };
-                    met = ratio * reverse / start * self.ratio(vertex, -path.emitted.dir);
-                }
-                return sampled * sampled + met * met;
-            };
-            let other = &light[before];
-            let reverse = match number == last {
-                true => other.area_pdf(next, vertex.point.position),
-                false => other.pdf_reverse,
-            };
-            ratio *= reverse / other.pdf * self.ratio(vertex, between(vertex, other));
-            is_delta = other.is_delta;
-            number = before;
-        }
+        let factor = |vertex: &Vertex, next: Option<&Vertex>| {
+            let wi = next.map_or(-path.emitted.dir, |next| between(vertex, next));
+            self.ratio(vertex, wi)
+        };
+        let ways = Ways::OF_PATHS.with_fewer_of_light_times(path, light, last, pdf, false, factor);
+        ways.sum(next)
     }
 }
 

@@ -41,6 +41,13 @@ pub(super) struct Ways {
 }
 
 impl Ways {
+    /// Those of path tracing.
+    pub const OF_PATHS: Self = Self {
+        to_lens: false,
+        joins: false,
+        merging: None,
+    };
+
     /// The squared ratio of joining two vertices, if it is possible.
     fn joined(&self, ratio: f32, is_possible: bool) -> f32 {
         if self.joins && is_possible { square(ratio) } else { 0.0 }
@@ -65,6 +72,20 @@ impl Ways {
         pdf: f32,
         is_merged: bool,
     ) -> FewerOfLight {
+        self.with_fewer_of_light_times(path, vertices, last, pdf, is_merged, |_, _| 1.0)
+    }
+
+    /// [`Self::with_fewer_of_light`] where paths from the camera have `factor` times the density with which they leave a vertex of the light's for the one that was before it,
+    /// or for the start of the light.
+    pub fn with_fewer_of_light_times(
+        &self,
+        path: &LightPath,
+        vertices: &[Vertex],
+        last: usize,
+        pdf: f32,
+        is_merged: bool,
+        factor: impl Fn(&Vertex, Option<&Vertex>) -> f32,
+    ) -> FewerOfLight {
         let mut number = last;
         // The ratio of the way in which the vertex has changed sides, but for the factor of the density `next` behind the last vertex.
         let mut ratio = pdf / vertices[number].pdf;
@@ -81,7 +102,7 @@ impl Ways {
                 }
                 if !path.emitted.start.is_delta() {
                     let reverse = reverse.unwrap_or_else(|| path.start_density(vertex.point.position, 1.0));
-                    of_next += square(ratio * reverse / start);
+                    of_next += square(ratio * reverse / start * factor(vertex, None));
                 }
                 return FewerOfLight { fixed, of_next };
             };
@@ -90,7 +111,7 @@ impl Ways {
             *sum += self.joined(ratio, !is_delta && !other.is_delta)
                 + self.merged(ratio, vertex, !is_delta && other.is_delta && !is_left_out);
             let reverse_of_other = reverse.unwrap_or_else(|| other.area_pdf(1.0, vertex.point.position));
-            ratio *= reverse_of_other / other.pdf;
+            ratio *= reverse_of_other / other.pdf * factor(vertex, Some(other));
             is_delta = other.is_delta;
             reverse = Some(match other.before {
                 Some(next) => vertices[next].pdf_reverse,

@@ -36,18 +36,21 @@ const RUN: usize = 64;
 
 /// The most photons that are learnt from.
 pub(super) const MOST_PHOTONS: usize = PATHS as usize * MOST_OF_PATH;
-/// The most memory of a field in bytes. A level has at most a histogram for each of its pieces and orientations, and one for so many photons, of the finest level; the levels above
-/// have an eighth of the pieces of the one below.
-const MOST_BYTES: usize = 64 << 20;
-const _: () = {
-    let places = (RESOLUTION * RESOLUTION * RESOLUTION) as usize * ORIENTATIONS as usize;
-    let (mut cells, mut left) = (1 + MOST_PHOTONS / LEAST_PHOTONS as usize, places / 8);
+/// The pieces of the finest level, with their orientations.
+const MOST_PLACES: usize = (RESOLUTION * RESOLUTION * RESOLUTION) as usize * ORIENTATIONS as usize;
+/// The most histograms. A level has at most one for each of its pieces and orientations, and one for so many photons, of the finest level; the levels above have an eighth of the
+/// pieces of the one below.
+const MOST_CELLS: usize = {
+    let (mut cells, mut left) = (1 + MOST_PHOTONS / LEAST_PHOTONS as usize, MOST_PLACES / 8);
     while left > 0 {
         cells += left;
         left /= 8;
     }
-    assert!(places * size_of::<u32>() + cells * size_of::<Cell>() <= MOST_BYTES);
+    cells
 };
+/// The most memory of a field in bytes.
+const MOST_BYTES: usize = 48_000_000;
+const _: () = assert!(MOST_PLACES * size_of::<u32>() + MOST_CELLS * size_of::<Cell>() <= MOST_BYTES);
 
 /// The orientations of surfaces: the axis that is nearest to the normal.
 const ORIENTATIONS: u32 = 6;
@@ -61,8 +64,8 @@ pub(in crate::render) struct Field {
     scale: f32,
     size: UVec3,
     /// For each piece and orientation the number of the histogram; 0 for none, which is that of the cosine.
-    index: Vec<u32>,
-    cells: Vec<Cell>,
+    index: Box<[u32]>,
+    cells: Box<[Cell]>,
 }
 
 /// The sums of a level of pieces, of which each is twice as long as those of the level below.
@@ -174,7 +177,7 @@ impl Field {
                 (cell != NONE && level.counts[cell as usize] >= LEAST_PHOTONS).then_some((number, cell as usize))
             })
         };
-        let index: Vec<u32> = levels[0]
+        let index = levels[0]
             .places()
             .map(|(piece, orientation, _)| {
                 found(piece, orientation).map_or(0, |(number, cell)| number_of(number, cell))
@@ -185,7 +188,8 @@ impl Field {
             scale,
             size,
             index,
-            cells,
+            // A vector would keep up to as much again for more of them.
+            cells: cells.into_boxed_slice(),
         })
     }
 
@@ -378,7 +382,8 @@ mod tests {
             .map(photon)
             .collect();
         let field = Field::learn(&all).expect("a guide");
-        assert!(field.cells.len() > 20_000, "{}", field.cells.len());
+        let cells = field.cells.len();
+        assert!((20_000..=MOST_CELLS).contains(&cells), "{cells}");
         assert!(field.bytes() <= MOST_BYTES, "{}", field.bytes());
     }
 
