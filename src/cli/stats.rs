@@ -57,6 +57,8 @@ pub struct Auto {
     pub gain_of_guide: Option<f32>,
     /// The share of the light that `path` never finds.
     pub missed: f32,
+    /// The rays that the pilot has learnt a guide with, which are not among those of the render.
+    pub guide_rays: u64,
 }
 
 impl From<AutoStatus> for Auto {
@@ -66,6 +68,7 @@ impl From<AutoStatus> for Auto {
             gain: status.choice.gain,
             gain_of_guide: status.choice.gain_of_guide,
             missed: status.choice.missed,
+            guide_rays: status.guide_rays,
         }
     }
 }

@@ -71,7 +71,7 @@ pub(super) fn seek_choice(
         search.0 = None;
         return;
     }
-    let seen = Seen::of(&extracted.scene, &view);
+    let seen = Seen::with_samples(&extracted.scene, &view, stop.samples);
     if let Some(under_way) = search.0.as_ref().filter(|search| search.seen.is_same(&seen)) {
         let Some(found) = under_way.found.get() else { return };
         auto.0 = found.map(|choice| (seen, choice));
@@ -172,6 +172,7 @@ pub(super) fn report(
             .or_guided(extracted.guide_is_asked)
             .name(has_media),
         is_searching: search.0.is_some(),
+        guide_rays: extracted.guide.rays_of_pilot(),
         choice: choice.unwrap_or(Choice::UNTRIED),
     });
     // A picture that has ended with fewer samples has no pilot.

@@ -241,6 +241,7 @@ pub(super) fn extract_scene(
     }
     let old = extracted.scene.clone();
     let old_view = extracted.view.clone();
+    let guide_was_asked = extracted.guide_is_asked;
     let mut news = Some(ShapeNews {
         moved: Vec::new(),
         edits: Some(ListEdits::default()),
@@ -287,7 +288,7 @@ pub(super) fn extract_scene(
     if let Some(view) = as_chosen.as_mut().filter(|_| is_auto) {
         // A choice is no change of what is seen.
         view.integrator = Integrator::Path(view.integrator.settings());
-        view.guide = extracted.view.as_ref().and_then(|view| view.guide.clone());
+        view.guide = guide_was_asked.then(|| extracted.guide.clone());
     }
     if has_size_until_change && !(same_scene && extracted.sees_as(as_chosen.as_ref())) {
         control.forget_size_until_change();

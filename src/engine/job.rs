@@ -442,7 +442,7 @@ impl Job {
         self.note_noise();
     }
 
-    /// Counts what guides were learnt with since the last call, which may be that of another picture of the same scene.
+    /// Counts what guides were learnt with since the last call, which may be that of another picture of the same scene. The rays of pilots are not among them.
     fn count_rays_of_guides(&mut self) {
         let rays = self.guides().map(Guide::take_rays).sum::<u64>();
         self.rays += rays;

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::blocking::{Limits, RenderError, load_to_completion};
 use super::detect::Dirty;
+use super::extract::Extracted;
 use super::packed_scene::PackedScene;
 use crate::layer::Layer;
 use crate::render::light_layers::LightGroups;
@@ -84,8 +85,11 @@ pub fn open_shutter(
         }
         moments.push(moment);
     }
+    // That of the scene at the last moment. A pilot may have learnt it, or is about to: `auto` chooses for that moment.
+    let extracted = app.world().resource::<Extracted>();
+    let guide = (&extracted.scene, &extracted.guide);
     let open = OpenShutter {
-        shutter: Shutter::new(&moments).filter(|_| moments.len() > 1),
+        shutter: Shutter::new(&moments, guide).filter(|_| moments.len() > 1),
         before: moments.into_iter().next().and_then(|(_, view)| view.before),
     };
     app.world_mut().insert_resource(open);

@@ -108,7 +108,7 @@ impl Default for RenderStatus {
 /// The guide of a picture's paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GuideStatus {
-    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier picture.
+    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier picture or from a pilot.
     pub rays: u64,
     /// Its memory in bytes; 0 until it is learnt, and where there is nothing to be guided by.
     pub bytes: u64,
@@ -143,6 +143,8 @@ pub struct AutoStatus {
     pub integrator: &'static str,
     /// Whether its pilot is under way.
     pub is_searching: bool,
+    /// The rays that pilots have learnt the guide of the scene with. They are no part of [`RenderStatus::rays`].
+    pub guide_rays: u64,
     /// The choice. Before there is one it is path tracing, without a gain.
     pub choice: Choice,
 }

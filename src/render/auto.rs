@@ -130,6 +130,23 @@ impl Choice {
     }
 }
 
+/// What the pilot of a picture may do. It depends on the number of samples alone, and where it is equal, so is the choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    stages: usize,
+    guide: bool,
+}
+
+impl Budget {
+    /// That of a picture of so many `samples`, over all pixels.
+    pub fn of(samples: u64) -> Self {
+        Self {
+            stages: stages(samples),
+            guide: pays_for_guide(samples),
+        }
+    }
+}
+
 /// Whether there is a choice for a picture of so many `samples`, over all pixels: fewer are not worth a pilot, and media leave none.
 pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
     let settings = view.integrator.settings();
@@ -179,8 +196,8 @@ pub fn pilot_view(view: &View) -> View {
     }
 }
 
-/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of the scene, which may be learnt. None if `cancel` was set
-/// in the meantime.
+/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of the scene, which may be learnt: the rays of that are
+/// then in [`Guide::rays_of_pilot`]. None if `cancel` was set in the meantime.
 pub fn choose(
     scene: &RenderScene,
     view: &View,
@@ -205,11 +222,16 @@ pub fn choose(
     let Some(mut found) = judge(&parts, size) else {
         return Some(Choice::UNTRIED);
     };
-    let is_tried = found.noise >= NOISY && found.gain < BEYOND_GUIDES && pays_for_guide(samples);
-    let is_in_doubt = (WORTHWHILE / CLEAR..WORTHWHILE * CLEAR).contains(&found.gain) && stages(samples) > 1;
+    let budget = Budget::of(samples);
+    let is_tried = found.noise >= NOISY && found.gain < BEYOND_GUIDES && budget.guide;
+    let is_in_doubt = (WORTHWHILE / CLEAR..WORTHWHILE * CLEAR).contains(&found.gain) && budget.stages > 1;
     let mut gain_of_guide = None;
     if is_tried || is_in_doubt {
-        let second = pilot(1, is_tried.then_some(guide))?;
+        let second = pilot(1, is_tried.then_some(guide));
+        if is_tried {
+            guide.leave_rays_to_pilot();
+        }
+        let second = second?;
         gain_of_guide = judge(&second, size).and_then(|second| second.gain_of_guide);
         add(&mut parts, second);
         found = judge(&parts, size).unwrap_or(found);

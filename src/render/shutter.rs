@@ -29,8 +29,8 @@ impl Shutter {
     /// The most moments: beyond, packing them would take longer than to trace their samples.
     pub const MOST: u32 = 64;
 
-    /// The shutter over moments in the order of time; None if there are none.
-    pub fn new(moments: &[Moment]) -> Option<Self> {
+    /// The shutter over moments in the order of time; None if there are none. `scene` is one that `guide` is of, which may be learnt already.
+    pub fn new(moments: &[Moment], (scene, guide): (&RenderScene, &Guide)) -> Option<Self> {
         let first = moments.first()?;
         let photons = first.1.photons.clone();
         let moment = |place: usize| {
@@ -43,16 +43,20 @@ impl Shutter {
             (scene, view)
         };
         let moments: Vec<Moment> = spread_order(moments.len()).into_iter().map(moment).collect();
-        // And one guide, that of its scene, which others share if only the camera moves.
-        let of_first = first.1.guide.clone().unwrap_or_default();
-        let guide = |(scene, _): &Moment| match scene.is_same(&first.0) {
-            true => of_first.clone(),
-            false => Guide::default(),
-        };
-        let guides = moments.iter().map(guide).collect();
+        // A guide is that of a scene, which all moments have if only the camera moves.
+        let mut guides: Vec<Guide> = Vec::new();
+        for moment in &moments {
+            let before = moments
+                .iter()
+                .zip(&guides)
+                .find(|(before, _)| before.0.is_same(&moment.0));
+            let known = before.map(|(_, guide)| guide.clone());
+            let known = known.or_else(|| moment.0.is_same(scene).then(|| guide.clone()));
+            guides.push(known.unwrap_or_default());
+        }
         let shutter = Self {
             moments: moments.into(),
-            guides,
+            guides: guides.into(),
         };
         Some(shutter.with_method_of(&first.1))
     }

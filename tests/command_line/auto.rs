@@ -115,11 +115,23 @@ fn a_room_lit_from_a_cove_has_the_bits_of_guided_paths() {
     let auto = &stats["auto"];
     assert_eq!(auto["integrator"], "guided path");
     assert!(auto["gain_of_guide"].as_f64().is_some_and(|gain| gain > 1.5), "{stats}");
-    // The pilot has learnt the guide of the picture.
-    let of_guide = stats["guide"]["rays"].as_u64();
-    assert!(of_guide.is_some_and(|rays| rays > 65_536), "{stats}");
+    // The pilot has learnt the guide of the picture, which counts none of its rays.
+    let is_of_pilot = |stats: &serde_json::Value| {
+        let of_pilot = stats["auto"]["guide_rays"].as_u64();
+        let bytes = stats["guide"]["bytes"].as_u64();
+        of_pilot.is_some_and(|rays| rays > 65_536) && bytes > Some(0) && stats["guide"]["rays"] == 0
+    };
+    assert!(is_of_pilot(&stats), "{stats}");
     let told = String::from_utf8_lossy(&run.stderr);
     assert!(told.contains("auto takes `guided path`"), "{told}");
+    // So it is where only the camera moves while the shutter is open.
+    let moving = ["--turntable=48", "--shutter", "0.5", "--frames", "4"];
+    let auto = ["--integrator", "auto", "--stats=json"];
+    let run = render("moving-###.exr", &[&moving[..], &auto].concat());
+    let stats: serde_json::Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    assert!(is_of_pilot(&stats), "{stats}");
+    render("led-###.exr", &[&moving[..], &["--guided"]].concat());
+    assert!(picture(&shop, "moving-004.exr").0 == picture(&shop, "led-004.exr").0);
 }
 
 #[test]

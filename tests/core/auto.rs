@@ -95,6 +95,8 @@ fn paths_are_guided_where_lamps_are_behind_corners() {
         many.method == Method::GuidedPath && many.gain_of_guide > Some(1.5),
         "{many:?}"
     );
+    // Its rays are the pilot's, and no picture counts them.
+    assert!(guide.rays_of_pilot() > 65_536 && guide.take_rays() == 0);
     // What was learnt for the pilot is there for the picture, on any number of threads.
     assert_eq!((choose(MANY, 3), guide.learnings()), (many, 1));
     assert_eq!(chosen(&scene, &view, 3), many);

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::bidirectional::{assert_pictures, diffuse, glass, lit_room, look, placed};
-use crate::support::{SceneBuilder, render};
+use crate::support::{SceneBuilder, camera, render};
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
@@ -11,6 +11,7 @@ use sunroom::material::{BumpOptions, Material};
 use sunroom::render::film::Film;
 use sunroom::render::guide::Guide;
 use sunroom::render::scene::RenderScene;
+use sunroom::render::shutter::Shutter;
 use sunroom::render::tile::{Tile, TileSamples, render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
 use sunroom::texture::Parameter;
@@ -155,6 +156,27 @@ fn guided_samples_do_not_depend_on_their_neighbours() {
             }
         }
     }
+}
+
+#[test]
+fn moments_of_one_scene_share_its_guide() {
+    let (scene, other) = (cove(), lit_room());
+    let moment = |scene: &RenderScene, shift: f32| {
+        let mut view = look(6);
+        view.camera = camera(Vec3::new(shift, 0.0, 3.4), Vec3::ZERO, 36.0);
+        (scene.clone(), view)
+    };
+    let moments = [
+        moment(&other, 0.0),
+        moment(&scene, 0.1),
+        moment(&other, 0.2),
+        moment(&scene, 0.3),
+    ];
+    let guide = Guide::default();
+    let shutter = Shutter::new(&moments, (&scene, &guide)).expect("four moments");
+    let (known, others): (Vec<&Guide>, Vec<&Guide>) = shutter.guides().partition(|own| own.is_same(&guide));
+    assert_eq!((known.len(), others.len()), (2, 2));
+    assert!(others[0].is_same(others[1]), "the other scene has two guides");
 }
 
 fn traced(scene: &RenderScene, view: &View, tile: usize) -> TileSamples {

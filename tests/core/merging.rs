@@ -10,6 +10,7 @@ use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::layer::{Layer, Layers};
 use sunroom::light::{LightSource, Spot};
+use sunroom::render::guide::Guide;
 use sunroom::render::photon_rounds::PhotonRounds;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::shutter::{Moment, Shutter};
@@ -143,7 +144,7 @@ fn the_moments_of_a_blurred_picture_share_their_photons() {
             )
         })
         .collect();
-    let shutter = Shutter::new(&moments).expect("three moments");
+    let shutter = Shutter::new(&moments, (&scene, &Guide::default())).expect("three moments");
     let tile = tiles(view.width, view.height)[0];
     let never = AtomicBool::new(false);
     shutter.render_tile(tile, 0..48, &never).expect("not cancelled");

@@ -1,12 +1,15 @@
 //! The integrator `auto` in a window: its first pictures are by path tracing.
 
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
 use bevy::prelude::*;
 use sunroom::color::Rgb;
-use sunroom::engine::{AutoStatus, RenderControl, RenderFilm, RenderStatus};
-use sunroom::render::auto::Method;
+use sunroom::engine::{AutoStatus, EnginePlugin, Limits, RenderControl, RenderFilm, RenderStatus, load_to_completion};
+use sunroom::render::auto::{Choice, Method};
 use sunroom::scene::{
-    DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Ior, Material, PathPlugin, Shape, ShapeKind,
-    ToWorld, UsesMaterial,
+    DocumentOrder, Emitter, EmitterKind, FileSourcePlugin, Film, IntegratorSettings, Ior, Material, OpenScene,
+    PathPlugin, ScenePlugin, Shape, ShapeKind, ToWorld, UsesMaterial, asset_plugin,
 };
 
 use crate::{ball, finish};
@@ -114,6 +117,69 @@ fn a_choice_holds_at_every_resolution() {
     finish(&mut app);
     assert_eq!(auto(&app), chosen);
     assert_eq!(app.world().resource::<RenderFilm>().film.width(), 128);
+    // Whether paths are guided is one.
+    app.world_mut().resource_mut::<IntegratorSettings>().guided = true;
+    finish(&mut app);
+    assert_eq!(app.world().resource::<RenderFilm>().film.width(), 64);
+}
+
+/// A room lit from a cove in a window, with so many samples to come.
+fn cove(samples: u32) -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        FileSourcePlugin,
+        asset_plugin(),
+        ScenePlugin,
+        EnginePlugin,
+    ));
+    let world = app.world_mut();
+    world.write_message(OpenScene {
+        path: concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/hard/cove.xml").into(),
+        ..default()
+    });
+    assert_eq!(load_to_completion(&mut app, &Limits::default()), Ok(true));
+    let mut control = app.world_mut().resource_mut::<RenderControl>();
+    (control.interactive, control.path_is_auto, control.threads) = (true, true, NonZeroUsize::MIN);
+    control.target_samples = Some(samples);
+    app
+}
+
+/// Updates until there is a choice that `is_expected`.
+fn choice(app: &mut App, what: &str, is_expected: impl Fn(&Choice) -> bool) -> Choice {
+    let begin = Instant::now();
+    loop {
+        app.update();
+        let status = auto(app);
+        let found = status.filter(|status| !status.is_searching && is_expected(&status.choice));
+        if let Some(status) = found {
+            return status.choice;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(200), "{what}: {status:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_choice_does_not_depend_on_how_many_samples_were_asked_for_before() {
+    // 64 x 48 pixels: the last number pays for the trial of a guide, and the first for no pilot.
+    let [none, some, many] = [100, 400, 6000];
+    let has_guide = |choice: &Choice| choice.gain_of_guide.is_some();
+    let is_plain = |choice: &Choice| choice.gain.is_some() && !has_guide(choice);
+    let mut app = cove(some);
+    let first = choice(&mut app, "some samples", is_plain);
+    assert_ne!(first.method, Method::GuidedPath);
+    let ask = |app: &mut App, samples| app.world_mut().resource_mut::<RenderControl>().target_samples = Some(samples);
+    ask(&mut app, many);
+    let raised = choice(&mut app, "more samples", has_guide);
+    assert_eq!(raised.method, Method::GuidedPath);
+    let mut fresh = cove(many);
+    assert_eq!(choice(&mut fresh, "a fresh window", has_guide), raised);
+    drop(fresh);
+    ask(&mut app, some);
+    assert_eq!(choice(&mut app, "less again", is_plain), first);
+    ask(&mut app, none);
+    choice(&mut app, "no pilot", |choice| *choice == Choice::UNTRIED);
 }
 
 #[test]

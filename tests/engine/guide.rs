@@ -3,7 +3,7 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::color::Rgb;
-use sunroom::engine::{GuideStatus, PackedScene, RenderControl, RenderFilm, RenderStatus};
+use sunroom::engine::{GuideStatus, PackedScene, RenderFilm, RenderStatus};
 use sunroom::render::guide::Guide;
 use sunroom::scene::{
     DocumentOrder, Emitter, EmitterKind, Film, FreeView, IntegratorSettings, Sensor, Shape, ShapeKind, ToWorld,
@@ -75,29 +75,52 @@ fn flying_keeps_the_guide_and_an_edit_drops_it() {
     assert!(fly(&mut app, None).is_same(&first) && first.learnings() == 1);
 
     // A brighter sky brings other light.
-    let world = app.world_mut();
-    let mut skies = world.query::<&mut Emitter>();
-    skies.single_mut(world).expect("a sky").kind = EmitterKind::Constant {
-        radiance: Rgb::splat(0.7),
-    };
+    brighten(&mut app);
     let second = fly(&mut app, None);
     assert!(!second.is_same(&first) && second.learnings() == 1);
     // And so does what has moved.
-    let world = app.world_mut();
-    let mut shapes = world.query_filtered::<&mut ToWorld, With<Shape>>();
-    shapes.iter_mut(world).for_each(|mut pose| pose.0.translation.y -= 0.1);
+    move_down(&mut app);
     let third = fly(&mut app, None);
     assert!(!third.is_same(&second) && third.learnings() == 1 && status(&app).rays > 60_000);
 
     // What was edited is guided as if it had been read that way.
     let edited = picture(&app);
+    let mut fresh = guided();
+    let world = fresh.world_mut();
+    let mut films = world.query::<&mut Film>();
+    let mut film = films.single_mut(world).expect("a film");
+    (film.width, film.sample_count) = (24, 6);
+    world.query::<&mut Sensor>().single_mut(world).expect("a sensor").fov = 50.0;
+    brighten(&mut fresh);
+    move_down(&mut fresh);
+    finish(&mut fresh);
+    assert!(
+        picture(&fresh) == edited,
+        "the guide of the edited scene is not that of the scene"
+    );
+
+    // Without a guide and with it again.
     let mut settings = app.world_mut().resource_mut::<IntegratorSettings>();
     settings.guided = false;
     finish(&mut app);
     assert_eq!(app.world().resource::<RenderStatus>().guide, None);
     app.world_mut().resource_mut::<IntegratorSettings>().guided = true;
     assert!(fly(&mut app, None).is_same(&third) && picture(&app) == edited);
-    app.world_mut().resource_mut::<RenderControl>().paused = true;
-    app.update();
     assert_eq!(third.learnings(), 1);
+}
+
+/// A brighter sky.
+fn brighten(app: &mut App) {
+    let world = app.world_mut();
+    let mut skies = world.query::<&mut Emitter>();
+    skies.single_mut(world).expect("a sky").kind = EmitterKind::Constant {
+        radiance: Rgb::splat(0.7),
+    };
+}
+
+/// Moves all shapes.
+fn move_down(app: &mut App) {
+    let world = app.world_mut();
+    let mut shapes = world.query_filtered::<&mut ToWorld, With<Shape>>();
+    shapes.iter_mut(world).for_each(|mut pose| pose.0.translation.y -= 0.1);
 }

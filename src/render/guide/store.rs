@@ -25,6 +25,8 @@ struct Store {
     learnings: AtomicU32,
     /// The rays that were traced for it and not taken yet.
     rays: AtomicU64,
+    /// Those that were traced for the pilot of the integrator `auto`.
+    rays_of_pilot: AtomicU64,
 }
 
 /// What some paths from the lights have brought.
@@ -75,6 +77,16 @@ impl Guide {
     /// The rays that were traced to learn, since the last call.
     pub fn take_rays(&self) -> u64 {
         self.0.rays.swap(0, Ordering::Relaxed)
+    }
+
+    /// Counts the rays that were not taken yet as those of a pilot, so that no picture counts them.
+    pub(in crate::render) fn leave_rays_to_pilot(&self) {
+        self.0.rays_of_pilot.fetch_add(self.take_rays(), Ordering::Relaxed);
+    }
+
+    /// The rays that pilots have traced to learn.
+    pub fn rays_of_pilot(&self) -> u64 {
+        self.0.rays_of_pilot.load(Ordering::Relaxed)
     }
 
     /// The memory of what was learnt last, in bytes; 0 where there is nothing to be guided by.

@@ -151,6 +151,7 @@ fn the_panel_says_what_auto_stands_for() {
     let auto = AutoStatus {
         integrator: "bdpt",
         is_searching: false,
+        guide_rays: 0,
         choice,
     };
     let mut harness = render_panel(RenderModel {
@@ -168,10 +169,26 @@ fn the_panel_says_what_auto_stands_for() {
     harness.state_mut().given.auto = Some(AutoStatus {
         integrator: "guided path",
         is_searching: false,
+        guide_rays: 70_000,
         choice,
     });
     harness.run_steps(3);
     harness.get_by_label("guided path: 2.1 times less variance for its cost");
+    // Guided because that is asked for; the gain is that against `path` without a guide.
+    let choice = Choice {
+        method: Method::Path,
+        gain: Some(0.3),
+        gain_of_guide: None,
+        missed: 0.0,
+    };
+    harness.state_mut().given.auto = Some(AutoStatus {
+        integrator: "guided path",
+        is_searching: false,
+        guide_rays: 0,
+        choice,
+    });
+    harness.run_steps(3);
+    harness.get_by_label("guided path: bdpt has 3.3 times the variance of path for the cost");
     click(&mut harness, "By scene");
     assert_eq!(harness.state().commands, [Command::SetPathIsAuto(false)]);
 }

@@ -163,7 +163,10 @@ pub fn auto_words(auto: &AutoStatus) -> String {
     match (method, gain) {
         _ if auto.is_searching => format!("{name}, while a pilot is traced"),
         (_, None) => name.to_owned(),
-        (Method::Path, Some(gain)) => format!("{name}: bdpt has {:.1} times its variance for the cost", gain.recip()),
+        (Method::Path, Some(gain)) => format!(
+            "{name}: bdpt has {:.1} times the variance of path for the cost",
+            gain.recip()
+        ),
         (Method::GuidedPath, Some(gain)) => {
             let gain = gain_of_guide.unwrap_or(gain);
             format!("{name}: {gain:.1} times less variance for its cost")
