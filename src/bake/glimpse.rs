@@ -7,6 +7,7 @@ use glam::UVec2;
 use super::blueprint::Blueprint;
 use super::finish::LightmapPicture;
 use super::lightmap::Lightmaps;
+use super::texels::Texels;
 use crate::color::Rgb;
 
 /// A small picture of a lightmap.
@@ -14,7 +15,7 @@ use crate::color::Rgb;
 pub struct Glimpse {
     /// Width and height.
     pub size: UVec2,
-    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies.
+    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies, or only what is inside of walls, whose light is not known yet.
     pub white: Vec<Option<Rgb>>,
 }
 
@@ -58,26 +59,33 @@ impl Blueprint {
     pub fn glimpse(&self, page: usize, light: &Lightmaps, most: u32) -> Glimpse {
         let mut cells = Cells::new(self.places.size, most);
         for texel in self.places.pages[page].clone() {
-            cells.add(self.places.texels[texel].place, light.light(texel));
+            if !light.is_buried(texel) {
+                cells.add(self.places.texels[texel].place, light.light(texel));
+            }
         }
         cells.means()
+    }
+
+    /// A finished lightmap, no side of it longer than `most`.
+    pub fn glimpse_of(&self, page: usize, picture: &LightmapPicture, most: u32) -> Glimpse {
+        finished(&self.places, page, picture, most)
     }
 }
 
-impl LightmapPicture {
-    /// The picture, no side of it longer than `most`.
-    pub fn glimpse(&self, most: u32) -> Glimpse {
-        let mut cells = Cells::new(self.size, most);
-        for (index, light) in (0..).zip(&self.irradiance) {
-            cells.add(UVec2::new(index % self.size.x, index / self.size.x), *light);
-        }
-        cells.means()
+fn finished(places: &Texels<()>, page: usize, picture: &LightmapPicture, most: u32) -> Glimpse {
+    let mut cells = Cells::new(picture.size, most);
+    for texel in places.pages[page].clone() {
+        let place = places.texels[texel].place;
+        let index = place.y as usize * picture.size.x as usize + place.x as usize;
+        cells.add(place, picture.irradiance[index]);
     }
+    cells.means()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::texels::Texel;
 
     #[test]
     fn a_small_picture_has_the_means_of_the_large_one() {
@@ -85,11 +93,31 @@ mod tests {
             size: UVec2::new(5, 2),
             irradiance: (0..10).map(|texel| Rgb::splat(texel as f32)).collect(),
         };
-        let small = picture.glimpse(3);
+        let places = |covered: &[u32]| {
+            let place = |index: &u32| UVec2::new(index % 5, index / 5);
+            let texel = |index| Texel {
+                place: place(index),
+                receiver: (),
+            };
+            Texels {
+                size: picture.size,
+                texels: covered.iter().map(texel).collect(),
+                pages: std::iter::once(0..covered.len()).collect(),
+            }
+        };
+        let all: Vec<u32> = (0..10).collect();
+        let small = finished(&places(&all), 0, &picture, 3);
         assert_eq!(small.size, UVec2::new(3, 1));
         let means = [3.0, 5.0, 6.5].map(|mean: f32| Some(Rgb::splat(mean * FRAC_1_PI)));
         assert_eq!(small.white, means);
-        assert_eq!(picture.glimpse(5).size, picture.size);
+        assert_eq!(finished(&places(&all), 0, &picture, 5).size, picture.size);
+        // The gaps between surfaces count for nothing.
+        let small = finished(&places(&[0, 1, 2, 3, 5, 6, 7]), 0, &picture, 3);
+        let means = [Some(3.0), Some(4.0), None];
+        assert_eq!(
+            small.white,
+            means.map(|mean: Option<f32>| Some(Rgb::splat(mean? * FRAC_1_PI)))
+        );
     }
 
     #[test]

@@ -21,11 +21,11 @@ use super::probes::{AskedProbe, Probe, ProbeSettings, ProbeSites, plan};
 use super::progress::{Gathered, Pace, Progress, Stage, Work};
 use super::seams::{Seam, smooth_seams};
 use super::sides::lit_sides;
-use super::texels::{Texel, Texels, covered_texels};
+use super::texels::{BakeSurface, Texel, Texels, covered_texels};
 use super::unwrap::UnwrapSettings;
 use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
-use crate::memory::Reservation;
+use crate::memory::{Reservation, Shortage};
 use crate::render::camera::Camera;
 use crate::render::irradiance::ReceivedLight;
 use crate::render::outer_walls::OuterWalls;
@@ -113,8 +113,10 @@ pub struct BakeJob {
     /// What views pass that pass the backs of surfaces, found when it is first needed.
     outer_walls: OnceLock<OuterWalls>,
     texels: Texels,
-    /// The surfaces that have texels, if they are looked at.
-    surfaces: Option<BakedSurfaces>,
+    /// The surfaces that have texels, if they may be looked at.
+    surfaces: Vec<BakeSurface>,
+    /// The same where rays find them, once they are looked at.
+    seen: OnceLock<BakedSurfaces>,
     /// The light of the lightmaps, and then that of each probe.
     pub(super) lights: Vec<Lightmaps>,
     /// What is finished so far; None before the lightmaps are.
@@ -178,20 +180,10 @@ impl BakeJob {
             seams[surface.page as usize].extend(smooth_seams(surface));
         }
         is_cancelled()?;
-        let (probes, memory_of_probes, mut warnings) = match plan {
+        let (probes, memory_of_probes, warnings) = match plan {
             Some(plan) => (plan.probes, Some(plan.memory), plan.warnings),
             None => Default::default(),
         };
-        let surfaces = is_seen.then(|| {
-            let density = baked.texels_per_unit;
-            pool.install(|| BakedSurfaces::new(&baked.surfaces, &texels, density))
-        });
-        let surfaces = surfaces.transpose().unwrap_or_else(|shortage| {
-            warnings.push(format!(
-                "the level is not shown by its lightmaps: that needs {shortage}"
-            ));
-            None
-        });
         let blueprint = Blueprint {
             level: level.binary()?,
             light: settings.light,
@@ -212,7 +204,8 @@ impl BakeJob {
             discards,
             outer_walls: OnceLock::new(),
             texels,
-            surfaces,
+            surfaces: if is_seen { baked.surfaces } else { Vec::new() },
+            seen: OnceLock::new(),
             spent: vec![Duration::ZERO; lights.len()],
             lights,
             baked: None,
@@ -241,10 +234,25 @@ impl BakeJob {
         self.baked.as_ref()
     }
 
-    /// What a camera sees of the level with so many pixels; None if it was not asked for, or if there is no memory for it. It takes a ray or two for each pixel.
-    /// The outer walls of `sight` are those of the scene of the job, whatever they are.
-    pub fn see(&self, camera: &Camera, size: UVec2, sight: &Sight) -> Option<SeenPixels> {
-        let surfaces = self.surfaces.as_ref()?;
+    /// What a camera sees of the level with so many pixels, without what shines if `hides_emitters`. An error if the memory budget has no room. It takes a ray or two
+    /// for each pixel, and the first call prepares the surfaces, which have light if [`BakeSource::is_seen`]. The outer walls of `sight` are those of the scene of
+    /// the job, whatever they are.
+    pub fn see(
+        &self,
+        camera: &Camera,
+        size: UVec2,
+        sight: &Sight,
+        hides_emitters: bool,
+    ) -> Result<SeenPixels, Shortage> {
+        let surfaces = match self.seen.get() {
+            Some(surfaces) => surfaces,
+            None => {
+                let density = self.blueprint.texels_per_unit;
+                let prepare = || BakedSurfaces::new(&self.surfaces, &self.texels, density);
+                let surfaces = self.pool.install(prepare)?;
+                self.seen.get_or_init(|| surfaces)
+            }
+        };
         let sight = &Sight {
             outer_walls: match sight.passes_backs {
                 true => self
@@ -255,7 +263,8 @@ impl BakeJob {
             },
             ..sight.clone()
         };
-        Some(self.pool.install(|| surfaces.see(&self.scene, camera, size, sight)))
+        let see = || surfaces.see(&self.scene, camera, size, sight, hides_emitters);
+        self.pool.install(see)
     }
 
     /// The radiance of pixels by the lightmaps as they are, row by row from the top, linear Rec. 709.
@@ -264,7 +273,7 @@ impl BakeJob {
             Some(baked) => LitBy::Finished(&baked.lightmaps),
             None => LitBy::Gathered(self.light()),
         };
-        let surfaces = self.surfaces.as_ref();
+        let surfaces = self.seen.get();
         surfaces.map_or_else(Vec::new, |surfaces| self.pool.install(|| seen.lit(surfaces, light)))
     }
 

@@ -36,6 +36,7 @@ pub mod reflection;
 mod saving;
 pub mod seams;
 pub mod sides;
+mod stage_words;
 pub mod texels;
 pub mod unwrap;
 pub mod volume;

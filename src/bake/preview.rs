@@ -14,11 +14,11 @@ use rayon::prelude::*;
 use super::finish::LightmapPicture;
 use super::lightmap::Lightmaps;
 use super::texels::{BakeSurface, Texels};
-use crate::accel::{Blas, SplitMethod};
+use crate::accel::{Blas, Detail, SplitMethod};
 use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
 use crate::light::SurfaceHit;
-use crate::math::Ray;
+use crate::math::{Ray, offset_origin};
 use crate::memory::{self, Reservation, Shortage};
 use crate::render::borders::{Met, behind_borders};
 use crate::render::camera::Camera;
@@ -34,6 +34,10 @@ const ROUNDING: f32 = 1e-4;
 const NONE: u32 = u32::MAX;
 /// Bytes that a texel takes, covered or not.
 const TEXEL_BYTES: u64 = size_of::<u32>() as u64;
+/// Bytes that a pixel takes, with its colour in two pictures, of which one is made while the other is shown.
+const PIXEL_BYTES: u64 = (size_of::<Seen>() + 2 * size_of::<Rgb>()) as u64;
+/// The most emitters in front of each other that a camera does not see.
+const MOST_HIDDEN: usize = 256;
 /// Bytes that a triangle takes with its corners and its part of the hierarchy.
 const TRIANGLE_BYTES: u64 = 320;
 
@@ -74,6 +78,7 @@ pub struct SeenPixels {
     /// Width and height.
     pub size: UVec2,
     pixels: Vec<Seen>,
+    _memory: Reservation,
 }
 
 /// The light of lightmaps.
@@ -109,18 +114,35 @@ impl BakedSurfaces {
         })
     }
 
-    /// What `camera` sees of the scene in each of so many pixels.
-    pub fn see(&self, scene: &RenderScene, camera: &Camera, size: UVec2, sight: &Sight) -> SeenPixels {
+    /// What `camera` sees of the scene in each of so many pixels; skies are black and shapes that shine are passed if `hides_emitters`. An error if the memory
+    /// budget has no room.
+    pub fn see(
+        &self,
+        scene: &RenderScene,
+        camera: &Camera,
+        size: UVec2,
+        sight: &Sight,
+        hides_emitters: bool,
+    ) -> Result<SeenPixels, Shortage> {
+        let memory = memory::reserve(PIXEL_BYTES * u64::from(size.x) * u64::from(size.y))?;
         let camera = camera.sharp();
         let pixel = |index: u32| {
             let place = UVec2::new(index % size.x, index / size.x).as_vec2() + 0.5;
             let ray = camera.ray(place / size.as_vec2(), Vec2::splat(0.5));
-            self.see_along(scene, &sight.narrow(&scene.geometry, ray))
+            let ray = sight.narrow(&scene.geometry, ray);
+            match hides_emitters {
+                true => Seen {
+                    own: Rgb::ZERO,
+                    ..self.see_along(scene, &behind_emitters(scene, ray))
+                },
+                false => self.see_along(scene, &ray),
+            }
         };
-        SeenPixels {
+        Ok(SeenPixels {
             size,
             pixels: (0..size.x * size.y).into_par_iter().map(pixel).collect(),
-        }
+            _memory: memory,
+        })
     }
 
     fn see_along(&self, scene: &RenderScene, ray: &Ray) -> Seen {
@@ -211,6 +233,23 @@ impl BakedSurfaces {
         }
         sum / f32::max(weights, f32::MIN_POSITIVE)
     }
+}
+
+/// A camera ray as it goes on behind the shapes that shine and that the camera does not see.
+fn behind_emitters(scene: &RenderScene, mut ray: Ray) -> Ray {
+    for _ in 0..MOST_HIDDEN {
+        let hit = scene.geometry.intersect(&ray);
+        let Some(hit) = hit.filter(|hit| scene.slot(hit).light.is_some()) else {
+            break;
+        };
+        let point = scene.geometry.surface_in(&ray, &hit, Detail::Plain);
+        let origin = offset_origin(point.position, point.error, point.geometric_normal, ray.dir);
+        ray = Ray {
+            t_max: ray.t_max - hit.t,
+            ..Ray::new(origin, ray.dir)
+        };
+    }
+    ray
 }
 
 impl SeenPixels {

@@ -24,6 +24,15 @@ pub enum Stage {
     FinishingProbe(usize),
 }
 
+/// A sentence about so many samples that are not finite, without a full stop; None if there are none.
+pub fn about_invalid(samples: u64) -> Option<String> {
+    match samples {
+        0 => None,
+        1 => Some("1 sample is not finite, which counts as black".to_owned()),
+        samples => Some(format!("{samples} samples are not finite, which count as black")),
+    }
+}
+
 /// How far a stage is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {

@@ -21,6 +21,7 @@ use sunroom::bake::files;
 use sunroom::bake::job::{BakeEnding, BakeJob, BakeLimits, BakeSettings, BakeSource};
 use sunroom::bake::manifest::BakedLight;
 use sunroom::bake::probes::ProbeSettings;
+use sunroom::bake::progress::about_invalid;
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
 use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
@@ -281,9 +282,8 @@ fn bake_share(args: &BakeArgs, samples: [u32; 2]) -> Result<ExitCode, Failure> {
 }
 
 fn report_invalid(samples: u64) {
-    if samples > 0 {
-        let samples = counted(samples, "sample");
-        report::line(format_args!("warning: {samples} not finite, which count as black"));
+    if let Some(about) = about_invalid(samples) {
+        report::line(format_args!("warning: {about}"));
     }
 }
 

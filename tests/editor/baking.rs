@@ -6,13 +6,15 @@ use std::process::Command as Process;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use sunroom::app::editor::automation::script::baking::{BakeWait, has_come, is_lit_level_seen};
+use sunroom::app::editor::automation::script::parse::{Step, line};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand};
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::commands::{apply, baking};
-use sunroom::app::editor::picture::baking::Baking;
+use sunroom::app::editor::picture::baking::{Baking, Work};
 use sunroom::app::editor::picture::compare::Comparison;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::options::SceneDefines;
@@ -159,7 +161,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// What the command line bakes.
-fn by_command_line(scene: &Path, folder: &Path, more: &[&str]) -> BTreeMap<String, Vec<u8>> {
+fn by_command_line(scene: &Path, folder: &Path, samples: u32, more: &[&str]) -> BTreeMap<String, Vec<u8>> {
     let mut command = Process::new(env!("CARGO_BIN_EXE_sunroom"));
     command.arg("bake").arg(scene).arg("-o").arg(folder).arg("--quiet");
     command.args([
@@ -168,7 +170,7 @@ fn by_command_line(scene: &Path, folder: &Path, more: &[&str]) -> BTreeMap<Strin
         "--atlas-size",
         "64",
         "--spp",
-        "16",
+        samples.to_string().as_str(),
         "--no-denoise",
     ]);
     let output = command.args(more).output().expect("the program starts");
@@ -203,7 +205,7 @@ fn the_window_writes_the_files_of_the_command_line() {
         "{}",
         window.told()
     );
-    let expected = by_command_line(&window.path("scene.xml"), &window.path("by-line"), &["--no-probes"]);
+    let expected = by_command_line(&window.path("scene.xml"), &window.path("by-line"), 16, &["--no-probes"]);
     assert!(expected.len() >= 4, "{:?}", expected.keys());
     assert_same(&files(&window.path("plain")), &expected);
     // The panel has a picture of the lightmap.
@@ -221,28 +223,15 @@ fn the_window_writes_the_files_of_the_command_line() {
     window.begin(choices, "nested/indirect");
     window.end();
     assert_eq!(window.failure(), None);
-    let more = ["--indirect-only", "--spp", "2"];
     let folder = window.path("by-line-indirect");
-    let mut command = Process::new(env!("CARGO_BIN_EXE_sunroom"));
-    command.arg("bake").arg(window.path("scene.xml")).arg("-o").arg(&folder);
-    command
-        .args([
-            "--quiet",
-            "--texels-per-unit",
-            "4",
-            "--atlas-size",
-            "64",
-            "--no-denoise",
-        ])
-        .args(more);
-    assert!(command.status().expect("the program starts").success());
+    let expected = by_command_line(&window.path("scene.xml"), &folder, 2, &["--indirect-only"]);
     let found = files(&window.path("nested/indirect"));
     assert!(
         found.keys().any(|name| name.starts_with("irradiance-")),
         "{:?}",
         found.keys()
     );
-    assert_same(&found, &files(&folder));
+    assert_same(&found, &expected);
 }
 
 #[test]
@@ -260,8 +249,12 @@ fn a_bake_that_is_stopped_writes_what_there_is() {
         .expect_err("one is under way")
         .to_string();
     assert!(refused.contains("still under way"), "{refused}");
+    let has_come = |window: &Window, wait| has_come(window.app.world(), wait).expect("it has not failed");
+    assert!(has_come(&window, BakeWait::Samples(1)));
+    assert!(!has_come(&window, BakeWait::Samples(1 << 24)) && !has_come(&window, BakeWait::End));
     window.say(BakeCommand::Stop).expect("it is under way");
     window.end();
+    assert!(has_come(&window, BakeWait::End));
     assert_eq!(window.failure(), None);
     let files = files(&window.path("stopped"));
     assert!(files.contains_key("lightmaps.json") && files.contains_key("lightmap-0.exr"));
@@ -288,6 +281,13 @@ fn nothing_is_left_of_a_bake_that_is_given_up() {
     window.say(BakeCommand::Discard).expect("it is under way");
     // Another one in the same folder waits until the first has left it.
     window.begin(QUICK, "new/level");
+    let baking = |window: &Window| {
+        let baking = window.app.world().resource::<Baking>();
+        (matches!(baking.work, Work::Waiting(_)), baking.ending.len())
+    };
+    assert_eq!(baking(&window), (true, 1));
+    window.until("the other bake", |world| world.resource::<Baking>().thread().is_some());
+    assert_eq!(baking(&window), (false, 0));
     window.end();
     assert_eq!(window.failure(), None);
     assert!(window.path("new/level/lightmaps.json").is_file());
@@ -449,7 +449,21 @@ fn the_level_by_its_lightmaps_is_as_bright_as_the_true_picture() {
     window.begin(QUICK, "level");
     let compare = Command::SetCompareView(CompareView::Baked(0.5));
     apply(window.app.world_mut(), compare).expect("it is allowed");
+    window.app.update();
+    // A script that saves the picture now waits for it, and then for the finished lightmaps.
+    assert!(!is_lit_level_seen(window.app.world()));
     window.end();
+    assert!(has_come(window.app.world(), BakeWait::Samples(16)).expect("it has not failed"));
+    let is_finished = |world: &World| {
+        world
+            .resource::<Comparison>()
+            .baked
+            .as_ref()
+            .is_some_and(|lit| lit.is_finished)
+    };
+    assert_eq!(is_lit_level_seen(window.app.world()), is_finished(window.app.world()));
+    window.until("the lit level", is_lit_level_seen);
+    assert!(is_finished(window.app.world()));
     let samples = |world: &World| {
         let baked = world.resource::<Comparison>().baked.as_ref()?;
         Some(baked.picture.samples)
@@ -487,4 +501,93 @@ fn the_level_by_its_lightmaps_is_as_bright_as_the_true_picture() {
     window.say(BakeCommand::Close).expect("it has ended");
     let comparison = window.app.world().resource::<Comparison>();
     assert!(comparison.baked.is_none() && comparison.view == CompareView::Off);
+}
+
+#[test]
+fn lines_say_how_lightmaps_are_baked_and_what_is_waited_for() {
+    let mut world = World::new();
+    let choose = |world: &mut World, text: &str| {
+        let step = line(world, text).expect("a good line").expect("it says something");
+        let Step::Do(Command::Bake(BakeCommand::Choose(choices))) = step else {
+            panic!("{step:?}");
+        };
+        world.get_resource_or_init::<Baking>().choices = choices;
+        choices
+    };
+    let first = choose(
+        &mut world,
+        "bake-with texels-per-unit=8 page-size=256 samples=16 light=indirect",
+    );
+    let expected = BakeChoices {
+        texels_per_unit: Some(8.0),
+        atlas_size: 256,
+        samples: Some(16),
+        indirect_only: true,
+        ..BakeChoices::default()
+    };
+    assert_eq!(first, expected);
+    // What is not named stays.
+    let second = choose(
+        &mut world,
+        "bake-with samples=none time=2 noise=0.02 probes=off denoise=off",
+    );
+    let expected = BakeChoices {
+        samples: None,
+        time: Some(2.0),
+        noise: Some(0.02),
+        probes: false,
+        denoise: false,
+        ..first
+    };
+    assert_eq!(second, expected);
+
+    let step = |world: &mut World, text: &str| line(world, text).expect("a good line");
+    assert!(matches!(step(&mut world, "bake-to level"), Some(Step::Bake(folder)) if folder.ends_with("level")));
+    let begins = step(&mut world, "begin-bake level");
+    assert!(
+        matches!(begins, Some(Step::Do(Command::Bake(BakeCommand::Begin(_))))),
+        "{begins:?}"
+    );
+    let waits = step(&mut world, "wait-for-bake 8");
+    assert!(
+        matches!(waits, Some(Step::AwaitBake(BakeWait::Samples(8)))),
+        "{waits:?}"
+    );
+    let waits = step(&mut world, "wait-for-bake done");
+    assert!(matches!(waits, Some(Step::AwaitBake(BakeWait::End))), "{waits:?}");
+    let shows = step(&mut world, "show-lightmap 2");
+    assert!(
+        matches!(shows, Some(Step::Do(Command::Bake(BakeCommand::ShowPage(2))))),
+        "{shows:?}"
+    );
+    for wrong in [
+        "bake-with",
+        "bake-with samples",
+        "bake-with page-size=1",
+        "bake-with noise=2",
+        "bake-with light=none",
+        "bake-to",
+        "wait-for-bake soon",
+        "show-lightmap -1",
+    ] {
+        assert!(line(&mut world, wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn a_bake_that_has_failed_ends_the_wait_with_its_reason() {
+    let mut world = World::new();
+    assert!(has_come(&world, BakeWait::End).expect("nothing has failed"));
+    world.insert_resource(Baking {
+        failure: Some("no room".to_owned()),
+        ..Baking::default()
+    });
+    let error = has_come(&world, BakeWait::End).expect_err("it has failed");
+    assert_eq!(error.to_string(), "no room");
+    assert!(is_lit_level_seen(&world));
+    world.insert_resource(Comparison {
+        view: CompareView::Baked(0.5),
+        ..Comparison::default()
+    });
+    assert!(is_lit_level_seen(&world), "there is no bake");
 }

@@ -32,27 +32,22 @@ impl BakeProgress {
 
     /// Shows how far the preparation of a job is.
     pub fn prepare(&mut self, now: &Now) {
-        let message = match now.stage {
-            Stage::PlacingProbes => "placing the probes",
-            _ => "unwrapping the level",
-        };
-        self.step(now, message.to_owned());
+        self.step(now, now.stage.words(None));
     }
 
     /// Shows how far the job is now.
     pub fn show(&mut self, job: &BakeJob, now: &Now) {
-        let probe = |number: usize| &job.blueprint().probes[number];
         if let Stage::Probe(number) = now.stage
             && self.is_new(now.stage)
             && !self.quiet
         {
             self.end();
-            report::line(title(probe(number)));
+            let words = now.stage.words(Some(job.blueprint()));
+            report::line(title(&words, &job.blueprint().probes[number]));
         }
-        let message = match (now.stage, &now.gathered) {
-            (_, Some(gathered)) => self.message(now.stage, gathered),
-            (Stage::FinishingProbe(number), _) => format!("filtering `{}`", probe(number).name),
-            _ => "finishing the lightmaps".to_owned(),
+        let message = match &now.gathered {
+            Some(gathered) => self.message(now.stage, gathered),
+            None => now.stage.words(Some(job.blueprint())),
         };
         self.step(now, message);
     }
@@ -102,15 +97,11 @@ impl BakeProgress {
     }
 }
 
-fn title(probe: &Probe) -> String {
-    let name = &probe.name;
+fn title(words: &str, probe: &Probe) -> String {
     match probe.kind {
-        ProbeKind::Reflection { size, .. } => format!("reflection probe `{name}`, {size} x {size}"),
+        ProbeKind::Reflection { size, .. } => format!("{words}, {size} x {size}"),
         ProbeKind::Volume { points } => {
-            format!(
-                "irradiance volume `{name}`, {} x {} x {} points",
-                points.x, points.y, points.z
-            )
+            format!("{words}, {} x {} x {} points", points.x, points.y, points.z)
         }
     }
 }

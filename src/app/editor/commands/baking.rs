@@ -98,7 +98,10 @@ pub fn follow(world: &mut World) {
     baking.ending.retain(|thread| !thread.is_finished());
     match &baking.work {
         // A bake that was given up may be about to remove the folder.
-        Work::Waiting(_) if baking.ending.is_empty() => start(world),
+        Work::Waiting(_) if baking.ending.is_empty() => {
+            start(world);
+            look(world);
+        }
         Work::UnderWay(_) | Work::Ended(_) => look(world),
         Work::None | Work::Waiting(_) => {}
     }
@@ -123,6 +126,7 @@ fn look(world: &mut World) {
             outer_walls: OuterWalls::default(),
             ..view.sight.clone()
         },
+        hides_emitters: view.integrator.settings().hide_emitters,
     });
     let Some(thread) = world.resource::<Baking>().thread() else {
         return;
@@ -249,7 +253,7 @@ fn tell_end(world: &mut World) {
     match news.warnings.is_empty() {
         true => toasts.info(format!("{done}.")),
         false => {
-            for message in &news.warnings {
+            for message in news.warnings.iter() {
                 warn!("{place}: {message}");
             }
             toasts.report(with_list(
@@ -267,7 +271,7 @@ pub fn end_at_exit(world: &mut World) {
     };
     baking.discard();
     for thread in std::mem::take(&mut baking.ending) {
-        // What it had to say is of no use any more.
+        // The result is of no use any more.
         let _ = thread.join();
     }
 }

@@ -131,7 +131,7 @@ fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
     optional(ui, time, &mut choices.time, 60.0, 0.1..=1e7, (" s", "no limit"));
     let light = about(
         "Light",
-        "Without it, the direct light of points, spots and directional lights is left to the game, which has them in the level.",
+        "`indirect only` leaves the direct light of points, spots and directional lights to the game, which has these lights in the level.",
     );
     fields::switch(
         ui,
@@ -220,6 +220,9 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
             false => CompareView::Off,
         };
         commands.push(Command::SetCompareView(view));
+    }
+    if let Some(reason) = &news.blind {
+        ui.add(Label::new(RichText::new(reason).weak()).wrap());
     }
     ui.add_space(4.0);
     ui.horizontal(|ui| {

@@ -51,6 +51,8 @@ pub struct Look {
     pub size: [u32; 2],
     /// What the camera looks through.
     pub sight: Sight,
+    /// Whether lights are hidden from it.
+    pub hides_emitters: bool,
 }
 
 /// The level as its lightmaps light it.
@@ -60,6 +62,8 @@ pub struct LitPicture {
     pub look: Look,
     /// The picture. Its samples are those of each texel.
     pub picture: Snapshot,
+    /// Whether its lightmaps are finished.
+    pub is_finished: bool,
 }
 
 /// The snapshot and how it is shown.

@@ -8,7 +8,9 @@ use super::names::count;
 use super::rendering::{limit, switch};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
+use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::picture::baking::Baking;
+use crate::app::editor::picture::compare::Comparison;
 use crate::bake::unwrap::ATLAS_SIZES;
 use crate::document::value::parse_float;
 
@@ -30,22 +32,38 @@ pub(super) fn wait(text: &str) -> Result<BakeWait, ScriptError> {
 }
 
 /// Whether what is waited for has come. The error says that the bake has failed.
-pub(super) fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
+pub fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
     let Some(baking) = world.get_resource::<Baking>() else {
         return Ok(true);
     };
     if let Some(reason) = &baking.failure {
         return Err(reason.clone().into());
     }
-    let samples = || {
-        let gathered = baking.thread()?.news().progress?.gathered?;
-        Some(gathered.samples)
-    };
     Ok(match wait {
         _ if !baking.is_busy() => true,
-        BakeWait::Samples(wanted) => samples().is_some_and(|samples| samples >= wanted),
+        BakeWait::Samples(wanted) => baking.thread().is_some_and(|thread| thread.news().samples >= wanted),
         BakeWait::End => false,
     })
+}
+
+/// Whether the level is seen by its lightmaps as the window wants it, if it does: from the present camera, and by the finished lightmaps once the bake has ended.
+pub fn is_lit_level_seen(world: &World) -> bool {
+    let resources = (world.get_resource::<Baking>(), world.get_resource::<Comparison>());
+    let (Some(baking), Some(comparison)) = resources else {
+        return true;
+    };
+    if !matches!(comparison.view, CompareView::Baked(_)) {
+        return true;
+    }
+    let Some(thread) = baking.thread() else {
+        return !baking.is_busy();
+    };
+    let news = thread.news();
+    let Some(look) = thread.wanted().look.filter(|_| news.blind.is_none()) else {
+        return true;
+    };
+    let lit = comparison.baked.as_ref().filter(|lit| lit.look == look);
+    lit.is_some_and(|lit| lit.is_finished || news.ended.is_none())
 }
 
 /// The command that sets how lightmaps are baked: what is not named stays.

@@ -150,6 +150,9 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
         }
         script.bake = None;
     }
+    if !baking::is_lit_level_seen(world) {
+        return Ok(false);
+    }
     let Some(wait) = script.wait else {
         return Ok(true);
     };

@@ -108,6 +108,6 @@ pub fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {
         ["wipe", share] => Ok(CompareView::Wipe(parse_float(share)?)),
         ["baked", share] => Ok(CompareView::Baked(parse_float(share)?)),
         ["noisy", share] => Ok(CompareView::Noisy(parse_float(share)?)),
-        _ => Err("expected `off`, `wipe FRACTION`, `difference` or `noisy FRACTION`".into()),
+        _ => Err("expected `off`, `wipe FRACTION`, `difference`, `noisy FRACTION` or `baked FRACTION`".into()),
     }
 }

@@ -10,14 +10,17 @@ use crate::app::editor::picture::compare::{LitPicture, Look, Snapshot};
 use crate::bake::glimpse::Glimpse;
 use crate::bake::job::BakeJob;
 use crate::bake::preview::SeenPixels;
+use crate::memory::Shortage;
 use crate::render::tonemap::Display;
 
 /// The longest side of the small picture of a lightmap, in pixels.
 const LARGEST: u32 = 512;
 /// The time between two pictures while light is gathered.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// Pictures take at most the share 1 / (1 + this) of the time.
+/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time.
 const WORK_PER_PICTURE: u32 = 20;
+/// The same while what it wants to see changes, such as the camera.
+const WORK_PER_CHANGE: u32 = 3;
 
 /// What the window wants to see.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,7 +55,11 @@ impl Showing {
     pub fn look(&mut self, shared: &Shared, job: &BakeJob) {
         let wanted = shared.wanted();
         let is_early = |(at, cost, shown): &(Instant, Duration, Wanted)| {
-            *shown == wanted && at.elapsed() < INTERVAL.max(*cost * WORK_PER_PICTURE)
+            let pause = match *shown == wanted {
+                true => INTERVAL.max(*cost * WORK_PER_PICTURE),
+                false => *cost * WORK_PER_CHANGE,
+            };
+            at.elapsed() < pause
         };
         if !self.last.as_ref().is_some_and(is_early) {
             self.show_now(shared, job, &wanted);
@@ -64,33 +71,48 @@ impl Showing {
         let begin = Instant::now();
         let page = wanted.page.min(job.blueprint().page_count() - 1);
         let glimpse = match job.baked() {
-            Some(baked) => baked.lightmaps[page].glimpse(LARGEST),
+            Some(baked) => job.blueprint().glimpse_of(page, &baked.lightmaps[page], LARGEST),
             None => job.blueprint().glimpse(page, job.light(), LARGEST),
         };
         let image = Arc::new(picture(&glimpse, &wanted.display));
-        let lit = wanted.look.as_ref().and_then(|look| self.lit(job, look));
+        let lit = match &wanted.look {
+            Some(look) => self.lit(job, look).map(Some),
+            None => {
+                self.seen = None;
+                Ok(None)
+            }
+        };
+        let blind = lit
+            .as_ref()
+            .err()
+            .map(|shortage| format!("The level is not shown by its lightmaps: that needs {shortage}"));
         shared.tell(|news| {
             news.picture = Some(PagePicture { page, image });
-            news.lit = lit;
+            news.lit = lit.unwrap_or_default();
+            news.blind = blind;
         });
         self.last = Some((Instant::now(), begin.elapsed(), wanted.clone()));
     }
 }
 
 impl Showing {
-    fn lit(&mut self, job: &BakeJob, look: &Look) -> Option<Arc<LitPicture>> {
-        if self.seen.as_ref().is_none_or(|(known, _)| known != look) {
-            let seen = job.see(&look.camera, look.size.into(), &look.sight);
-            self.seen = seen.map(|seen| (look.clone(), seen));
-        }
-        let (_, seen) = self.seen.as_ref()?;
+    fn lit(&mut self, job: &BakeJob, look: &Look) -> Result<Arc<LitPicture>, Shortage> {
+        let known = self.seen.take().filter(|(known, _)| known == look);
+        let seen = match known {
+            Some((_, seen)) => seen,
+            None => job.see(&look.camera, look.size.into(), &look.sight, look.hides_emitters)?,
+        };
         let picture = Snapshot {
             size: look.size,
-            radiance: job.lit(seen),
+            radiance: job.lit(&seen),
             samples: job.light().samples(),
         };
-        let look = look.clone();
-        Some(Arc::new(LitPicture { look, picture }))
+        self.seen = Some((look.clone(), seen));
+        Ok(Arc::new(LitPicture {
+            look: look.clone(),
+            picture,
+            is_finished: job.baked().is_some(),
+        }))
     }
 }
 

@@ -15,8 +15,7 @@ use crate::app::editor::picture::compare::LitPicture;
 use crate::bake::blueprint::Blueprint;
 use crate::bake::files::{self, OutputFolder};
 use crate::bake::job::{BakeEnding, BakeJob, BakeLimits, BakeSettings, BakeSource};
-use crate::bake::probes::ProbeKind;
-use crate::bake::progress::{Progress, Stage};
+use crate::bake::progress::{Progress, Stage, about_invalid};
 use crate::engine::{WakeUp, yield_to_window};
 use crate::files::Access;
 use crate::render::scene::RenderScene;
@@ -75,7 +74,9 @@ pub struct BakeNews {
     /// The level as its lightmaps light it, if the window wants to see it.
     pub lit: Option<Arc<LitPicture>>,
     /// Sentences about what is not as it was asked for.
-    pub warnings: Vec<String>,
+    pub warnings: Arc<Vec<String>>,
+    /// The sentence why the level is not seen as its lightmaps light it although it is wanted.
+    pub blind: Option<String>,
     /// How it has ended, or the sentence why it failed.
     pub ended: Option<Result<Written, String>>,
 }
@@ -249,7 +250,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
     if shared.discards.load(Ordering::Relaxed) {
         return Err(GIVEN_UP.to_owned());
     }
-    shared.tell(|news| news.warnings = messages);
+    shared.tell(|news| news.warnings = Arc::new(messages));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(order.threads.get())
         .start_handler(|_| yield_to_window());
@@ -266,7 +267,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
     let mut job =
         BakeJob::prepare(source, settings, &shared.cancel, &mut prepared).map_err(|error| error.to_string())?;
     shared.tell(|news| {
-        news.warnings.extend_from_slice(job.warnings());
+        Arc::make_mut(&mut news.warnings).extend_from_slice(job.warnings());
         news.pages = job.blueprint().page_count();
         news.page_size = job.blueprint().places.size.to_array();
     });
@@ -290,29 +291,16 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         is_stopped: ending == BakeEnding::Cancelled,
         samples: baked.samples,
     };
-    let invalid = job.invalid_samples();
-    if invalid > 0 {
-        shared.tell(|news| {
-            let warning = format!("{invalid} samples are not finite, which count as black");
-            news.warnings.push(warning);
-        });
+    if let Some(warning) = about_invalid(job.invalid_samples()) {
+        shared.tell(|news| Arc::make_mut(&mut news.warnings).push(warning));
     }
     Ok((job, written))
 }
 
-/// What is being done, in words.
+/// What is being done, with a large letter.
 fn stage(stage: Stage, blueprint: Option<&Blueprint>) -> String {
-    let probe = |number: usize| blueprint.and_then(|blueprint| blueprint.probes.get(number));
-    let name = |number: usize| probe(number).map_or("", |probe| probe.name.as_str());
-    match stage {
-        Stage::PlacingProbes => "Placing the probes".to_owned(),
-        Stage::Unwrapping => "Unwrapping the level".to_owned(),
-        Stage::Lightmaps => "Gathering the light of the lightmaps".to_owned(),
-        Stage::FinishingLightmaps => "Finishing the lightmaps".to_owned(),
-        Stage::Probe(number) => match probe(number).map(|probe| probe.kind) {
-            Some(ProbeKind::Volume { .. }) => format!("Irradiance volume `{}`", name(number)),
-            _ => format!("Reflection probe `{}`", name(number)),
-        },
-        Stage::FinishingProbe(number) => format!("Filtering `{}`", name(number)),
-    }
+    let words = stage.words(blueprint);
+    let mut letters = words.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
 }
