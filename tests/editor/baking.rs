@@ -243,6 +243,18 @@ fn a_bake_that_is_stopped_writes_what_there_is() {
     };
     window.begin(endless, "stopped");
     window.until("some samples", |world| Window::samples(world) > 0);
+    // The picture in the panel grows with the samples.
+    let image = |world: &World| {
+        let thread = world.resource::<Baking>().thread();
+        thread.and_then(|thread| Some(thread.news().picture?.image))
+    };
+    window.until("a picture", |world| image(world).is_some());
+    for _ in 0..3 {
+        let before = image(window.app.world()).expect("it is there");
+        window.until("another picture", |world| {
+            image(world).is_some_and(|now| now.pixels != before.pixels)
+        });
+    }
     let other = window.path("other");
     let refused = window
         .say(BakeCommand::Begin(other))

@@ -17,8 +17,10 @@ use crate::render::tonemap::Display;
 const LARGEST: u32 = 512;
 /// The time between two pictures while light is gathered.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time.
+/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time, or more after [`LONGEST_PAUSE`].
 const WORK_PER_PICTURE: u32 = 20;
+/// The longest pause after a picture, so that it is seen to grow on a slow or busy machine as well.
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 /// The same while what it wants to see changes, such as the camera.
 const WORK_PER_CHANGE: u32 = 3;
 
@@ -59,7 +61,7 @@ impl Showing {
                 true => INTERVAL.max(*cost * WORK_PER_PICTURE),
                 false => *cost * WORK_PER_CHANGE,
             };
-            at.elapsed() < pause
+            at.elapsed() < pause.min(LONGEST_PAUSE)
         };
         if !self.last.as_ref().is_some_and(is_early) {
             self.show_now(shared, job, &wanted);
