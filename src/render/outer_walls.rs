@@ -25,6 +25,10 @@ const PERPENDICULAR: f32 = 0.3;
 const NEIGHBOURS: usize = 2;
 /// Inside are at least so many shapes for each outside.
 const INSIDE_FOR_EACH_OUTSIDE: usize = 3;
+/// The cosine of the angle between the way out and the normal of a wall's outer face, at least.
+const OUTER_FACE: f32 = 0.7;
+/// The cosine of the angle between the way in and a ray that sees a wall clearly from outside, at least.
+const SEEN_FROM_OUTSIDE: f32 = 0.3;
 /// What hides so much of a wall's width and height from outside covers it.
 const COVERED: f32 = 0.9;
 
@@ -76,10 +80,20 @@ impl OuterWalls {
         Self(Arc::new(walls))
     }
 
-    /// Whether a ray in direction `dir` that meets `item` comes from outside the room.
-    pub(super) fn is_entered(&self, item: u32, dir: Vec3) -> bool {
-        let place = self.0.binary_search_by_key(&item, |(item, _)| *item);
-        place.is_ok_and(|place| self.0[place].1.dot(dir) < 0.0)
+    /// The place of an item among the walls, below 64; None if it is none.
+    pub(super) fn place_of(&self, item: u32) -> Option<usize> {
+        self.0.binary_search_by_key(&item, |(item, _)| *item).ok()
+    }
+
+    /// Whether a ray in direction `dir` comes from outside where it meets a front of the wall at `place` that has this normal: the outer face itself, or the
+    /// top or an end of the wall if it is clearly seen from outside.
+    pub(super) fn is_entered(&self, place: usize, normal: Vec3, dir: Vec3) -> bool {
+        self.0[place].1.dot(normal) > OUTER_FACE || self.is_seen_from_outside(place, dir)
+    }
+
+    /// Whether a ray in direction `dir` clearly comes from the outer side of the wall at `place`.
+    pub(super) fn is_seen_from_outside(&self, place: usize, dir: Vec3) -> bool {
+        self.0[place].1.dot(dir) < -SEEN_FROM_OUTSIDE * dir.length()
     }
 }
 

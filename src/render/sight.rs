@@ -8,9 +8,9 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::outer_walls::OuterWalls;
-use crate::accel::{Detail, Hit, RayLanes, Tlas};
+use crate::accel::{Detail, Hit, Primitive, RayLanes, Tlas};
 use crate::math::Ray;
-use crate::math::lanes::each_lane;
+use crate::math::lanes::{LANES, each_lane};
 
 /// The parts of a scene that stop camera rays; by default all of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,9 +77,10 @@ impl Sight {
         if !self.passes_backs && self.only.is_none() {
             return ray;
         }
+        let mut entered = 0;
         for _ in 0..MOST_PASSED {
             let Some(hit) = geometry.intersect(&ray) else { break };
-            if self.passes(geometry, &ray, &hit) {
+            if self.passes(geometry, &ray, &hit, &mut entered) {
                 ray.t_min = hit.t + slack(&ray, hit.t);
             } else {
                 return self.around(ray, &hit);
@@ -107,7 +108,7 @@ impl Sight {
         if !self.passes_backs && self.only.is_none() {
             return;
         }
-        let mut asked = active;
+        let (mut asked, mut entered) = (active, [0; LANES]);
         for _ in 0..MOST_PASSED {
             if asked == 0 {
                 return;
@@ -116,7 +117,7 @@ impl Sight {
             for lane in each_lane(asked) {
                 let mut ray = rays.get(lane);
                 match &hits[lane] {
-                    Some(hit) if self.passes(geometry, &ray, hit) => {
+                    Some(hit) if self.passes(geometry, &ray, hit, &mut entered[lane]) => {
                         ray.t_min = hit.t + slack(&ray, hit.t);
                     }
                     met => {
@@ -135,10 +136,33 @@ impl Sight {
         }
     }
 
-    fn passes(&self, geometry: &Tlas, ray: &Ray, hit: &Hit) -> bool {
+    /// Whether a ray passes what it has met. A bit of `entered` tells for each outer wall whether the ray has entered it.
+    fn passes(&self, geometry: &Tlas, ray: &Ray, hit: &Hit, entered: &mut u64) -> bool {
+        if !self.passes_backs {
+            return false;
+        }
         // The shapes that are seen alone have other numbers, and are seen from everywhere.
-        let is_entered = || self.only.is_none() && self.outer_walls.is_entered(hit.instance, ray.dir);
-        self.passes_backs && (is_back(geometry, ray, hit) || is_entered())
+        let place = match self.only {
+            Some(_) => None,
+            None => self.outer_walls.place_of(hit.instance),
+        };
+        let normal = geometry.surface_in(ray, hit, Detail::Plain).geometric_normal;
+        if normal.dot(ray.dir) > 0.0 {
+            // A solid that was not entered has its front in one plane with a wall that was left, such as the top of a wall under a ceiling. That front is
+            // seen: what lies behind depends on rounding.
+            let is_left = place.is_some_and(|place| {
+                *entered >> place & 1 == 1 || self.outer_walls.is_seen_from_outside(place, ray.dir)
+            });
+            let is_solid = matches!(geometry.shape_at(hit).primitive, Primitive::Mesh(_));
+            return *entered == 0 || is_left || !is_solid;
+        }
+        match place.filter(|place| self.outer_walls.is_entered(*place, normal, ray.dir)) {
+            Some(place) => {
+                *entered |= 1 << place;
+                true
+            }
+            None => false,
+        }
     }
 
     /// A short ray around `hit`, so that it can meet nothing else of the scene.
@@ -194,9 +218,4 @@ fn nowhere(ray: Ray) -> Ray {
 
 fn slack(ray: &Ray, t: f32) -> f32 {
     BEHIND * (t + ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE))
-}
-
-fn is_back(geometry: &Tlas, ray: &Ray, hit: &Hit) -> bool {
-    let surface = geometry.surface_in(ray, hit, Detail::Plain);
-    surface.geometric_normal.dot(ray.dir) > 0.0
 }

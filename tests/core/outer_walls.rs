@@ -76,6 +76,14 @@ fn one_sees_into_a_solid_house_from_outside() {
         assert_eq!(met([2.0, 0.2, 9.0], [2.0, 0.2, 0.0]), Some("stool"), "{turned}");
         assert_eq!(met([-9.0, 2.0, 0.0], [0.0, 2.0, 0.0]), Some("between"), "{turned}");
         assert_eq!(met([9.0, 2.0, 0.0], [0.0, 2.0, 0.0]), Some("between"), "{turned}");
+        // Tops and ends of walls that touch hidden ones are seen: they lie in one plane with them.
+        for along in [-1.5, -0.7, 0.1, 0.9, 1.7] {
+            assert_eq!(met([-4.1, 9.0, along], [-4.1, 0.0, along]), Some("west"), "{turned}");
+            assert_eq!(met([0.0, 9.0, along], [0.03, 0.0, along]), Some("between"), "{turned}");
+            // At its other end this wall touches the one to the north.
+            let end = met([-4.1, 1.5 + 0.6 * along, 9.0], [-4.1, 1.5 + 0.6 * along, 0.0]);
+            assert!([Some("west"), Some("north")].contains(&end), "{end:?} {turned}");
+        }
         // The far walls stay, seen from within or from outside.
         assert_eq!(met([-2.0, 1.5, 9.0], [-2.0, 1.5, -1.0]), Some("north"), "{turned}");
         assert_eq!(met([-2.0, 1.5, 0.0], [-2.0, 3.0, 0.0]), Some("ceiling"), "{turned}");
