@@ -159,14 +159,7 @@ impl BakedSurfaces {
             return seen;
         };
         if let Some(light) = slot.light {
-            let on_light = SurfaceHit {
-                position: point.position,
-                normal: point.geometric_normal,
-                shading_normal: point.shading_normal,
-                primitive: hit.primitive,
-                barycentric: Vec2::new(hit.u, hit.v),
-                uv: point.uv,
-            };
+            let on_light = SurfaceHit::at(&hit, &point);
             seen.own = scene.lights.emitted(light, &on_light, -ray.dir);
         }
         if let Some((page, at)) = self.place(ray, hit.t) {

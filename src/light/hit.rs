@@ -2,6 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::accel::{Hit, SurfacePoint};
+
 /// A place on a surface as the density of a light needs it, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
@@ -17,6 +19,20 @@ pub struct SurfaceHit {
     pub barycentric: Vec2,
     /// The surface coordinates, for textured light.
     pub uv: Vec2,
+}
+
+impl SurfaceHit {
+    /// The place that a ray has met.
+    pub fn at(hit: &Hit, point: &SurfacePoint) -> Self {
+        Self {
+            position: point.position,
+            normal: point.geometric_normal,
+            shading_normal: point.shading_normal,
+            primitive: hit.primitive,
+            barycentric: Vec2::new(hit.u, hit.v),
+            uv: point.uv,
+        }
+    }
 }
 
 /// A point chosen on an emitter, world space.

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 pub use super::path_state::PathSample;
 
@@ -307,14 +307,7 @@ impl PathState {
         if settings.max_depth == 0 {
             return;
         }
-        let on_light = SurfaceHit {
-            position: point.position,
-            normal: point.geometric_normal,
-            shading_normal: point.shading_normal,
-            primitive: hit.primitive,
-            barycentric: Vec2::new(hit.u, hit.v),
-            uv: point.uv,
-        };
+        let on_light = SurfaceHit::at(hit, point);
         let emitted = scene.lights.emitted(light, &on_light, -self.ray.dir);
         if emitted != Rgb::ZERO {
             let light_pdf = |from: &LightReference| scene.lights.pdf_of_hit(light, from, &on_light);

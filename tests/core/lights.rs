@@ -67,14 +67,7 @@ fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
             .sum();
     };
     let point = scene.geometry.surface(&ray, &hit);
-    let on_light = SurfaceHit {
-        position: point.position,
-        normal: point.geometric_normal,
-        shading_normal: point.shading_normal,
-        primitive: hit.primitive,
-        barycentric: Vec2::new(hit.u, hit.v),
-        uv: point.uv,
-    };
+    let on_light = SurfaceHit::at(&hit, &point);
     match scene.lights.emitted(LightId(0), &on_light, -wi) {
         Rgb::ZERO => 0.0,
         _ => scene.lights.pdf_of_hit(LightId(0), &all_around(Vec3::ZERO), &on_light),

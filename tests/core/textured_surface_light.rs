@@ -160,14 +160,7 @@ fn found(scene: &RenderScene, wi: Vec3) -> Option<(Rgb, f32)> {
     let ray = Ray::new(Vec3::ZERO, wi);
     let hit = scene.geometry.intersect(&ray).filter(|hit| hit.instance == 0)?;
     let point = scene.geometry.surface(&ray, &hit);
-    let on_light = SurfaceHit {
-        position: point.position,
-        normal: point.geometric_normal,
-        shading_normal: point.shading_normal,
-        primitive: hit.primitive,
-        barycentric: Vec2::new(hit.u, hit.v),
-        uv: point.uv,
-    };
+    let on_light = SurfaceHit::at(&hit, &point);
     let radiance = scene.lights.emitted(LightId(0), &on_light, -wi);
     let pdf = scene.lights.pdf_of_hit(LightId(0), &all_around(Vec3::ZERO), &on_light);
     (radiance != Rgb::ZERO).then_some((radiance, pdf))

@@ -699,14 +699,7 @@ fn mirrored_lights_shine_to_the_side_that_they_shine_to_in_mitsuba() {
                 .unwrap_or_else(|| panic!("{case}: no hit"));
             let point = scene.geometry.surface(&ray, &hit);
             let light = scene.slot(&hit).light.unwrap_or_else(|| panic!("{case}: no light"));
-            let on_light = SurfaceHit {
-                position: point.position,
-                normal: point.geometric_normal,
-                shading_normal: point.shading_normal,
-                primitive: hit.primitive,
-                barycentric: Vec2::new(hit.u, hit.v),
-                uv: point.uv,
-            };
+            let on_light = SurfaceHit::at(&hit, &point);
             let shines = side == seen_side;
             let emitted = scene.lights.emitted(light, &on_light, -dir);
             assert_eq!(emitted != Rgb::ZERO, shines, "{case}, from {seen_side}: emission");

@@ -246,14 +246,7 @@ impl<'a> Sample<'a, '_> {
         observer: &mut impl PathObserver,
     ) {
         let (point, hit) = (&vertex.point, &vertex.hit);
-        let place = SurfaceHit {
-            position: point.position,
-            normal: point.geometric_normal,
-            shading_normal: point.shading_normal,
-            primitive: hit.primitive,
-            barycentric: glam::Vec2::new(hit.u, hit.v),
-            uv: point.uv,
-        };
+        let place = SurfaceHit::at(hit, point);
         let lights = &self.scene.lights;
         let radiance = lights.emitted(light, &place, -walk.ray.dir);
         if radiance == Rgb::ZERO {
