@@ -49,18 +49,20 @@ impl SeenAlone {
 
 /// The outer walls as they were last found in the scene.
 #[derive(Default)]
-pub(super) struct SeenThrough(Option<(Arc<Tlas>, OuterWalls)>);
+pub(super) struct SeenThrough {
+    of: Option<Arc<Tlas>>,
+    walls: OuterWalls,
+}
 
 impl SeenThrough {
     /// The outer walls of `geometry` if they are `wanted`, otherwise none.
     pub fn update(&mut self, wanted: bool, geometry: &Arc<Tlas>) -> OuterWalls {
         if !wanted {
-            self.0 = None;
-            return OuterWalls::default();
+            *self = Self::default();
+        } else if !self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, geometry)) {
+            self.walls = OuterWalls::find(geometry);
+            self.of = Some(geometry.clone());
         }
-        if !self.0.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, geometry)) {
-            self.0 = Some((geometry.clone(), OuterWalls::find(geometry)));
-        }
-        self.0.iter().map(|(_, walls)| walls.clone()).next().unwrap_or_default()
+        self.walls.clone()
     }
 }

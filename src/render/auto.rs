@@ -138,7 +138,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// That of a picture of so many `samples`, over all pixels.
+    /// The budget of a picture that has so many `samples` over all pixels.
     pub fn of(samples: u64) -> Self {
         Self {
             stages: stages(samples),

@@ -9,10 +9,10 @@ use sunroom::engine::{AutoStatus, EnginePlugin, Limits, RenderControl, RenderFil
 use sunroom::render::auto::{Choice, Method};
 use sunroom::scene::{
     DocumentOrder, Emitter, EmitterKind, FileSourcePlugin, Film, IntegratorSettings, Ior, Material, OpenScene,
-    PathPlugin, ScenePlugin, Shape, ShapeKind, ToWorld, UsesMaterial, asset_plugin,
+    PathPlugin, ScenePlugin, Shape, ToWorld, UsesMaterial, asset_plugin,
 };
 
-use crate::{ball, finish};
+use crate::{ball, finish, spawn_floor};
 
 /// Samples that pay for a pilot.
 const SAMPLES: u32 = 300;
@@ -36,15 +36,7 @@ fn caustic(plugin: PathPlugin) -> App {
     world
         .entity_mut(shape)
         .insert((UsesMaterial(glass), ToWorld::default()));
-    let floor = Shape {
-        kind: ShapeKind::Disk,
-        ..Shape::default()
-    };
-    let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    let pose = Transform::from_xyz(0.0, -1.5, 6.0)
-        .with_rotation(turn)
-        .with_scale(Vec3::splat(6.0));
-    world.spawn((DocumentOrder(11), floor, ToWorld(pose.compute_affine())));
+    spawn_floor(world);
     let intensity = Rgb::splat(60.0);
     let point = Transform::from_xyz(0.0, 4.0, 6.0);
     world.spawn((

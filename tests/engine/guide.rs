@@ -5,11 +5,9 @@ use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::engine::{GuideStatus, PackedScene, RenderFilm, RenderStatus};
 use sunroom::render::guide::Guide;
-use sunroom::scene::{
-    DocumentOrder, Emitter, EmitterKind, Film, FreeView, IntegratorSettings, Sensor, Shape, ShapeKind, ToWorld,
-};
+use sunroom::scene::{Emitter, EmitterKind, Film, FreeView, IntegratorSettings, Sensor, Shape, ToWorld};
 
-use crate::{ball, finish};
+use crate::{ball, finish, spawn_floor};
 
 const BALL: Vec3 = Vec3::new(0.0, -0.2, 6.0);
 
@@ -17,15 +15,7 @@ const BALL: Vec3 = Vec3::new(0.0, -0.2, 6.0);
 fn guided() -> App {
     let mut app = ball(BALL, 16, 12);
     let world = app.world_mut();
-    let floor = Shape {
-        kind: ShapeKind::Disk,
-        ..Shape::default()
-    };
-    let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    let pose = Transform::from_xyz(0.0, -1.5, 6.0)
-        .with_rotation(turn)
-        .with_scale(Vec3::splat(6.0));
-    world.spawn((DocumentOrder(11), floor, ToWorld(pose.compute_affine())));
+    spawn_floor(world);
     world.resource_mut::<IntegratorSettings>().guided = true;
     app
 }

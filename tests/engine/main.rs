@@ -51,6 +51,19 @@ fn ball(center: Vec3, width: u32, height: u32) -> App {
     app
 }
 
+/// A floor below what [`look_along`] looks at.
+fn spawn_floor(world: &mut World) {
+    let floor = Shape {
+        kind: ShapeKind::Disk,
+        ..Shape::default()
+    };
+    let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    let pose = Transform::from_xyz(0.0, -1.5, 6.0)
+        .with_rotation(turn)
+        .with_scale(Vec3::splat(6.0));
+    world.spawn((DocumentOrder(11), floor, ToWorld(pose.compute_affine())));
+}
+
 /// Looks along +z from the origin, with a film of so many pixels and four samples of each.
 fn look_along(world: &mut World, width: u32, height: u32) {
     let film = Film {

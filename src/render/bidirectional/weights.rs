@@ -41,7 +41,7 @@ pub(super) struct Ways {
 }
 
 impl Ways {
-    /// Those of path tracing.
+    /// The ways of path tracing.
     pub const OF_PATHS: Self = Self {
         to_lens: false,
         joins: false,

@@ -25,7 +25,7 @@ struct Store {
     learnings: AtomicU32,
     /// The rays that were traced for it and not taken yet.
     rays: AtomicU64,
-    /// Those that were traced for the pilot of the integrator `auto`.
+    /// The rays that were traced for it by the pilot of the integrator `auto`.
     rays_of_pilot: AtomicU64,
 }
 

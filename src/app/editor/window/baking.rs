@@ -1,5 +1,7 @@
 //! The form for a bake over the window, the panel of the bake that is under way beside the picture, and the question before the window is closed meanwhile.
 
+use std::sync::Arc;
+
 use bevy_egui::egui::{self, Align2, Area, Frame, Id, Modal, Rect, RichText, TextureHandle, TextureOptions};
 
 use super::dialog;
@@ -19,7 +21,7 @@ const MARGIN: f32 = 12.0;
 pub struct BakeWidgets {
     form: BakeForm,
     /// The texture of the lightmap, with the image that it was made of.
-    picture: Option<(TextureHandle, std::sync::Arc<egui::ColorImage>)>,
+    picture: Option<(TextureHandle, Arc<egui::ColorImage>)>,
 }
 
 impl BakeWidgets {
@@ -58,13 +60,13 @@ impl BakeWidgets {
     }
 
     /// Gives the texture the pixels of the image unless it has them.
-    fn update_picture(&mut self, context: &egui::Context, image: Option<&std::sync::Arc<egui::ColorImage>>) {
+    fn update_picture(&mut self, context: &egui::Context, image: Option<&Arc<egui::ColorImage>>) {
         let Some(image) = image else {
             self.picture = None;
             return;
         };
         match &mut self.picture {
-            Some((_, known)) if std::sync::Arc::ptr_eq(known, image) => {}
+            Some((_, known)) if Arc::ptr_eq(known, image) => {}
             Some((texture, known)) => {
                 texture.set(image.clone(), TextureOptions::NEAREST);
                 *known = image.clone();

@@ -14,7 +14,7 @@ use crate::app::editor::picture::compare::Comparison;
 use crate::bake::unwrap::ATLAS_SIZES;
 use crate::document::value::parse_float;
 
-/// What of a bake is waited for.
+/// The event of a bake that a script waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakeWait {
     /// So many samples of each texel, or the end.
@@ -23,7 +23,7 @@ pub enum BakeWait {
     End,
 }
 
-/// Parses what of a bake is waited for: a number of samples, or `done`.
+/// Parses the event that a script waits for: a number of samples, or `done`.
 pub(super) fn wait(text: &str) -> Result<BakeWait, ScriptError> {
     match text {
         "done" => Ok(BakeWait::End),
@@ -31,7 +31,7 @@ pub(super) fn wait(text: &str) -> Result<BakeWait, ScriptError> {
     }
 }
 
-/// Whether what is waited for has come. The error says that the bake has failed.
+/// Whether the event has come. The error says that the bake has failed.
 pub fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
     let Some(baking) = world.get_resource::<Baking>() else {
         return Ok(true);

@@ -1,4 +1,4 @@
-//! What of a bake is seen in the window, made on the thread that bakes.
+//! The pictures of a bake that the window shows. The thread that bakes makes them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -31,7 +31,7 @@ pub struct BakeOrder {
     pub view: View,
     /// The level.
     pub level: SceneDescription,
-    /// What of it is left out.
+    /// The parts of the level that are left out.
     pub hidden: Hidden,
     /// The files that may be read.
     pub access: Access,
@@ -87,7 +87,7 @@ pub(super) struct Shared {
     cancel: AtomicBool,
     /// Nothing is written, and nothing is finished any more.
     discards: Arc<AtomicBool>,
-    /// Nobody looks any more.
+    /// The window shows the bake no more.
     closes: AtomicBool,
     wanted: Mutex<Wanted>,
     is_wanted_anew: Condvar,
@@ -122,7 +122,7 @@ impl Shared {
         lock(&self.wanted).clone()
     }
 
-    /// Waits until the window wants something else than `before`. False when nobody looks any more.
+    /// The thread that bakes waits here until the window wants to see something else than `before`. Returns false when the window shows the bake no more.
     fn wait_for_other(&self, before: &Wanted) -> bool {
         let mut wanted = lock(&self.wanted);
         while *wanted == *before && !self.closes.load(Ordering::Relaxed) {
