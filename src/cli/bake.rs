@@ -5,6 +5,7 @@ mod keeping;
 mod progress;
 mod shares;
 
+use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -60,16 +61,8 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
         check_denoiser(!args.no_denoise)?;
         return within_folder(&args.output, || bake_whole(args));
     };
-    check_cut(samples)?;
-    if args.spp.is_some_and(|spp| samples.end > spp) {
-        let message = "the range of --samples goes beyond --spp, the samples of the whole bake";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    check_samples(samples, args.spp)?;
     let name = args.output.display();
-    if samples.end > MOST_SAMPLES_OF_SHARES {
-        let message = format!("the range of --samples ends after {MOST_SAMPLES_OF_SHARES}");
-        return Err(Failure::Usage(message));
-    }
     if args.output.is_dir() {
         return Err(Failure::Usage(format!(
             "{name} is a folder: a share of a bake is one file"
@@ -77,6 +70,22 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     }
     check_writable(&args.output).map_err(|error| format!("cannot write {name}: {error}"))?;
     bake_share(args, [samples.start, samples.end])
+}
+
+/// Refuses ranges of samples that cannot be shares of a bake of `spp` samples, if that number is known.
+pub fn check_samples(samples: &Range<u32>, spp: Option<u32>) -> Result<(), Failure> {
+    check_cut(samples)?;
+    if spp.is_some_and(|spp| samples.end > spp) {
+        let message = "the range of --samples goes beyond --spp, the samples of the whole bake";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    match samples.end > MOST_SAMPLES_OF_SHARES {
+        true => Err(Failure::Usage(format!(
+            "samples of shares end at {MOST_SAMPLES_OF_SHARES} at most, and these at {}",
+            samples.end
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Refuses to remove noise where the program has no denoiser.

@@ -14,5 +14,6 @@ mod pictures;
 mod sequences;
 mod shares;
 mod submit;
+mod submit_bake;
 mod volumes;
 mod workshop;
