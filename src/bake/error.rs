@@ -17,7 +17,7 @@ pub enum BakeError {
     Level(#[from] LevelError),
     #[error(transparent)]
     Export(#[from] GltfWriteError),
-    #[error("no surface is large enough for a texel: take more texels per unit")]
+    #[error("no surface of the level is large enough for a texel: take more texels per unit")]
     NoTexels,
     /// A probe of the scene cannot be.
     #[error("{name}: {source}")]

@@ -242,7 +242,7 @@ impl Group {
             places: Vec::new(),
             sheets: Vec::new(),
             input: UnwrapMesh {
-                name: mesh.name.clone(),
+                name: placed.path.clone(),
                 ..UnwrapMesh::default()
             },
         };

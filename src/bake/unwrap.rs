@@ -36,7 +36,7 @@ impl Default for UnwrapSettings {
 /// A mesh to be unwrapped, in the size in which it stands in the world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnwrapMesh {
-    /// The name for messages.
+    /// The name for messages, such as the path of the shape that has it.
     pub name: String,
     /// The vertices.
     pub positions: Vec<Vec3>,
@@ -97,21 +97,30 @@ pub enum UnwrapError {
     AtlasSize(u32),
     #[error("{0} texels per unit: the number has to be above 0")]
     TexelsPerUnit(f32),
-    #[error("`{0}` has vertices that are no numbers")]
+    #[error("`{0}` has vertices that are no numbers: mend its mesh, or give it a lightmap scale of 0")]
     Broken(String),
-    #[error("`{0}` has no surface that a lightmap could lie on")]
+    #[error("`{0}` has no surface that a lightmap could lie on: give it a lightmap scale of 0")]
     Flat(String),
+    /// The number of texels per unit is about the largest that the shape has room with.
     #[error(
-        "a shape needs {width} x {height} texels, and a lightmap has {size} x {size}: fewer texels per unit, or larger lightmaps"
+        "`{name}` needs {width} x {height} texels, and a lightmap has {size} x {size}: take larger lightmaps, or at most about {texels_per_unit} texels per unit, or a smaller lightmap scale for this shape"
     )]
-    TooLarge { width: u32, height: u32, size: u32 },
+    TooLarge {
+        name: String,
+        width: u32,
+        height: u32,
+        size: u32,
+        texels_per_unit: f32,
+    },
     #[error(
-        "a shape has so many pieces that a lightmap of {size} x {size} texels has no room for them: take larger lightmaps"
+        "`{name}` has so many pieces that a lightmap of {size} x {size} texels has no room for them: take larger lightmaps, or give the shape a lightmap scale of 0"
     )]
-    TooManyPieces { size: u32 },
-    #[error("the level needs {0} texels: that is too many; take fewer texels per unit")]
-    TooMany(u64),
-    #[error("the lightmaps: {0}")]
+    TooManyPieces { name: String, size: u32 },
+    #[error(
+        "the level needs {texels} texels, of which `{largest}` has the most, and at most {} are possible: take fewer texels per unit, or a smaller lightmap scale for this shape", MOST_TEXELS as u64
+    )]
+    TooMany { texels: u64, largest: String },
+    #[error("the lightmaps need {0}; fewer texels per unit or smaller lightmaps need less")]
     Memory(#[from] Shortage),
     #[error("the shapes cannot be laid out: {0}")]
     Other(String),
@@ -152,7 +161,7 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
     let page = f64::from(atlas_size).powi(2);
     let needed = texels_per_unit.map_or(page, |density| area * f64::from(density).powi(2));
     if needed > MOST_TEXELS {
-        return Err(UnwrapError::TooMany(needed as u64));
+        return Err(too_many(needed as u64, meshes));
     }
     // The least that is needed, before the work begins.
     let mut reserved = memory::reserve(TEXEL_BYTES * needed as u64)?;
@@ -170,15 +179,8 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
         ..Options::default()
     };
     let atlas = uvunwrap::generate(&inputs, &options).map_err(|error| match error {
-        uvunwrap::Error::ChartTooLarge { .. } if texels_per_unit.is_none() => {
-            UnwrapError::TooManyPieces { size: atlas_size }
-        }
-        uvunwrap::Error::ChartTooLarge { width, height, .. } => UnwrapError::TooLarge {
-            width,
-            height,
-            size: atlas_size,
-        },
-        uvunwrap::Error::AtlasTooLarge { texels } => UnwrapError::TooMany(texels),
+        uvunwrap::Error::ChartTooLarge { .. } => too_large(meshes, &inputs, settings, &options),
+        uvunwrap::Error::AtlasTooLarge { texels } => too_many(texels, meshes),
         other => UnwrapError::Other(other.to_string()),
     })?;
     let mut meshes: Vec<LayoutMesh> = atlas.meshes.into_iter().map(LayoutMesh::of).collect();
@@ -197,6 +199,48 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
     })
 }
 
+/// The error that the level needs so many texels.
+fn too_many(texels: u64, meshes: &[UnwrapMesh]) -> UnwrapError {
+    let largest = meshes.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
+    UnwrapError::TooMany {
+        texels,
+        largest: largest.map_or(String::new(), |mesh| mesh.name.clone()),
+    }
+}
+
+/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone, the one with the largest extent first.
+fn too_large(meshes: &[UnwrapMesh], inputs: &[MeshInput], settings: &UnwrapSettings, options: &Options) -> UnwrapError {
+    let mut order: Vec<(f64, usize)> = meshes.iter().map(UnwrapMesh::extent).zip(0..).collect();
+    order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let found = order
+        .into_iter()
+        .find_map(|(_, index)| match uvunwrap::generate(&inputs[index..=index], options) {
+            Err(uvunwrap::Error::ChartTooLarge { width, height, .. }) => Some((index, width, height)),
+            _ => None,
+        });
+    let Some((index, width, height)) = found else {
+        return UnwrapError::Other("one of them has no room in a lightmap; take larger lightmaps".to_owned());
+    };
+    let (name, size) = (meshes[index].name.clone(), settings.atlas_size);
+    let Some(texels_per_unit) = settings.texels_per_unit else {
+        return UnwrapError::TooManyPieces { name, size };
+    };
+    let [room, needed] = [size, width.max(height)].map(|texels| texels.saturating_sub(2 * settings.padding) as f32);
+    UnwrapError::TooLarge {
+        name,
+        width,
+        height,
+        size,
+        texels_per_unit: two_digits(texels_per_unit * room / needed.max(1.0)),
+    }
+}
+
+/// The largest number with two digits that is not above the number.
+fn two_digits(number: f32) -> f32 {
+    let step = 10f64.powf((f64::from(number).log10() - 1.0).floor());
+    ((f64::from(number) / step).floor() * step) as f32
+}
+
 /// Leaves out the rows of a page below all rectangles, and gives its new height.
 fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
     let rectangles = || meshes.iter().flat_map(|mesh| &mesh.rectangles);
@@ -213,14 +257,19 @@ fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
 impl UnwrapMesh {
     /// Whether a lightmap can lie on any of its triangles: not on those that are so thin that single precision takes them for lines.
     pub fn has_surface(&self) -> bool {
-        let places = || self.positions.iter().map(|place| place.as_dvec3());
-        let extent = places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min);
-        let least = LEAST_HEIGHT * extent.length();
+        let least = LEAST_HEIGHT * self.extent();
         self.triangles.iter().any(|triangle| {
             let [a, b, c] = triangle.map(|corner| self.positions[corner as usize].as_dvec3());
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
             (b - a).cross(c - a).length() / longest > least
         })
+    }
+
+    /// The length of the diagonal of the box around it.
+    fn extent(&self) -> f64 {
+        let places = || self.positions.iter().map(|place| place.as_dvec3());
+        let extent = places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min);
+        extent.length()
     }
 
     /// The area of all its places.
@@ -340,14 +389,29 @@ mod tests {
             ..UnwrapSettings::default()
         };
         assert_eq!(error(&[square(1.0)], size(4)), UnwrapError::AtlasSize(4));
-        assert!(matches!(
-            error(&[square(100.0)], with_density(20.0)),
-            UnwrapError::TooLarge { size: 256, .. }
-        ));
-        assert!(matches!(
-            error(&[square(1e6)], with_density(1.0)),
-            UnwrapError::TooMany(_)
-        ));
+        let named = |name: &str, size: f32| UnwrapMesh {
+            name: name.to_owned(),
+            ..square(size)
+        };
+        let meshes = [named("small", 1.0), named("large", 100.0), named("middle", 2.0)];
+        let too_large = error(&meshes, with_density(20.0));
+        let UnwrapError::TooLarge {
+            name,
+            size: 256,
+            texels_per_unit,
+            ..
+        } = too_large
+        else {
+            panic!("{too_large}")
+        };
+        assert_eq!(name, "large");
+        unwrap(&meshes, &with_density(texels_per_unit)).expect("the error says with what it has room");
+        assert_eq!(texels_per_unit, 2.5);
+        let too_many = error(&[named("small", 1.0), named("large", 1e6)], with_density(1.0));
+        let UnwrapError::TooMany { largest, .. } = too_many else {
+            panic!("{too_many}")
+        };
+        assert_eq!(largest, "large");
         let mut broken = square(1.0);
         broken.positions[2].x = f32::NAN;
         assert_eq!(
@@ -399,8 +463,10 @@ mod tests {
             atlas_size: 32,
             ..UnwrapSettings::default()
         };
-        let error = unwrap(&[mesh], &small).map(drop).expect_err("no room");
-        assert_eq!(error, UnwrapError::TooManyPieces { size: 32 });
+        mesh.name = "splinters".to_owned();
+        let error = unwrap(&[square(10.0), mesh], &small).map(drop).expect_err("no room");
+        let name = "splinters".to_owned();
+        assert_eq!(error, UnwrapError::TooManyPieces { name, size: 32 });
     }
 
     #[test]

@@ -338,21 +338,34 @@ fn a_bad_folder_and_a_bad_scene_are_told() {
         "{error} {said}"
     );
     assert!(!window.app.world().resource::<Baking>().is_busy());
+    assert_eq!(window.failure(), Some(error.as_str()));
 
-    // A scene whose surfaces are all too small.
-    let coarse = BakeChoices {
-        texels_per_unit: Some(1e9),
+    // The floor has 8 units along a side.
+    let fine = BakeChoices {
+        texels_per_unit: Some(100.0),
         ..QUICK
     };
-    window.begin(coarse, "failed");
+    window.begin(fine, "failed");
     window.end();
     let reason = window.failure().expect("it fails").to_owned();
-    assert!(
-        reason.starts_with("The scene is not baked: ") && window.told().contains(&reason),
-        "{reason}"
-    );
+    let is_told = reason.starts_with("The scene is not baked: `floor` needs") && window.told().contains(&reason);
+    assert!(is_told && reason.contains("7.5 texels per unit"), "{reason}");
+    let notice = |window: &Window| {
+        let baking = window.app.world().resource::<Baking>();
+        baking.notice().map(str::to_owned)
+    };
+    assert_eq!(notice(&window), Some(reason));
     baking::end_at_exit(window.app.world_mut());
     assert!(!window.path("failed").exists());
+    // The next bake that begins is another matter, and so is another scene.
+    window.begin(QUICK, "level");
+    assert_eq!(notice(&window), None);
+    window.end();
+    window.begin(fine, "failed");
+    window.end();
+    assert!(notice(&window).is_some());
+    apply(window.app.world_mut(), Command::OpenScene(scene)).expect("a scene");
+    assert_eq!(notice(&window), None);
 }
 
 #[test]

@@ -75,7 +75,10 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
         return Err("A bake is still under way.".into());
     }
     let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-    let prepared = OutputFolder::prepare(&folder).map_err(CommandError::file)?;
+    let prepared = OutputFolder::prepare(&folder).map_err(|error| {
+        baking.fail(error.to_string());
+        CommandError::file(error)
+    })?;
     // The last one is closed. The level by its lightmaps will be seen of the new one.
     baking.discard();
     baking.failure = None;
@@ -206,6 +209,9 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
 
 /// Gives up a bake that waits for a scene, since another one takes its place.
 pub(super) fn leave_scene(world: &mut World) {
+    if let Some(mut baking) = world.get_resource_mut::<Baking>() {
+        baking.is_failure_of_scene = false;
+    }
     let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));
     if world.get_resource::<Baking>().is_some_and(waits) {
         fail(
@@ -220,7 +226,7 @@ fn fail(world: &mut World, reason: String) {
     close(world);
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.error(Topic::Other, reason.clone(), None);
-    world.resource_mut::<Baking>().failure = Some(reason);
+    world.resource_mut::<Baking>().fail(reason);
 }
 
 /// Tells of the end of the bake, once.

@@ -15,6 +15,7 @@ use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
+use crate::app::editor::picture::baking::Baking;
 use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
@@ -164,6 +165,7 @@ pub fn gather_status(
     history: Res<History>,
     preferences: Res<PreferencesFile>,
     leaks: Res<Leaks>,
+    baking: Option<Res<Baking>>,
     mut seen_errors: Local<Vec<String>>,
     mut named: Local<Option<(Arc<[LightGroup]>, Weak<Outline>)>>,
 ) {
@@ -217,9 +219,11 @@ pub fn gather_status(
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
     }
-    if scene.is_changed() || preferences.is_changed() || leaks.is_changed() || status.errors != *seen_errors {
-        seen_errors.clone_from(&status.errors);
-        model.notices = Arc::new(notices(&scene, &status.errors, &preferences, &leaks.messages()));
+    let failed_bake = baking.as_ref().and_then(|baking| baking.notice());
+    let errors = || status.errors.iter().map(String::as_str).chain(failed_bake);
+    if scene.is_changed() || preferences.is_changed() || leaks.is_changed() || !errors().eq(seen_errors.iter()) {
+        *seen_errors = errors().map(str::to_owned).collect();
+        model.notices = Arc::new(notices(&scene, &seen_errors, &preferences, &leaks.messages()));
     }
     if history.is_changed() {
         let (done, undone) = history.labels();
@@ -267,7 +271,7 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
 
 fn notices(
     scene: &SceneStatus,
-    engine_errors: &[String],
+    other_errors: &[String],
     preferences: &PreferencesFile,
     leaks: &[String],
 ) -> Vec<Notice> {
@@ -278,10 +282,7 @@ fn notices(
         help: None,
         excerpt: None,
     };
-    let mut notices: Vec<Notice> = engine_errors
-        .iter()
-        .map(|error| plain(Severity::Error, error))
-        .collect();
+    let mut notices: Vec<Notice> = other_errors.iter().map(|error| plain(Severity::Error, error)).collect();
     notices.extend(
         preferences
             .problem

@@ -1,4 +1,4 @@
-//! The panel of problems with the scene, its meshes, the render or the preferences.
+//! The panel of problems with the scene, its meshes, the render, the last bake or the preferences.
 
 use bevy_egui::egui::{self, RichText, Ui};
 
