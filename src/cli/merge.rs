@@ -66,6 +66,10 @@ pub fn run(args: &MergeArgs) -> ExitCode {
 
 fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
     if args.parts.iter().any(|part| is_part(part)) {
+        if let Some(option) = args.display.given().or(args.file.given()) {
+            let message = format!("{option} is for pictures, and the shares of a bake make a level");
+            return Err(Failure::Usage(message));
+        }
         let shares = Shares {
             paths: &args.parts,
             outputs: &args.output,

@@ -13,12 +13,12 @@ use super::parse;
 
 #[derive(Args)]
 pub struct DisplayArgs {
-    /// Exposure of PNG and JPEG files in stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
-    /// Tone map of PNG and JPEG files
-    #[arg(long, default_value = ToneMap::Clip.name(), value_parser = named(&ToneMap::ALL, ToneMap::name))]
-    tonemap: ToneMap,
+    /// Exposure of PNG and JPEG files in stops [default: 0]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    exposure: Option<f32>,
+    /// Tone map of PNG and JPEG files [default: clip]
+    #[arg(long, value_parser = named(&ToneMap::ALL, ToneMap::name))]
+    tonemap: Option<ToneMap>,
     /// White balance of PNG and JPEG files: the temperature of the light that shall look white, and its tint [default: 6504,0]
     #[arg(long, value_name = "KELVIN[,TINT]", value_parser = parse::white)]
     white: Option<WhiteBalance>,
@@ -27,10 +27,20 @@ pub struct DisplayArgs {
 impl DisplayArgs {
     pub fn display(&self) -> Display {
         Display {
-            exposure_ev: self.exposure,
+            exposure_ev: self.exposure.unwrap_or(0.0),
             white_balance: self.white.unwrap_or_default(),
-            tone_map: self.tonemap,
+            tone_map: self.tonemap.unwrap_or(ToneMap::Clip),
         }
+    }
+
+    /// The first of these options that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            self.exposure.map(|_| "--exposure"),
+            self.tonemap.map(|_| "--tonemap"),
+            self.white.map(|_| "--white"),
+        ];
+        given.into_iter().flatten().next()
     }
 }
 
@@ -42,12 +52,12 @@ pub struct FileArgs {
     /// Compression of EXR files [default: the scene's, or zip]
     #[arg(long, value_name = "NAME", value_parser = named(&ExrCompression::ALL, ExrCompression::name))]
     compression: Option<ExrCompression>,
-    /// Bits of each channel of PNG files
-    #[arg(long, value_name = "BITS", default_value = "8", value_parser = PossibleValuesParser::new(["8", "16"]))]
-    png_bits: String,
-    /// Quality of JPEG files, 1 to 100
-    #[arg(long, value_name = "N", default_value_t = 95, value_parser = clap::value_parser!(u8).range(1..=100))]
-    jpeg_quality: u8,
+    /// Bits of each channel of PNG files [default: 8]
+    #[arg(long, value_name = "BITS", value_parser = PossibleValuesParser::new(["8", "16"]))]
+    png_bits: Option<String>,
+    /// Quality of JPEG files, 1 to 100 [default: 95]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
+    jpeg_quality: Option<u8>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -65,10 +75,21 @@ impl FileArgs {
                 .exr_type
                 .map_or(of_film.exr_half, |precision| precision == ExrType::Half),
             exr_compression: self.compression.unwrap_or(of_film.exr_compression),
-            png_16_bits: self.png_bits == "16",
-            jpeg_quality: self.jpeg_quality,
+            png_16_bits: self.png_bits.as_deref() == Some("16"),
+            jpeg_quality: self.jpeg_quality.unwrap_or(of_film.jpeg_quality),
             ..of_film
         }
+    }
+
+    /// The first of these options that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            self.exr_type.map(|_| "--exr-type"),
+            self.compression.map(|_| "--compression"),
+            self.png_bits.as_ref().map(|_| "--png-bits"),
+            self.jpeg_quality.map(|_| "--jpeg-quality"),
+        ];
+        given.into_iter().flatten().next()
     }
 }
 

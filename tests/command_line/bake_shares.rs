@@ -137,6 +137,20 @@ fn shares_make_the_bits_of_one_bake_on_any_number_of_threads() {
     assert!(!shop.path("none").exists(), "nothing is left of a merge that fails");
     let message = said(&merge(&shop, "a", &parts, &["-o", "b"]), 2);
     assert!(message.contains("one folder"), "{message}");
+    let of_pictures = [
+        "--exposure=0",
+        "--tonemap=clip",
+        "--white=5000",
+        "--exr-type=half",
+        "--compression=zip",
+        "--png-bits=8",
+        "--jpeg-quality=95",
+    ];
+    for option in of_pictures {
+        let message = said(&merge(&shop, "none", &parts, &[option]), 2);
+        let name = option.split('=').next().expect("a name");
+        assert!(message.contains(&format!("{name} is for pictures")), "{message}");
+    }
 }
 
 #[test]
