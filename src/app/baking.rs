@@ -6,13 +6,12 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Name, World};
 
 use crate::bake::files::replaceable;
-use crate::bake::manifest::BakedLight;
 use crate::bake::probes::{AskedKind, AskedProbe};
 use crate::engine::PackedScene;
 use crate::files::Access;
 use crate::gltf::write::GltfWriter;
 use crate::scene::description::SceneDescription;
-use crate::scene::export::{Baked, Collected, ExportError, Hidden, collect, first_in_use};
+use crate::scene::export::{Collected, ExportError, Hidden, collect, first_in_use};
 use crate::scene::{Emitter, EmitterKind, ToWorld};
 
 /// The part of a [`crate::bake::job::BakeSource`] that comes from the description of a scene.
@@ -31,19 +30,14 @@ pub struct BakedLevel {
 pub fn baked_level(
     scene: &SceneDescription,
     hidden: &Hidden,
-    light: BakedLight,
     output: &Path,
     access: &Access,
 ) -> Result<BakedLevel, ExportError> {
-    let baked = match light {
-        BakedLight::WithoutDirectPunctual => Baked::Skies,
-        BakedLight::All => Baked::All,
-    };
     let Collected {
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(scene, hidden, baked, access)?;
+    } = collect(scene, hidden, true, access)?;
     let mut replaced = replaceable(output);
     replaced.push(output.to_owned());
     if let Some(path) = first_in_use(scene, &pictures_of_libraries, replaced.iter().map(PathBuf::as_path)) {

@@ -388,7 +388,7 @@ impl BakeJob {
         // Lights without extent, which the level brings along, light what moves themselves, with shadows.
         let light = match number {
             0 => received(self.blueprint.light),
-            _ => ReceivedLight::WithoutDelta,
+            _ => ReceivedLight::WithoutPunctual,
         };
         let gathering = Gathering {
             scene: &self.scene,
@@ -477,7 +477,7 @@ impl BakeLimits {
 fn received(light: BakedLight) -> ReceivedLight {
     match light {
         BakedLight::All => ReceivedLight::All,
-        BakedLight::WithoutDirectPunctual => ReceivedLight::WithoutDelta,
+        BakedLight::WithoutDirectPunctual => ReceivedLight::WithoutPunctual,
     }
 }
 

@@ -381,7 +381,7 @@ fn level(args: &BakeArgs) -> Result<Option<BakedLevel>, Failure> {
     let access = args.trust.trust(&args.scene.scene)?.access(&path);
     let mut document = load_document(&path, &args.scene.defines.defines, access)?;
     let scene = read::read(&mut document);
-    let level = baked_level(&scene, &Hidden::default(), light(args), &args.output, &document.access)?;
+    let level = baked_level(&scene, &Hidden::default(), &args.output, &document.access)?;
     for message in &level.messages {
         report::line(format_args!("warning: {message}"));
     }

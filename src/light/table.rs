@@ -170,6 +170,12 @@ impl LightTable {
         self.places.is_empty()
     }
 
+    /// Whether the light is a projector.
+    pub fn is_projector(&self, id: LightId) -> bool {
+        self.finite(id)
+            .is_some_and(|finite| matches!(finite.light, FiniteLight::Projector(_)))
+    }
+
     /// Whether the light has a texture; that of a surface is then looked up by texture coordinates.
     pub fn is_textured(&self, id: LightId) -> bool {
         self.textured[id.0 as usize]

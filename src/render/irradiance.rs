@@ -16,7 +16,7 @@ use super::path_state::{Arrival, PathState};
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
 use crate::color::Rgb;
-use crate::light::LightReference;
+use crate::light::{LightId, LightReference, LightTable};
 use crate::math::{Frame, Ray, offset_origin};
 use crate::medium::MediumId;
 use crate::sampling::{Sampler, warp};
@@ -40,8 +40,8 @@ pub enum ReceivedLight {
     /// Light of all ways.
     #[default]
     All,
-    /// All but the light that comes straight from lights without extent: points, spots and single directions.
-    WithoutDelta,
+    /// All but the light that comes straight from points, spots and single directions, for which file formats of levels have lights of their own.
+    WithoutPunctual,
 }
 
 /// One sample of the irradiance at a receiver.
@@ -72,8 +72,8 @@ impl Scatterer for Vertex<'_> {
         (Rgb::splat(cosine), cosine * FRAC_1_PI)
     }
 
-    fn takes_delta(&self) -> bool {
-        self.light == ReceivedLight::All
+    fn takes_delta(&self, lights: &LightTable, id: LightId) -> bool {
+        self.light == ReceivedLight::All || lights.is_projector(id)
     }
 
     fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure {

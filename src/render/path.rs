@@ -16,7 +16,7 @@ use super::transmittance::{EmptySpace, Media, ShadowRay, transmittance};
 use super::view::{LONGEST_PATH, PathSettings};
 use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
-use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
+use crate::light::{LightId, LightReference, LightSample, LightTable, SurfaceHit};
 use crate::material::{Lobe, ScatterSample, Scattering};
 use crate::math::{Ray, offset_origin};
 use crate::medium::MediumId;
@@ -78,9 +78,9 @@ pub(super) trait Scatterer {
         Some((u_choice, 1.0))
     }
 
-    /// Whether lights without extent count.
+    /// Whether a light without extent counts.
     #[inline(always)]
-    fn takes_delta(&self) -> bool {
+    fn takes_delta(&self, _lights: &LightTable, _id: LightId) -> bool {
         true
     }
 
@@ -361,7 +361,7 @@ impl PathState {
         };
         let strategy = settings.strategy;
         let counts = match light.is_delta {
-            true => vertex.takes_delta(),
+            true => vertex.takes_delta(&scene.lights, id),
             false => strategy.samples_lights(),
         };
         if !counts {

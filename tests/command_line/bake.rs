@@ -150,6 +150,32 @@ fn a_lamp_shines_from_its_front_and_skies_are_not_missed() {
     assert_eq!(lit, [[true, false]]);
 }
 
+/// glTF has no projectors: their light is in the lightmaps, also where that of other lights is left to the game.
+#[test]
+fn a_projector_is_baked_and_not_missed() {
+    let shop = Workshop::new();
+    let projector = r#"<emitter type="projector" id="slides">
+    <transform name="to_world"><lookat origin="0, 3, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+    <rgb name="irradiance" value="9, 9, 9"/><float name="fov" value="40"/>
+  </emitter>
+</scene>"#;
+    let bulb = SCENE.find("<emitter").expect("the bulb");
+    let dark = &SCENE[..bulb];
+    let scene = shop.scene(&format!("{dark}{projector}"));
+    let light = |more: &[&str]| {
+        let folder = shop.path("level");
+        let quick = ["--spp", "4", "--no-denoise", "--no-probes", "--texels-per-unit", "8"];
+        let output = bake(&scene, &folder, &[&quick[..], more].concat());
+        assert_code(&output, 0);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!said.contains("slides"), "{said}");
+        brightest(&folder.join("lightmap-0.exr"))
+    };
+    let all = light(&[]);
+    assert!(all > 0.0);
+    assert_eq!(light(&["--indirect-only"]), all);
+}
+
 /// A number of half precision, not negative and no fraction of the smallest normal one.
 fn half(bytes: &[u8]) -> f32 {
     let bits = u16::from_le_bytes([bytes[0], bytes[1]]);

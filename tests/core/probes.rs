@@ -43,7 +43,7 @@ fn gathering<'a>(scene: &'a RenderScene, view: &'a View) -> Gathering<'a> {
     Gathering {
         scene,
         view,
-        light: ReceivedLight::WithoutDelta,
+        light: ReceivedLight::WithoutPunctual,
     }
 }
 

@@ -13,24 +13,13 @@ use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, 
 use crate::scene::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 
-/// The light that lightmaps beside the file have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Baked {
-    /// No light: there are no lightmaps.
-    Nothing,
-    /// The light of skies, which comes from more than one direction.
-    Skies,
-    /// The light of all lamps and skies.
-    All,
-}
-
 /// Parts of an export that lights and cameras need.
 pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
-    /// The light that lightmaps have, so that its absence from the file is not reported.
-    pub baked: Baked,
+    /// Whether lightmaps beside the file have the light that glTF has no counterpart for, so that its absence from the file is not reported.
+    pub is_baked: bool,
 }
 
 /// A light without a name. `power` is its intensity or irradiance.
@@ -71,16 +60,16 @@ impl Stage<'_> {
                 };
                 ("spot", *intensity, Some(spot))
             }
-            EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_)
-                if self.baked != Baked::Nothing =>
+            EmitterKind::Constant { .. }
+            | EmitterKind::Environment { .. }
+            | EmitterKind::SunSky(_)
+            | EmitterKind::Projector { .. }
+                if self.is_baked =>
             {
                 return;
             }
-            EmitterKind::Projector { .. } if self.baked == Baked::All => return,
             // A bake has them as files of their own.
-            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. }
-                if self.baked != Baked::Nothing =>
-            {
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } if self.is_baked => {
                 return;
             }
             EmitterKind::ReflectionProbe { .. } => return self.leave_out_probe("reflection probe", name),

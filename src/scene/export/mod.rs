@@ -22,7 +22,6 @@ use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
 pub use self::in_use::first_in_use;
-pub use self::lights::Baked;
 use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
@@ -82,7 +81,7 @@ pub fn export(
         writer,
         messages,
         pictures_of_libraries,
-    } = collect(scene, hidden, Baked::Nothing, access)?;
+    } = collect(scene, hidden, false, access)?;
     let files: Vec<(PathBuf, Vec<u8>)> = match kind {
         Kind::Binary => vec![(target.to_owned(), writer.binary()?)],
         Kind::Text => {
@@ -117,11 +116,12 @@ pub struct Collected {
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; The light that is `baked` is not reported as left out.
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `is_baked`: there will be lightmaps and probes beside the file,
+/// and the light that they have is not reported as left out.
 pub fn collect(
     scene: &SceneDescription,
     hidden: &Hidden,
-    baked: Baked,
+    is_baked: bool,
     access: &Access,
 ) -> Result<Collected, ExportError> {
     let mut writer = GltfWriter::default();
@@ -138,7 +138,7 @@ pub fn collect(
         writer: &mut writer,
         folders: &mut folders,
         messages: &mut messages,
-        baked,
+        is_baked,
     };
     for sensor in &scene.sensors {
         stage.camera(sensor);

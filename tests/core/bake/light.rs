@@ -11,9 +11,10 @@ use sunroom::bake::sides::lit_sides;
 use sunroom::bake::texels::{BakeSurface, covered_texels};
 use sunroom::color::Rgb;
 use sunroom::geometry::primitives::unit_cube;
-use sunroom::light::LightSource;
+use sunroom::light::{LightSource, Projector};
 use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::view::Strategy;
+use sunroom::texture::Parameter;
 
 use super::{DOWN, add_lamp, corner, diffuse, gather, gathering, mean, patch, point, rectangle, settings};
 use crate::support::{SceneBuilder, assert_close, camera, mean_luminance, render, view};
@@ -118,12 +119,36 @@ fn a_lightmap_shows_what_the_path_tracer_sees() {
 
     let view = settings(Strategy::Mis);
     let without = Gathering {
-        light: ReceivedLight::WithoutDelta,
+        light: ReceivedLight::WithoutPunctual,
         ..gathering(&scene, &view)
     };
     let (rest, rest_error) = mean(&gather(&without, &texels, 60_000));
     let direct = 0.3 * 0.5 / 0.75f32.powf(1.5);
     assert_close("without the lamp", (light - rest, error.hypot(rest_error)), direct);
+}
+
+/// A level has no light in the place of a projector, so that its light has to be in the lightmap.
+#[test]
+fn light_of_projectors_is_never_left_out() {
+    let mut scene = SceneBuilder::default();
+    scene.light(LightSource::Projector(Projector {
+        world_from_local: Affine3A::from_translation(Vec3::Y * 4.0) * Affine3A::from_rotation_x(PI / 2.0),
+        irradiance: Parameter::Constant(Rgb::ONE),
+        scale: 1.0,
+        half_size: Vec2::splat(0.5),
+    }));
+    let scene = scene.build();
+    let view = settings(Strategy::Mis);
+    let of = |light| {
+        let gathering = Gathering {
+            light,
+            ..gathering(&scene, &view)
+        };
+        mean(&gather(&gathering, &point(Vec3::ZERO, Vec3::Y), 16)).0
+    };
+    let all = of(ReceivedLight::All);
+    assert!(all > 0.0);
+    assert_eq!(of(ReceivedLight::WithoutPunctual), all);
 }
 
 #[test]

@@ -239,14 +239,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         writer,
         probes,
         messages,
-    } = baked_level(
-        &order.level,
-        &order.hidden,
-        settings.light,
-        folder.path(),
-        &order.access,
-    )
-    .map_err(|error| error.to_string())?;
+    } = baked_level(&order.level, &order.hidden, folder.path(), &order.access).map_err(|error| error.to_string())?;
     if shared.discards.load(Ordering::Relaxed) {
         return Err(GIVEN_UP.to_owned());
     }
