@@ -5,8 +5,11 @@
 
 use std::io::{self, Write as _};
 use std::path::Path;
+use std::sync::LazyLock;
 
 use glam::{Mat4, UVec3, Vec3};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use sunroom_core::bake::part::{decode as decode_part, encode as encode_part};
 use sunroom_core::document::revision::{Destination, revise};
 use sunroom_core::document::source::decode;
 use sunroom_core::document::spectrum::{Role, SampledSpectrum};
@@ -32,7 +35,7 @@ use sunroom_core::texture::load_image;
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 20] = [
+pub const ENTRIES: [(&str, Entry); 21] = [
     ("xml", xml),
     ("dialect", xml),
     ("numbers", numbers),
@@ -53,6 +56,7 @@ pub const ENTRIES: [(&str, Entry); 20] = [
     ("pfm", pfm),
     ("vdb", vdb),
     ("vol", vol),
+    ("bake", bake),
 ];
 
 /// No file has this name, and none has a name relative to its folder.
@@ -420,6 +424,41 @@ pub fn exr(bytes: &[u8]) {
 pub fn pfm(bytes: &[u8]) {
     let kind = if bytes.get(1) == Some(&b'f') { b"Pf" } else { b"PF" };
     picture(&beginning_with(kind, bytes));
+}
+
+/// A checkpoint or share of a bake, with the checksum that it should have: hardly any mutation would get past it. What is read is the same after it was written and
+/// read again, and pictures without a number that is not finite are made of it.
+pub fn bake(bytes: &[u8]) {
+    static POOL: LazyLock<ThreadPool> =
+        LazyLock::new(|| ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
+    let mut file = beginning_with(b"SUNBAKE\n\x01\0\0\0", bytes);
+    if let Some((content, place)) = file.split_last_chunk_mut::<4>() {
+        let mut sum = flate2::Crc::new();
+        sum.update(content);
+        *place = sum.sum().to_le_bytes();
+    }
+    let part = match decode_part(&file) {
+        Ok(part) => part,
+        Err(error) => {
+            let _ = error.to_string();
+            return;
+        }
+    };
+    let mut written = Vec::new();
+    let (header, blueprint, light) = &part;
+    let result = encode_part(&mut written, header, blueprint.as_ref(), &light.lights, &light.spent);
+    assert!(result.is_ok() && decode_part(&written).is_ok_and(|again| again == part));
+    let (_, Some(mut blueprint), light) = part else { return };
+    let size = blueprint.places.size;
+    let texels: usize = light.lights.iter().map(|light| light.texel_count()).sum();
+    if u64::from(size.x) * u64::from(size.y) * blueprint.page_count() as u64 > 1 << 14 || texels > 1 << 12 {
+        return;
+    }
+    blueprint.denoise = false;
+    let baked = blueprint.finished(&light.lights, &POOL).expect("nothing is denoised");
+    assert_eq!(baked.lightmaps.len(), blueprint.page_count());
+    let mut pixels = baked.lightmaps.iter().flat_map(|lightmap| &lightmap.irradiance);
+    assert!(pixels.all(|pixel| pixel.is_finite()));
 }
 
 /// The bytes with the first ones replaced, so that they are read as the format that begins so.

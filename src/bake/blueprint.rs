@@ -142,6 +142,7 @@ impl Blueprint {
     pub(super) fn memory_bytes(&self) -> u64 {
         let page = u64::from(self.places.size.x) * u64::from(self.places.size.y);
         let probes: u64 = self.probes.iter().map(Probe::memory_bytes).sum();
-        TEXEL_BYTES * page * self.page_count() as u64 + probes
+        let pages = TEXEL_BYTES.saturating_mul(page * self.page_count() as u64);
+        pages.saturating_add(probes)
     }
 }

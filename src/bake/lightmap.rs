@@ -167,6 +167,14 @@ impl Lightmaps {
         sum
     }
 
+    /// Whether the sums of a texel may be those of its samples.
+    pub(super) fn is_possible(&self, texel: usize) -> bool {
+        let sums = || self.groups.iter().map(|group| &group[texel]);
+        let backs: u64 = sums().map(|sum| u64::from(sum.backs)).sum();
+        let is_finite = |sum: &TexelSum| sum.light.is_finite() && sum.luminance_squared.is_finite();
+        backs <= u64::from(self.samples_of(texel)) && sums().all(is_finite)
+    }
+
     fn samples_of(&self, texel: usize) -> u32 {
         self.ends[texel / BLOCK] - self.first
     }

@@ -80,25 +80,34 @@ pub fn write_part(
     lights: &[Lightmaps],
     spent: &[Duration],
 ) -> io::Result<()> {
-    write_atomically_with(path, |file| {
-        let mut file = SummedFile::new(file);
-        let text = serde_json::to_vec(header)?;
-        let mut start = Writer::default();
-        start.0.extend_from_slice(MAGIC);
-        start.u32(FORMAT);
-        start.u64(text.len() as u64);
-        start.0.extend(text);
-        if let Some(blueprint) = blueprint {
-            blueprint.write(&mut start);
-        }
-        start.u32(lights.len() as u32);
-        file.write(&start.0)?;
-        for (light, spent) in lights.iter().zip(spent) {
-            write_light(light, *spent, &mut file)?;
-        }
-        let sum = file.crc.sum();
-        file.file.write_all(&sum.to_le_bytes())
-    })
+    write_atomically_with(path, |file| encode(file, header, blueprint, lights, spent))
+}
+
+/// Writes the content of a file. A share has a blueprint.
+pub fn encode(
+    file: &mut dyn io::Write,
+    header: &PartHeader,
+    blueprint: Option<&Blueprint>,
+    lights: &[Lightmaps],
+    spent: &[Duration],
+) -> io::Result<()> {
+    let mut file = SummedFile::new(file);
+    let text = serde_json::to_vec(header)?;
+    let mut start = Writer::default();
+    start.0.extend_from_slice(MAGIC);
+    start.u32(FORMAT);
+    start.u64(text.len() as u64);
+    start.0.extend(text);
+    if let Some(blueprint) = blueprint {
+        blueprint.write(&mut start);
+    }
+    start.u32(lights.len() as u32);
+    file.write(&start.0)?;
+    for (light, spent) in lights.iter().zip(spent) {
+        write_light(light, *spent, &mut file)?;
+    }
+    let sum = file.crc.sum();
+    file.file.write_all(&sum.to_le_bytes())
 }
 
 fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io::Result<()> {
@@ -151,7 +160,10 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
         rays,
         invalid,
     };
-    Ok((light, spent))
+    match (0..count).all(|texel| light.is_possible(texel)) {
+        true => Ok((light, spent)),
+        false => Err(Damaged),
+    }
 }
 
 fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
@@ -164,13 +176,21 @@ fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
 
 /// Reads what a file is of.
 pub fn read_header(path: &Path) -> Result<PartHeader, PartError> {
-    Ok(header(&mut Reader(&content(path)?))?)
+    let file = files::read(path, LARGEST_DATA)?;
+    Ok(header(&mut Reader(content(&file)?))?)
 }
 
-/// Reads a whole file; a share has a blueprint.
-pub fn read_part(path: &Path) -> Result<(PartHeader, Option<Blueprint>, PartLight), PartError> {
-    let content = content(path)?;
-    let mut bytes = Reader(&content);
+/// What a file has: a share has a blueprint.
+pub type Part = (PartHeader, Option<Blueprint>, PartLight);
+
+/// Reads a whole file.
+pub fn read_part(path: &Path) -> Result<Part, PartError> {
+    decode(&files::read(path, LARGEST_DATA)?)
+}
+
+/// Reads the content of a file. All of its numbers are finite, and it takes no more memory than a small multiple of its length.
+pub fn decode(file: &[u8]) -> Result<Part, PartError> {
+    let mut bytes = Reader(content(file)?);
     let header = header(&mut bytes)?;
     let blueprint = match header.is_share {
         true => Some(Blueprint::read(&mut bytes)?),
@@ -197,25 +217,20 @@ pub fn read_part(path: &Path) -> Result<(PartHeader, Option<Blueprint>, PartLigh
 }
 
 /// What is between the version and the checksum.
-fn content(path: &Path) -> Result<Vec<u8>, PartError> {
-    let mut bytes = files::read(path, LARGEST_DATA)?;
-    if !bytes.starts_with(MAGIC) {
-        return Err(PartError::Foreign);
-    }
-    let start = MAGIC.len() + 4;
-    let end = bytes.len().checked_sub(4).filter(|end| *end >= start).ok_or(Damaged)?;
-    let format = Reader(&bytes[MAGIC.len()..]).u32()?;
+fn content(file: &[u8]) -> Result<&[u8], PartError> {
+    let rest = file.strip_prefix(MAGIC).ok_or(PartError::Foreign)?;
+    let format = Reader(rest).u32()?;
     if format != FORMAT {
         return Err(PartError::Format(format));
     }
+    let (summed, sum) = file.split_at_checked(file.len() - 4).ok_or(Damaged)?;
     let mut crc = Crc::new();
-    crc.update(&bytes[..end]);
-    if Reader(&bytes[end..]).u32()? != crc.sum() {
-        return Err(PartError::Damaged);
+    crc.update(summed);
+    let content = summed.get(MAGIC.len() + 4..).ok_or(Damaged)?;
+    match Reader(sum).u32()? == crc.sum() {
+        true => Ok(content),
+        false => Err(PartError::Damaged),
     }
-    bytes.truncate(end);
-    bytes.drain(..start);
-    Ok(bytes)
 }
 
 fn header(bytes: &mut Reader) -> Result<PartHeader, Damaged> {

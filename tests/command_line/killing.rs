@@ -1,9 +1,13 @@
-//! Renders and merges that are killed at random moments, each of them twenty times: `cargo test --release --test command_line killing -- --ignored --nocapture` prints
+//! Renders, bakes and merges that are killed at random moments, each of them twenty times: `cargo test --release --test command_line killing -- --ignored --nocapture` prints
 //! the figures. It takes some minutes.
 
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::hash::{BuildHasher, RandomState};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+
+use sunroom::bake::part::read_part;
 
 use crate::workshop::{Workshop, sunroom};
 
@@ -89,6 +93,75 @@ fn renders_killed_at_random_moments_go_on_to_the_same_bits() {
         moments.sort_unstable();
         println!(
             "{kind:?}: one run {} ms; {killed} killed after {moments:?} ms, {taken_up} of them with a checkpoint; all have the same bytes",
+            time.as_millis()
+        );
+    }
+}
+
+/// The files of a folder but those that belonged to a write.
+fn folder(shop: &Workshop, name: &str) -> BTreeMap<OsString, Vec<u8>> {
+    let entries = std::fs::read_dir(shop.path(name)).into_iter().flatten().flatten();
+    entries
+        .filter(|entry| !entry.file_name().to_string_lossy().starts_with(".sunroom-"))
+        .map(|entry| (entry.file_name(), std::fs::read(entry.path()).expect("a file")))
+        .collect()
+}
+
+/// Lightmaps, probes and a share, with a checkpoint every few milliseconds.
+#[test]
+#[ignore = "it takes some minutes"]
+fn bakes_killed_at_random_moments_go_on_to_the_same_bits() {
+    let shop = Workshop::new();
+    shop.scene(SCENE);
+    let small = [
+        "--atlas-size",
+        "128",
+        "--probe-size",
+        "16",
+        "--probe-spacing",
+        "2",
+        "--threads",
+        "2",
+    ];
+    let keeping = ["--checkpoint", "c.bake", "--every", "20ms", "--resume", "c.bake"];
+    let kinds: [&[&str]; 2] = [&["--spp", "256", "--no-denoise"], &["--samples", "16..256"]];
+    for kind in kinds {
+        let is_share = kind[0] == "--samples";
+        let bake = |output| [&["bake", "scene.xml", "-o", output][..], &small, kind].concat();
+        let time = succeeds(&shop, &bake("whole"));
+        // A share has the time that it took: its light counts.
+        let light = |name: &str| read_part(&shop.path(name)).expect("it is whole").2.lights;
+        let resumed = [&bake("a")[..], &keeping].concat();
+        let (mut killed, mut moments, mut taken_up, mut tries) = (0, Vec::new(), 0, 0);
+        while killed < ROUNDS {
+            tries += 1;
+            assert!(tries < 10 * ROUNDS, "bakes end before they are killed");
+            for name in ["a", "c.bake"] {
+                let _ = std::fs::remove_file(shop.path(name));
+            }
+            let _ = std::fs::remove_dir_all(shop.path("a"));
+            let Some(moment) = kill(&shop, &resumed, time) else {
+                continue;
+            };
+            killed += 1;
+            moments.push(moment.as_millis());
+            if shop.path("c.bake").exists() {
+                taken_up += 1;
+                light("c.bake");
+            }
+            let left = folder(&shop, "a");
+            let whole = folder(&shop, "whole");
+            assert!(left.iter().all(|(name, content)| whole.get(name) == Some(content)));
+            succeeds(&shop, &resumed);
+            match is_share {
+                true => assert!(light("a") == light("whole"), "{kind:?}, killed after {moment:?}"),
+                false => assert!(folder(&shop, "a") == whole, "{kind:?}, killed after {moment:?}"),
+            }
+        }
+        let _ = std::fs::remove_dir_all(shop.path("whole"));
+        moments.sort_unstable();
+        println!(
+            "bake {kind:?}: one run {} ms; {killed} killed after {moments:?} ms, {taken_up} of them with a checkpoint; all have the same bits",
             time.as_millis()
         );
     }

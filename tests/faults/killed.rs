@@ -50,11 +50,11 @@ section! { "Killed in the middle of a write"
 
 /// Files may have this length in bytes; scenes, pictures and preferences here are longer.
 const LIMIT: &str = "--fsize=400";
-const KILLED: [&str; 5] = ["env", "--default-signal=XFSZ", "prlimit", "--core=0", LIMIT];
+pub const KILLED: [&str; 5] = ["env", "--default-signal=XFSZ", "prlimit", "--core=0", LIMIT];
 
 /// The program ended by the signal of the limit, and its temporary file is still in `folder`; returns its name.
 #[track_caller]
-fn temporary_file(shop: &Workshop, folder: &str) -> String {
+pub fn temporary_file(shop: &Workshop, folder: &str) -> String {
     let is_part = |name: &String| name.starts_with(".sunroom-") && name.ends_with(".part");
     let mut parts = shop.names(folder).into_iter().filter(is_part);
     match (parts.next(), parts.next()) {
@@ -64,14 +64,14 @@ fn temporary_file(shop: &Workshop, folder: &str) -> String {
 }
 
 #[track_caller]
-fn is_killed(output: &std::process::Output) {
+pub fn is_killed(output: &std::process::Output) {
     use std::os::unix::process::ExitStatusExt;
     // SIGXFSZ.
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.signal(), Some(25), "{:?} {said}", output.status);
 }
 
-fn make_old(path: &Path) {
+pub fn make_old(path: &Path) {
     let file = std::fs::File::options().append(true).open(path).expect("it is there");
     let long_ago = SystemTime::now() - Duration::from_secs(2 * 3600);
     file.set_modified(long_ago).expect("times can be set");

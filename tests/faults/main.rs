@@ -2,6 +2,7 @@
 //! table; a test fails when the page differs.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
+mod baking;
 mod cache;
 mod denoiser;
 mod killed;
@@ -19,9 +20,10 @@ mod window_support;
 
 use table::Section;
 
-const SECTIONS: [&Section; 10] = [
+const SECTIONS: [&Section; 11] = [
     &rendering::SECTION,
     &stopping::SECTION,
+    &baking::SECTION,
     &saving::SECTION,
     &killed::SECTION,
     &reloading::SECTION,

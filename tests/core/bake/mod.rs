@@ -1,6 +1,7 @@
-//! Lightmaps: the light on texels, the bits of it, and the places of surfaces.
+//! Lightmaps: the light on texels, the bits of it, the places of surfaces, and the files of what is gathered.
 
 mod bits;
+mod files;
 mod layout;
 mod light;
 
