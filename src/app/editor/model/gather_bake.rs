@@ -1,5 +1,7 @@
 //! Fills the data about the bake, once per frame.
 
+use std::path::Path;
+
 use bevy::prelude::*;
 
 use super::EditorModel;
@@ -7,8 +9,14 @@ use super::baking::{BakeModel, ShownBake};
 use crate::app::editor::picture::baking::thread::BakeNews;
 use crate::app::editor::picture::baking::{Baking, Work};
 use crate::app::editor::picture::compare::Comparison;
+use crate::scene::SceneStatus;
 
-pub(crate) fn gather_bake(baking: Option<Res<Baking>>, comparison: Res<Comparison>, mut model: ResMut<EditorModel>) {
+pub(crate) fn gather_bake(
+    baking: Option<Res<Baking>>,
+    comparison: Res<Comparison>,
+    scene: Res<SceneStatus>,
+    mut model: ResMut<EditorModel>,
+) {
     let Some(baking) = baking else { return };
     let view = comparison.view;
     let shown = match &baking.work {
@@ -39,6 +47,7 @@ pub(crate) fn gather_bake(baking: Option<Res<Baking>>, comparison: Res<Compariso
     model.0.bake = BakeModel {
         choices: baking.choices,
         folder: baking.folder.clone(),
+        scene_folder: scene.path.as_deref().and_then(Path::parent).map(Path::to_owned),
         shown,
     };
 }

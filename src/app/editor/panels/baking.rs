@@ -1,10 +1,10 @@
 //! The form for a bake of lightmaps, and the panel of the one that is under way.
 
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy_egui::egui::{
-    self, Color32, Label, ProgressBar, Rect, RichText, Sense, TextEdit, TextureHandle, Ui, pos2, vec2,
+    self, Color32, Label, ProgressBar, Rect, Response, RichText, Sense, TextEdit, TextureHandle, Ui, pos2, vec2,
 };
 
 use super::caption::Caption;
@@ -15,6 +15,7 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::baking::{BakeModel, ShownBake};
 use crate::app::editor::words::figures::legible;
+use crate::app::editor::words::files::home_for_tilde;
 use crate::bake::job::USUAL_SAMPLES;
 use crate::bake::progress::{Gathered, Stage};
 use crate::bake::unwrap::ATLAS_SIZES;
@@ -40,7 +41,9 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
             .map_or(String::new(), |path| path.display().to_string());
         form.known.clone_from(&model.folder);
     }
-    folder_row(ui, &mut form.folder, commands);
+    let field = folder_row(ui, &mut form.folder, commands);
+    let folder = meant(&form.folder, model.scene_folder.as_deref());
+    whole_path(ui, &form.folder, folder.as_deref());
     let mut choices = model.choices;
     choice_rows(ui, &mut choices);
     if choices != model.choices {
@@ -50,9 +53,9 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
         "The bake is of the scene as it is now, without what is hidden. The picture and your edits go on meanwhile.";
     ui.add(Label::new(RichText::new(text).weak()).wrap());
     ui.add_space(6.0);
-    let folder = form.folder.trim();
-    let is_ready = !folder.is_empty() && !model.is_busy();
+    let is_ready = folder.is_some() && !model.is_busy();
     let (mut bakes, mut cancels) = (false, false);
+    let enters = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let button = look::primary_if(ui, is_ready, "Bake");
         let button = ui
@@ -65,13 +68,34 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
         bakes = button.clicked();
         cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
     });
-    if bakes {
-        commands.push(Command::Bake(BakeCommand::Begin(folder.into())));
+    bakes |= enters && is_ready;
+    if let Some(folder) = folder.filter(|_| bakes) {
+        commands.push(Command::Bake(BakeCommand::Begin(folder)));
     }
     bakes || cancels
 }
 
-fn folder_row(ui: &mut Ui, folder: &mut String, commands: &mut Vec<Command>) {
+/// The folder that a typed text stands for; None if it stands for none. `beside` is the folder that it counts from.
+fn meant(text: &str, beside: Option<&Path>) -> Option<PathBuf> {
+    let text = text.trim();
+    let typed = home_for_tilde(text);
+    let path = beside.map_or(typed.clone(), |beside| beside.join(typed));
+    (!text.is_empty()).then(|| std::path::absolute(&path).unwrap_or(path))
+}
+
+/// Shows where a text leads that is no whole path.
+fn whole_path(ui: &mut Ui, text: &str, folder: Option<&Path>) {
+    let Some(folder) = folder.filter(|folder| *folder != Path::new(text.trim())) else {
+        return;
+    };
+    ui.horizontal(|ui| {
+        fields::name_cell(ui, "");
+        let path = RichText::new(folder.display().to_string()).weak();
+        ui.add(Label::new(path).wrap());
+    });
+}
+
+fn folder_row(ui: &mut Ui, folder: &mut String, commands: &mut Vec<Command>) -> Response {
     const BUTTON: f32 = 74.0;
     fields::row(ui, "Folder", |ui| {
         let width = ui.available_width() - BUTTON;
@@ -81,7 +105,7 @@ fn folder_row(ui: &mut Ui, folder: &mut String, commands: &mut Vec<Command>) {
             commands.push(Command::ShowDialog(FileDialogKind::BakeFolder));
         }
         field
-    });
+    })
 }
 
 fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
@@ -328,6 +352,71 @@ fn page(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, command
                 font,
                 Color32::from_gray(150),
             );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_typed_folder_counts_from_that_of_the_scene() {
+        let here = std::env::current_dir().expect("a working directory");
+        let home = std::env::home_dir().expect("a home folder");
+        let scene = Path::new("/levels");
+        for (text, beside, expected) in [
+            ("game/level", Some(scene), Some("/levels/game/level".into())),
+            (" /game/level ", Some(scene), Some("/game/level".into())),
+            ("~/level", Some(scene), Some(home.join("level"))),
+            ("~", None, Some(home.clone())),
+            ("~other", Some(scene), Some("/levels/~other".into())),
+            ("level", None, Some(here.join("level"))),
+            ("level", Some(Path::new("scenes")), Some(here.join("scenes/level"))),
+            // The parent of a plain name.
+            ("level", Some(Path::new("")), Some(here.join("level"))),
+            ("  ", Some(scene), None),
+        ] {
+            assert_eq!(meant(text, beside), expected, "{text}");
+        }
+    }
+
+    /// Runs a frame of the form with these events.
+    fn frame(context: &egui::Context, form_state: &mut BakeForm, events: Vec<egui::Event>) -> (Vec<Command>, bool) {
+        let (mut commands, mut is_done) = (Vec::new(), false);
+        let input = egui::RawInput {
+            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(800.0, 600.0))),
+            events,
+            ..Default::default()
+        };
+        let model = BakeModel {
+            scene_folder: Some("/levels".into()),
+            ..BakeModel::default()
+        };
+        let _ = context.run_ui(input, |ui| {
+            is_done = form(ui, form_state, &model, &mut commands);
+        });
+        (commands, is_done)
+    }
+
+    #[test]
+    fn enter_in_the_field_of_the_folder_begins_the_bake() {
+        let key = |key| egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let begun = Command::Bake(BakeCommand::Begin("/levels/game".into()));
+        for (text, expected) in [("", (Vec::new(), false)), ("game", (vec![begun], true))] {
+            let (context, mut state) = (egui::Context::default(), BakeForm::default());
+            frame(&context, &mut state, Vec::new());
+            // The field is the first control.
+            frame(&context, &mut state, vec![key(egui::Key::Tab)]);
+            frame(&context, &mut state, vec![egui::Event::Text(text.to_owned())]);
+            let entered = frame(&context, &mut state, vec![key(egui::Key::Enter)]);
+            assert_eq!(entered, expected, "{text}");
         }
     }
 }

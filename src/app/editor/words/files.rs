@@ -18,6 +18,16 @@ pub fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
+/// A path that was typed: `~` at its beginning, alone or before a `/`, stands for the user's own folder.
+pub fn home_for_tilde(path: &str) -> PathBuf {
+    match (path.strip_prefix('~'), std::env::home_dir()) {
+        (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with(['/', '\\']) => {
+            home.join(rest.trim_start_matches(['/', '\\']))
+        }
+        _ => PathBuf::from(path),
+    }
+}
+
 /// The message about a file that was deleted or moved away.
 pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())

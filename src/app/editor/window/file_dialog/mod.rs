@@ -12,7 +12,7 @@ use std::time::Duration;
 use bevy_egui::egui::{self, Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
-use crate::app::editor::words::files::extension;
+use crate::app::editor::words::files::{extension, home_for_tilde};
 use listing::{Entry, Filter, Listed, Order};
 
 /// What the dialog is for.
@@ -442,16 +442,6 @@ fn without_dots(path: &Path) -> PathBuf {
         }
     }
     plain
-}
-
-/// A path whose first part `~` stands for the user's own folder.
-fn home_for_tilde(path: &str) -> PathBuf {
-    match (path.strip_prefix('~'), std::env::home_dir()) {
-        (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with(['/', '\\']) => {
-            home.join(rest.trim_start_matches(['/', '\\']))
-        }
-        _ => PathBuf::from(path),
-    }
 }
 
 /// Whether the name of a file ends as those of one of the formats.
