@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use sunroom::app::editor::automation::script::baking::{BakeWait, has_come, is_lit_level_seen};
 use sunroom::app::editor::automation::script::parse::{Step, line};
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand};
+use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::selection::Selection;
@@ -536,7 +536,7 @@ fn lines_say_how_lightmaps_are_baked_and_what_is_waited_for() {
         let Step::Do(Command::Bake(BakeCommand::Choose(choices))) = step else {
             panic!("{step:?}");
         };
-        world.get_resource_or_init::<Baking>().choices = choices;
+        world.get_resource_or_init::<BakePlan>().choices = choices;
         choices
     };
     let first = choose(

@@ -131,6 +131,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<command::light_mix::FilmLights>()
             .init_resource::<picture::compare::Comparison>()
             .init_resource::<picture::baking::Baking>()
+            .init_resource::<command::baking::BakePlan>()
             .init_resource::<model::EditorModel>()
             .init_resource::<model::leaks::Leaks>()
             .init_resource::<model::thumbnails::Thumbnails>()

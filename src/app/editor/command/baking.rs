@@ -3,13 +3,17 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::prelude::Resource;
+use serde::{Deserialize, Serialize};
+
 use crate::bake::job::{BakeLimits, BakeSettings};
 use crate::bake::manifest::BakedLight;
 use crate::bake::probes::ProbeSettings;
-use crate::bake::unwrap::UnwrapSettings;
+use crate::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};
 
 /// How lightmaps are baked. The defaults are those of `sunroom bake`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BakeChoices {
     /// Texels per unit of length, above 0; None is as many as fit in one lightmap.
     pub texels_per_unit: Option<f32>,
@@ -62,6 +66,20 @@ impl BakeChoices {
         }
     }
 
+    /// The same without numbers that cannot be.
+    pub fn within_range(self) -> Self {
+        let [first, last] = [*ATLAS_SIZES.start(), *ATLAS_SIZES.end()];
+        let is_positive = |number: &f32| *number > 0.0 && number.is_finite();
+        Self {
+            texels_per_unit: self.texels_per_unit.filter(is_positive),
+            atlas_size: self.atlas_size.clamp(first, last),
+            samples: self.samples.filter(|samples| *samples > 0),
+            time: self.time.filter(is_positive),
+            noise: self.noise.filter(is_positive),
+            ..self
+        }
+    }
+
     /// What ends it.
     pub fn limits(&self) -> BakeLimits {
         BakeLimits {
@@ -70,6 +88,16 @@ impl BakeChoices {
             noise: self.noise,
         }
     }
+}
+
+/// How the open scene is baked: what is remembered of it.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BakePlan {
+    /// How lightmaps are baked.
+    pub choices: BakeChoices,
+    /// The folder of the last bake, or that was chosen for the next one.
+    pub folder: Option<PathBuf>,
 }
 
 /// What the user asks of the bake.

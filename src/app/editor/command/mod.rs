@@ -21,7 +21,7 @@ pub mod inspected_paths;
 pub mod kept_picture;
 pub mod key_bindings;
 mod label;
-mod lenient;
+pub(crate) mod lenient;
 pub mod light_mix;
 pub mod material_tree;
 pub mod media;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::exporting::{described, with_list};
-use crate::app::editor::command::baking::BakeCommand;
+use crate::app::editor::command::baking::{BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::Sheet;
@@ -27,10 +27,10 @@ use crate::scene::{ActiveSensor, InMedium};
 
 /// Does what a command asks of the bake.
 pub(super) fn apply(world: &mut World, command: BakeCommand) -> Result<(), CommandError> {
-    let mut baking = world.get_resource_or_init::<Baking>();
+    let baking = world.get_resource_or_init::<Baking>();
     match command {
-        BakeCommand::Choose(choices) => baking.choices = choices,
-        BakeCommand::ChooseFolder(folder) => baking.folder = Some(folder),
+        BakeCommand::Choose(choices) => world.get_resource_or_init::<BakePlan>().choices = choices,
+        BakeCommand::ChooseFolder(folder) => world.get_resource_or_init::<BakePlan>().folder = Some(folder),
         BakeCommand::Begin(folder) => begin(world, &folder)?,
         BakeCommand::Stop => match &baking.work {
             Work::UnderWay(thread) => thread.stop(),
@@ -82,8 +82,8 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
     // The last one is closed. The level by its lightmaps will be seen of the new one.
     baking.discard();
     baking.failure = None;
-    baking.folder = Some(folder);
     baking.work = Work::Waiting(prepared);
+    world.get_resource_or_init::<BakePlan>().folder = Some(folder);
     if let Some(mut comparison) = world.get_resource_mut::<Comparison>() {
         show_lit(&mut comparison, None);
     }
@@ -178,6 +178,7 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
     if let Some(shortage) = world.resource::<RenderStatus>().shortages.first() {
         return Err(format!("The scene is not complete, and is not baked: {shortage}").into());
     }
+    let choices = world.get_resource_or_init::<BakePlan>().choices;
     let packed = world.resource::<PackedScene>();
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
         return Err("There is nothing to bake: the scene has no camera.".into());
@@ -185,7 +186,6 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
     let sensor = world.resource::<ActiveSensor>().0;
     let medium = sensor.and_then(|sensor| world.get::<InMedium>(sensor));
     let medium = medium.and_then(|medium| packed.medium_of_entity.get(&medium.0).copied());
-    let choices = world.resource::<Baking>().choices;
     Ok(BakeOrder {
         scene: scene.clone(),
         view: View {

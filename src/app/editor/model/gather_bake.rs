@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::EditorModel;
 use super::baking::{BakeModel, ShownBake};
+use crate::app::editor::command::baking::BakePlan;
 use crate::app::editor::picture::baking::thread::BakeNews;
 use crate::app::editor::picture::baking::{Baking, Work};
 use crate::app::editor::picture::compare::Comparison;
@@ -13,6 +14,7 @@ use crate::scene::SceneStatus;
 
 pub(crate) fn gather_bake(
     baking: Option<Res<Baking>>,
+    plan: Res<BakePlan>,
     comparison: Res<Comparison>,
     scene: Res<SceneStatus>,
     mut model: ResMut<EditorModel>,
@@ -45,8 +47,8 @@ pub(crate) fn gather_bake(
         }),
     };
     model.0.bake = BakeModel {
-        choices: baking.choices,
-        folder: baking.folder.clone(),
+        choices: plan.choices,
+        folder: plan.folder.clone(),
         scene_folder: scene.path.as_deref().and_then(Path::parent).map(Path::to_owned),
         shown,
     };

@@ -1,6 +1,6 @@
-//! Stores views under the numbers 1 to 9 for each scene, and the view that a scene was left with, in one file beside the preferences.
+//! Stores views under the numbers 1 to 9 for each scene, the view that a scene was left with, and how its lightmaps are baked, in one file beside the preferences.
 //!
-//! They are not part of the scene's file, because looking at a scene is no edit.
+//! They are not part of the scene's file, because looking at a scene and baking it are no edits.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::toasts::Toasts;
 use super::view_settings::ViewSettings;
+use crate::app::editor::command::baking::BakePlan;
+use crate::app::editor::command::lenient::or_default;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::stored_view::{StoredView, StoredViews};
 use crate::app::editor::command::timeline::Timeline;
@@ -27,6 +29,9 @@ struct SceneViews {
     /// The frames of the timeline; None for the usual ones.
     #[serde(default)]
     timeline: Option<Timeline>,
+    /// How its lightmaps are baked, and where to; None for the usual way.
+    #[serde(default, deserialize_with = "or_default", skip_serializing_if = "Option::is_none")]
+    bake: Option<BakePlan>,
 }
 
 const FILE: &str = "views.json";
@@ -48,7 +53,11 @@ pub struct ViewsFile {
     last: Option<StoredView>,
     /// The frames of the timeline of that scene, as in the file.
     timeline: Timeline,
-    /// Whether scenes may begin with the view that they were left with.
+    /// How the lightmaps of that scene are baked.
+    bake: BakePlan,
+    /// The same, as in the file.
+    bake_written: BakePlan,
+    /// Whether scenes may begin with the view that they were left with, and with how they were baked.
     returns: bool,
     /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view since.
     keeps_last: bool,
@@ -65,7 +74,7 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with the view that they were left with, except the first one if the user asked for a camera.
+    /// Lets scenes begin with how they were baked, and with the view that they were left with, except the first one if the user asked for a camera.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,
@@ -82,18 +91,20 @@ impl ViewsFile {
         self.scene = Some(scene);
         let timeline = known.as_ref().and_then(|known| known.timeline);
         self.timeline = timeline.unwrap_or_default().within_range();
-        (self.written, self.last) = known.map_or_else(Default::default, |known| (known.views, known.last));
+        let known = known.map(|known| (known.views, known.last, known.bake.unwrap_or_default()));
+        (self.written, self.last, self.bake) = known.unwrap_or_default();
         self.last_written = self.last;
+        self.bake_written.clone_from(&self.bake);
         self.written
     }
 
-    /// Leaves the scene: its view is written.
+    /// Leaves the scene: its view and how it is baked are written.
     fn leave(&mut self) -> std::io::Result<()> {
-        let outcome = if self.last == self.last_written {
-            Ok(())
-        } else {
-            self.store(self.written)
+        let outcome = match self.last == self.last_written && self.bake == self.bake_written {
+            true => Ok(()),
+            false => self.store(self.written),
         };
+        (self.bake, self.bake_written) = Default::default();
         (self.scene, self.written) = (None, StoredViews::default());
         self.timeline = Timeline::default();
         (self.last, self.last_written, self.keeps_last) = (None, None, false);
@@ -103,6 +114,7 @@ impl ViewsFile {
     /// Stores the views of the open scene. Other windows may have written to the file in the meantime.
     fn store(&mut self, views: StoredViews) -> std::io::Result<()> {
         (self.written, self.last_written) = (views, self.last);
+        self.bake_written.clone_from(&self.bake);
         let (Some(path), Some(scene)) = (&self.path, &self.scene) else {
             return Ok(());
         };
@@ -110,7 +122,8 @@ impl ViewsFile {
         all.retain(|known| known.scene != *scene);
         // Names that JSON cannot hold are left out.
         let timeline = Some(self.timeline).filter(|timeline| *timeline != Timeline::default());
-        let is_empty = views == StoredViews::default() && self.last.is_none() && timeline.is_none();
+        let bake = Some(self.bake.clone()).filter(|bake| *bake != BakePlan::default());
+        let is_empty = views == StoredViews::default() && self.last.is_none() && timeline.is_none() && bake.is_none();
         if !is_empty && scene.to_str().is_some() {
             let (scene, last) = (scene.clone(), self.last);
             let of_scene = SceneViews {
@@ -118,6 +131,7 @@ impl ViewsFile {
                 views,
                 last,
                 timeline,
+                bake,
             };
             all.insert(0, of_scene);
         }
@@ -145,6 +159,9 @@ fn without_nonsense(mut of_scene: SceneViews) -> SceneViews {
     for place in of_scene.views.iter_mut().chain([&mut of_scene.last]) {
         *place = place.filter(|view| view.pose.is_finite() && view.pose.matrix3.determinant() != 0.0);
     }
+    if let Some(bake) = &mut of_scene.bake {
+        bake.choices = bake.choices.within_range();
+    }
     of_scene
 }
 
@@ -153,12 +170,21 @@ pub fn follow_views(
     mut file: ResMut<ViewsFile>,
     mut settings: ResMut<ViewSettings>,
     mut toasts: ResMut<Toasts>,
+    mut plan: Option<ResMut<BakePlan>>,
     status: Res<SceneStatus>,
     mut seen: Local<u64>,
 ) {
     let file = file.bypass_change_detection();
     let is_opened = *seen != status.revision && status.fresh_load;
     *seen = status.revision;
+    // A script begins in the same way whatever a user has chosen, and leaves that as it is.
+    let plan = plan.as_mut().filter(|_| file.returns);
+    if let Some(plan) = &plan
+        && ***plan != file.bake
+    {
+        // This still is of the scene before.
+        file.bake = BakePlan::clone(plan);
+    }
     let path = status.path.as_deref().filter(|_| status.state == SceneState::Ready);
     if is_opened && let Err(error) = file.leave() {
         warn!("The view is not remembered: {error}");
@@ -180,11 +206,17 @@ pub fn follow_views(
                 file.written = StoredViews::default();
                 // The file has no views of a scene of this name.
                 (file.last_written, file.keeps_last) = (None, false);
+                file.bake_written = BakePlan::default();
             }
         }
         _ => {}
     }
-    let is_new = settings.bookmarks != file.written || settings.timeline != file.timeline;
+    if let Some(plan) = plan.filter(|_| is_opened) {
+        **plan = file.bake.clone();
+    }
+    // While the user chooses numbers, nothing is written.
+    let is_baked_elsewhere = file.bake.folder != file.bake_written.folder;
+    let is_new = settings.bookmarks != file.written || settings.timeline != file.timeline || is_baked_elsewhere;
     file.timeline = settings.timeline;
     if is_new && let Err(error) = file.store(settings.bookmarks) {
         toasts.reject(format!("The view is not remembered: {error}"));
@@ -252,6 +284,7 @@ mod tests {
     use bevy::math::{Affine3A, Vec3};
 
     use super::*;
+    use crate::app::editor::command::baking::BakeChoices;
 
     fn views(x: f32) -> StoredViews {
         let mut views = StoredViews::default();
@@ -307,6 +340,50 @@ mod tests {
         again.last = None;
         again.leave().expect("a writable folder");
         assert_eq!((file.open(Path::new("a.xml")), file.last), (views(60.0), None));
+    }
+
+    #[test]
+    fn each_scene_has_its_own_way_to_be_baked() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let plan = |texels_per_unit| BakePlan {
+            choices: BakeChoices {
+                texels_per_unit,
+                ..BakeChoices::default()
+            },
+            folder: Some(folder.path().join("level")),
+        };
+        let start = |is_attended: bool| {
+            let mut world = World::new();
+            let file = ViewsFile::new(Some(folder.path()));
+            world.insert_resource(if is_attended { file.returning(false) } else { file });
+            world.init_resource::<ViewSettings>();
+            world.init_resource::<Toasts>();
+            world.init_resource::<BakePlan>();
+            world.init_resource::<SceneStatus>();
+            world
+        };
+        let open = |world: &mut World, name: &str| {
+            let mut status = world.resource_mut::<SceneStatus>();
+            (status.state, status.fresh_load) = (SceneState::Ready, true);
+            status.path = Some(folder.path().join(name));
+            status.revision += 1;
+            world.run_system_cached(follow_views).expect("runs");
+            world.resource::<BakePlan>().clone()
+        };
+        let mut world = start(true);
+        assert_eq!(open(&mut world, "a.xml"), BakePlan::default());
+        world.insert_resource(plan(Some(8.0)));
+        assert_eq!(open(&mut world, "b.xml"), BakePlan::default());
+        world.insert_resource(plan(Some(-3.0)));
+        assert_eq!(open(&mut world, "a.xml"), plan(Some(8.0)));
+        assert_eq!(open(&mut world, "b.xml"), plan(None), "there is no such number");
+        assert_eq!(open(&mut start(true), "a.xml"), plan(Some(8.0)));
+        // A script neither takes it up nor changes it.
+        let mut world = start(false);
+        assert_eq!(open(&mut world, "a.xml"), BakePlan::default());
+        world.insert_resource(plan(Some(2.0)));
+        assert_eq!(open(&mut world, "b.xml"), plan(Some(2.0)));
+        assert_eq!(open(&mut start(true), "a.xml"), plan(Some(8.0)));
     }
 
     /// A world in which a scene has just been opened that was left with a view.

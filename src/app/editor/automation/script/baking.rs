@@ -7,7 +7,7 @@ use super::error::ScriptError;
 use super::names::count;
 use super::rendering::{limit, switch};
 use crate::app::editor::command::Command;
-use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
+use crate::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::picture::baking::Baking;
 use crate::app::editor::picture::compare::Comparison;
@@ -69,8 +69,8 @@ pub fn is_lit_level_seen(world: &World) -> bool {
 /// The command that sets how lightmaps are baked: what is not named stays.
 pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptError> {
     let mut choices = world
-        .get_resource::<Baking>()
-        .map_or_else(BakeChoices::default, |baking| baking.choices);
+        .get_resource::<BakePlan>()
+        .map_or_else(BakeChoices::default, |plan| plan.choices);
     let positive = |text: &str, most: f32| -> Result<Option<f32>, ScriptError> {
         let limit = limit(text)?;
         Ok(limit

@@ -1,24 +1,19 @@
-//! The bake of lightmaps: how it is to be done, and the one that is under way.
+//! The bake of lightmaps that is under way.
 
 pub mod shown;
 pub mod thread;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread::JoinHandle;
 
 use bevy::prelude::Resource;
 
-use crate::app::editor::command::baking::BakeChoices;
 use crate::bake::files::OutputFolder;
 use thread::BakeThread;
 
-/// The bake, and how the next one is done.
+/// The bake.
 #[derive(Resource, Default)]
 pub struct Baking {
-    /// How the next one is done.
-    pub choices: BakeChoices,
-    /// The folder of the last one, or that was chosen for the next one.
-    pub folder: Option<PathBuf>,
     /// The bake under way or at its end.
     pub work: Work,
     /// How the last one failed, for those who wait for it.
