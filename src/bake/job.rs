@@ -169,14 +169,17 @@ impl BakeJob {
         is_cancelled()?;
         watch(&Progress::new(Stage::Unwrapping, 0.0, Duration::ZERO));
         let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles, cancel);
-        let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit))?;
+        let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit, cancel));
         is_cancelled()?;
+        let baked = baked?;
         let texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
+        is_cancelled()?;
         if texels.texels.is_empty() {
             return Err(BakeError::NoTexels);
         }
         let mut seams: Vec<Vec<Seam>> = vec![Vec::new(); baked.pages as usize];
         for surface in &baked.surfaces {
+            is_cancelled()?;
             seams[surface.page as usize].extend(smooth_seams(surface));
         }
         is_cancelled()?;

@@ -5,6 +5,7 @@
 //! and lie in rectangles of their own.
 
 use std::collections::HashMap;
+use std::sync::atomic::AtomicBool;
 
 use glam::{Affine3A, Mat3A, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
@@ -97,11 +98,12 @@ struct Sheet {
 }
 
 /// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a surface in the world that light comes
-/// to: it gets the corners of its triangles, and answers for front and back.
+/// to: it gets the corners of its triangles, and answers for front and back. It fails after `cancel` is set, as [`unwrap`] does.
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,
     lit: impl Fn(&[[Vec3; 3]]) -> (bool, bool) + Sync,
+    cancel: &AtomicBool,
 ) -> Result<BakeLevel, LevelError> {
     let mut groups: Vec<Group> = Vec::new();
     let mut known: HashMap<Key, usize> = HashMap::new();
@@ -129,7 +131,7 @@ pub fn unwrap_level(
         .iter_mut()
         .map(|group| std::mem::take(&mut group.input))
         .collect();
-    let mut layout = unwrap(&inputs, settings)?;
+    let mut layout = unwrap(&inputs, settings, cancel)?;
     let meshes = std::mem::take(&mut layout.meshes);
     let (mut nodes, mut surfaces) = (Vec::new(), Vec::new());
     for ((group, input), mut mesh) in groups.iter().zip(inputs.drain(..)).zip(meshes) {

@@ -3,6 +3,8 @@
 //! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
 //! an atlas may be, and what becomes of meshes that have no surface or are broken.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use uvunwrap::{Density, MeshInput, Options};
 
@@ -124,6 +126,8 @@ pub enum UnwrapError {
     Memory(#[from] Shortage),
     #[error("the shapes cannot be laid out: {0}")]
     Other(String),
+    #[error("interrupted")]
+    Cancelled,
 }
 
 /// Bytes for each texel of a lightmap while it is made: its place, its sums, and the pictures of it.
@@ -133,8 +137,9 @@ const LEAST_HEIGHT: f64 = 2e-6;
 /// The most texels of all lightmaps together.
 const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 
-/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]).
-pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout, UnwrapError> {
+/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends after `cancel` is set: soon while charts are flattened and packed, and
+/// at the end of a mesh while it is cut.
+pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicBool) -> Result<Layout, UnwrapError> {
     let UnwrapSettings {
         atlas_size,
         texels_per_unit,
@@ -178,8 +183,14 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout
         padding,
         ..Options::default()
     };
-    let atlas = uvunwrap::generate(&inputs, &options).map_err(|error| match error {
-        uvunwrap::Error::ChartTooLarge { .. } => too_large(meshes, &inputs, settings, &options),
+    let generate =
+        |inputs: &[MeshInput]| uvunwrap::generate_with_progress(inputs, &options, |_| !cancel.load(Ordering::Relaxed));
+    let atlas = generate(&inputs).map_err(|error| match error {
+        uvunwrap::Error::Cancelled => UnwrapError::Cancelled,
+        uvunwrap::Error::ChartTooLarge { .. } => {
+            let alone = |mesh: usize| generate(&inputs[mesh..=mesh]).err();
+            too_large(meshes, settings, alone)
+        }
         uvunwrap::Error::AtlasTooLarge { texels } => too_many(texels, meshes),
         other => UnwrapError::Other(other.to_string()),
     })?;
@@ -208,18 +219,21 @@ fn too_many(texels: u64, meshes: &[UnwrapMesh]) -> UnwrapError {
     }
 }
 
-/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone, the one with the largest extent first.
-fn too_large(meshes: &[UnwrapMesh], inputs: &[MeshInput], settings: &UnwrapSettings, options: &Options) -> UnwrapError {
+/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone, the one with the largest extent first:
+/// `alone` gives the error of a mesh.
+fn too_large(
+    meshes: &[UnwrapMesh],
+    settings: &UnwrapSettings,
+    alone: impl Fn(usize) -> Option<uvunwrap::Error>,
+) -> UnwrapError {
     let mut order: Vec<(f64, usize)> = meshes.iter().map(UnwrapMesh::extent).zip(0..).collect();
     order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    let found = order
-        .into_iter()
-        .find_map(|(_, index)| match uvunwrap::generate(&inputs[index..=index], options) {
-            Err(uvunwrap::Error::ChartTooLarge { width, height, .. }) => Some((index, width, height)),
-            _ => None,
-        });
-    let Some((index, width, height)) = found else {
-        return UnwrapError::Other("one of them has no room in a lightmap; take larger lightmaps".to_owned());
+    let error = order.into_iter().find_map(|(_, index)| Some((index, alone(index)?)));
+    let (index, width, height) = match error {
+        Some((index, uvunwrap::Error::ChartTooLarge { width, height, .. })) => (index, width, height),
+        Some((_, uvunwrap::Error::Cancelled)) => return UnwrapError::Cancelled,
+        Some((index, error)) => return UnwrapError::Other(format!("`{}`: {error}", meshes[index].name)),
+        None => return UnwrapError::Other("one of them has no room in a lightmap; take larger lightmaps".to_owned()),
     };
     let (name, size) = (meshes[index].name.clone(), settings.atlas_size);
     let Some(texels_per_unit) = settings.texels_per_unit else {
@@ -332,6 +346,10 @@ impl LayoutMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout, UnwrapError> {
+        super::unwrap(meshes, settings, &AtomicBool::new(false))
+    }
 
     fn square(size: f32) -> UnwrapMesh {
         let corners = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)];
@@ -467,6 +485,13 @@ mod tests {
         let error = unwrap(&[square(10.0), mesh], &small).map(drop).expect_err("no room");
         let name = "splinters".to_owned();
         assert_eq!(error, UnwrapError::TooManyPieces { name, size: 32 });
+    }
+
+    #[test]
+    fn a_layout_that_is_cancelled_ends() {
+        let cancelled = AtomicBool::new(true);
+        let error = super::unwrap(&[square(1.0)], &with_density(8.0), &cancelled).map(drop);
+        assert_eq!(error, Err(UnwrapError::Cancelled));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Which surfaces have a place in a lightmap, and where.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::{Vec2, Vec3};
 use sunroom::bake::level::{BakeLevel, unwrap_level};
 use sunroom::bake::texels::covered_texels;
@@ -77,7 +79,7 @@ fn laid_out(writer: &mut GltfWriter, lit: (bool, bool)) -> BakeLevel {
         texels_per_unit: Some(8.0),
         ..UnwrapSettings::default()
     };
-    unwrap_level(writer, &settings, |_| lit).expect("a layout")
+    unwrap_level(writer, &settings, |_| lit, &AtomicBool::new(false)).expect("a layout")
 }
 
 #[test]
@@ -191,7 +193,9 @@ fn add_line(writer: &mut GltfWriter) -> usize {
 fn a_mesh_without_an_area_has_no_place() {
     let mut writer = GltfWriter::default();
     add_line(&mut writer);
-    let error = unwrap_level(&mut writer, &UnwrapSettings::default(), |_| (true, true)).expect_err("no surface");
+    let cancel = AtomicBool::new(false);
+    let layout = unwrap_level(&mut writer, &UnwrapSettings::default(), |_| (true, true), &cancel);
+    let error = layout.expect_err("no surface");
     assert!(
         error.to_string().contains("nothing in the level has a surface"),
         "{error}"

@@ -156,20 +156,20 @@ fn start(world: &mut World) {
     }
     let work = std::mem::take(&mut world.resource_mut::<Baking>().work);
     let Work::Waiting(folder) = work else { return };
-    match order(world, folder).and_then(|order| {
+    match order(world, folder).and_then(|(order, folder)| {
         let display = world.resource::<ViewSettings>().display.tone();
         let wanted = Wanted {
             display,
             ..Wanted::default()
         };
-        BakeThread::begin(order, wanted).map_err(CommandError::file)
+        BakeThread::begin(order, folder, wanted).map_err(CommandError::file)
     }) {
         Ok(thread) => world.resource_mut::<Baking>().work = Work::UnderWay(thread),
         Err(error) => fail(world, error.to_string()),
     }
 }
 
-fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandError> {
+fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFolder), CommandError> {
     // Another bake may have removed it.
     let path = folder.path().to_owned();
     drop(folder);
@@ -186,7 +186,7 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
     let sensor = world.resource::<ActiveSensor>().0;
     let medium = sensor.and_then(|sensor| world.get::<InMedium>(sensor));
     let medium = medium.and_then(|medium| packed.medium_of_entity.get(&medium.0).copied());
-    Ok(BakeOrder {
+    let order = BakeOrder {
         scene: scene.clone(),
         view: View {
             medium,
@@ -201,10 +201,11 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<BakeOrder, CommandEr
         access,
         settings: choices.settings(),
         limits: choices.limits(),
-        folder,
+        folder: path,
         threads: world.resource::<RenderControl>().threads,
         wake_up: world.get_resource::<WakeUp>().cloned().unwrap_or_default(),
-    })
+    };
+    Ok((order, folder))
 }
 
 /// Gives up a bake that waits for a scene, since another one takes its place.
@@ -270,14 +271,13 @@ fn tell_end(world: &mut World) {
     }
 }
 
-/// Gives up the bake that is under way, and waits until its folder is as it was, before the program ends.
+/// Gives up the bake that is under way before the program ends. Its folder is as it was then, or has all files.
 pub fn end_at_exit(world: &mut World) {
     let Some(mut baking) = world.get_resource_mut::<Baking>() else {
         return;
     };
     baking.discard();
     for thread in std::mem::take(&mut baking.ending) {
-        // The result is of no use any more.
-        let _ = thread.join();
+        thread.wait_at_exit();
     }
 }

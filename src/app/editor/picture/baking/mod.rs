@@ -4,12 +4,11 @@ pub mod shown;
 pub mod thread;
 
 use std::path::Path;
-use std::thread::JoinHandle;
 
 use bevy::prelude::Resource;
 
 use crate::bake::files::OutputFolder;
-use thread::BakeThread;
+use thread::{BakeThread, LeftThread};
 
 /// The bake.
 #[derive(Resource, Default)]
@@ -21,7 +20,7 @@ pub struct Baking {
     /// Whether that was with the scene that is open now.
     pub is_failure_of_scene: bool,
     /// The threads of bakes that were given up.
-    pub ending: Vec<JoinHandle<()>>,
+    pub ending: Vec<LeftThread>,
 }
 
 /// A bake.

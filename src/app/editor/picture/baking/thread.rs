@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use super::shown::{PagePicture, Showing, Wanted};
 use crate::app::baking::{BakedLevel, baked_level};
@@ -40,7 +41,7 @@ pub struct BakeOrder {
     /// What ends the gathering of light.
     pub limits: BakeLimits,
     /// The folder for the files.
-    pub folder: OutputFolder,
+    pub folder: PathBuf,
     /// The number of threads that trace rays.
     pub threads: NonZeroUsize,
     /// Lets the window show what is new.
@@ -81,6 +82,15 @@ pub struct BakeNews {
     pub ended: Option<Result<Written, String>>,
 }
 
+/// What the bake does with its folder.
+#[derive(Default)]
+struct Folder {
+    /// None when the bake has left it, and writes nothing any more.
+    held: Option<OutputFolder>,
+    /// Whether files are being written into it.
+    is_written: bool,
+}
+
 #[derive(Default)]
 pub(super) struct Shared {
     /// Ends the gathering of light.
@@ -89,6 +99,7 @@ pub(super) struct Shared {
     discards: Arc<AtomicBool>,
     /// The window shows the bake no more.
     closes: AtomicBool,
+    folder: Mutex<Folder>,
     wanted: Mutex<Wanted>,
     is_wanted_anew: Condvar,
     news: Mutex<BakeNews>,
@@ -117,6 +128,18 @@ impl Shared {
         });
     }
 
+    /// Notes that files are being written; false if the bake has left its folder, because it was given up.
+    fn begin_to_write(&self) -> bool {
+        let mut folder = lock(&self.folder);
+        folder.is_written = folder.held.is_some();
+        folder.is_written
+    }
+
+    /// Leaves the folder. What was made for it is removed if nothing is in it.
+    fn leave_folder(&self) {
+        *lock(&self.folder) = Folder::default();
+    }
+
     /// What the window wants to see.
     pub fn wanted(&self) -> Wanted {
         lock(&self.wanted).clone()
@@ -140,14 +163,18 @@ pub struct BakeThread {
 }
 
 impl BakeThread {
-    /// Begins to bake. The error is that of the system, which has no more threads.
-    pub fn begin(order: BakeOrder, wanted: Wanted) -> std::io::Result<Self> {
+    /// Begins to bake for the order's folder, which is `held`. The error is that of the system, which has no more threads.
+    pub fn begin(order: BakeOrder, held: OutputFolder, wanted: Wanted) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
+            folder: Mutex::new(Folder {
+                held: Some(held),
+                is_written: false,
+            }),
             wanted: Mutex::new(wanted),
             wake_up: order.wake_up.clone(),
             ..Shared::default()
         });
-        let (folder, own) = (order.folder.path().to_owned(), shared.clone());
+        let (folder, own) = (order.folder.clone(), shared.clone());
         let thread = std::thread::Builder::new().name("bake".to_owned()).spawn(move || {
             let mut showing = Showing::default();
             let baked = catch_unwind(AssertUnwindSafe(|| bake(order, &own, &mut showing)));
@@ -156,6 +183,7 @@ impl BakeThread {
                 Ok((job, written)) => (Some(job), Ok(written)),
                 Err(reason) => (None, Err(reason)),
             };
+            own.leave_folder();
             own.tell(|news| news.ended = Some(ended));
             let Some(job) = job else { return };
             loop {
@@ -213,19 +241,53 @@ impl BakeThread {
         self.shared.wanted()
     }
 
-    /// Gives it up. Nothing is written; files that are being written already are all written, so that they fit together. The thread ends soon, or when the level is
-    /// described or unwrapped.
-    pub fn discard(self) -> JoinHandle<()> {
+    /// Gives it up. Nothing is written, and a folder that was made for it is removed at once; files that are being written already are all written, so that they
+    /// fit together.
+    pub fn discard(self) -> LeftThread {
         self.shared.discards.store(true, Ordering::Relaxed);
         self.shared.cancel.store(true, Ordering::Relaxed);
+        let mut folder = lock(&self.shared.folder);
+        if !folder.is_written {
+            folder.held = None;
+        }
+        drop(folder);
         // Under the lock, so that the thread does not begin to wait in between.
         let wanted = lock(&self.shared.wanted);
         self.shared.closes.store(true, Ordering::Relaxed);
         self.shared.is_wanted_anew.notify_all();
         drop(wanted);
-        self.thread
+        LeftThread {
+            shared: self.shared,
+            thread: self.thread,
+        }
     }
 }
+
+/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is described or cut into charts.
+pub struct LeftThread {
+    shared: Arc<Shared>,
+    thread: JoinHandle<()>,
+}
+
+impl LeftThread {
+    /// Whether it has ended.
+    pub fn is_finished(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// Waits before the program ends: until files that are being written are complete, and else for [`LAST_WAIT`] at most. A thread that takes longer writes
+    /// nothing, and ends with the program.
+    pub fn wait_at_exit(self) {
+        let begin = Instant::now();
+        let is_writing = || lock(&self.shared.folder).is_written;
+        while !self.is_finished() && (is_writing() || begin.elapsed() < LAST_WAIT) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// The time that the end of the program waits for a bake that writes nothing.
+const LAST_WAIT: Duration = Duration::from_millis(300);
 
 /// Why a bake ends that is given up.
 const GIVEN_UP: &str = "the bake is given up";
@@ -239,7 +301,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         writer,
         probes,
         messages,
-    } = baked_level(&order.level, &order.hidden, folder.path(), &order.access).map_err(|error| error.to_string())?;
+    } = baked_level(&order.level, &order.hidden, folder, &order.access).map_err(|error| error.to_string())?;
     if shared.discards.load(Ordering::Relaxed) {
         return Err(GIVEN_UP.to_owned());
     }
@@ -278,8 +340,11 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
     let Some(baked) = job.baked().filter(|_| !is_discarded()) else {
         return Err(GIVEN_UP.to_owned());
     };
+    if !shared.begin_to_write() {
+        return Err(GIVEN_UP.to_owned());
+    }
     shared.tell(|news| (news.stage, news.progress) = ("Writing the files".to_owned(), None));
-    files::write(folder.path(), job.blueprint(), baked).map_err(|error| error.to_string())?;
+    files::write(folder, job.blueprint(), baked).map_err(|error| error.to_string())?;
     let written = Written {
         is_stopped: ending == BakeEnding::Cancelled,
         samples: baked.samples,
