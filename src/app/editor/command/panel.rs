@@ -24,11 +24,13 @@ pub enum Panel {
     Messages,
     /// The paths of an inspected pixel, vertex by vertex.
     Paths,
+    /// The bake of lightmaps that is under way.
+    Bake,
 }
 
 impl Panel {
     /// The panels that can be closed and shown again, in the order of the menu.
-    pub const CLOSEABLE: [Self; 8] = [
+    pub const CLOSEABLE: [Self; 9] = [
         Self::Outliner,
         Self::Library,
         Self::Assets,
@@ -37,19 +39,21 @@ impl Panel {
         Self::History,
         Self::Messages,
         Self::Paths,
+        Self::Bake,
     ];
     /// The panels at the right, one behind the other, until the user moves them.
-    pub(crate) const RIGHT: [Self; 5] = [
+    pub(crate) const RIGHT: [Self; 6] = [
         Self::Inspector,
         Self::Render,
         Self::History,
         Self::Messages,
         Self::Paths,
+        Self::Bake,
     ];
     /// The panels at the left.
     pub(crate) const LEFT: [Self; 3] = [Self::Outliner, Self::Library, Self::Assets];
     /// The panels that are shown only on demand.
-    pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
+    pub(crate) const CLOSED: [Self; 2] = [Self::Paths, Self::Bake];
 
     /// The word on a tab that has little room.
     pub fn short_title(self) -> &'static str {
@@ -63,6 +67,7 @@ impl Panel {
             Self::History => "Hist.",
             Self::Messages => "Mess.",
             Self::Paths => "Paths",
+            Self::Bake => "Bake",
         }
     }
 
@@ -78,6 +83,7 @@ impl Panel {
             Self::History => "History",
             Self::Messages => "Messages",
             Self::Paths => "Paths",
+            Self::Bake => "Bake",
         }
     }
 }

@@ -12,6 +12,7 @@ use super::status::{clock, percent};
 use super::{fields, look, typed};
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::baking::{BakeModel, ShownBake};
 use crate::app::editor::words::figures::legible;
@@ -20,8 +21,8 @@ use crate::bake::job::USUAL_SAMPLES;
 use crate::bake::progress::{Gathered, Stage};
 use crate::bake::unwrap::ATLAS_SIZES;
 
-/// The edge of the picture of a lightmap, in points.
-const PICTURE: f32 = 220.0;
+/// The largest width of the picture of a lightmap, in points.
+const PICTURE: f32 = 440.0;
 
 /// The form. It is kept while the window is open.
 #[derive(Clone, Debug, Default)]
@@ -214,11 +215,19 @@ fn optional<N: egui::emath::Numeric>(
     fields::write_back(changed, value, copy)
 }
 
+/// Says that there is no bake.
+pub fn no_bake(ui: &mut Ui, commands: &mut Vec<Command>) {
+    ui.add_space(8.0);
+    ui.weak("No bake is under way.");
+    ui.add_space(4.0);
+    if ui.button("Bake lightmaps…").clicked() {
+        commands.push(Command::Shell(ShellCommand::ShowSheet(Sheet::Bake)));
+    }
+}
+
 /// Shows the bake that is under way, or that has ended.
 pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, commands: &mut Vec<Command>) {
-    ui.set_width(PICTURE);
     let news = &shown.news;
-    let folder = shown.folder.file_name().unwrap_or_default().to_string_lossy();
     if shown.is_busy {
         let stage = match shown.is_stopped {
             true => "Writing what there is",
@@ -228,9 +237,7 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
         let done = news.progress.map_or(0.0, |progress| progress.done as f32);
         ui.add(ProgressBar::new(done).text(RichText::new(bar_text(shown)).small()));
     } else {
-        let text = format!("The level is in {folder}");
-        ui.add(Label::new(text).truncate())
-            .on_hover_text(shown.folder.display().to_string());
+        ui.add(Label::new(format!("The level is in {}", shown.folder.display())).wrap());
     }
     ui.add_space(2.0);
     page(ui, shown, picture, commands);
@@ -331,7 +338,10 @@ fn page(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, command
             ui.weak(format!("{width} × {height} texels")).on_hover_text(hint);
         }
     });
-    let (place, _) = ui.allocate_exact_size(vec2(PICTURE, PICTURE), Sense::hover());
+    let width = ui.available_width().min(PICTURE);
+    let [across, down] = news.page_size.map(|side| side as f32);
+    let height = if news.pages > 0 { width * down / across } else { width };
+    let (place, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
     let painter = ui.painter_at(place);
     painter.rect_filled(place, 2.0, Color32::from_gray(24));
     match picture {

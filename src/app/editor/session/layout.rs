@@ -54,6 +54,14 @@ impl Layout {
         self.0.find_tab(&panel).is_some()
     }
 
+    /// The panels in front of their groups.
+    pub fn fronts(&self) -> Vec<Panel> {
+        let leaves = self.0.iter_leaves();
+        leaves
+            .filter_map(|(_, leaf)| leaf.tabs.get(leaf.active.0).copied())
+            .collect()
+    }
+
     /// Shows a panel in front of its group, or in its usual place if it was closed.
     pub fn show(&mut self, panel: Panel) {
         if !self.bring_to_front(panel) {

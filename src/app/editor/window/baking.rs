@@ -1,25 +1,29 @@
-//! The form for a bake over the window, the panel of the bake that is under way beside the picture, and the question before the window is closed meanwhile.
+//! The form for a bake over the window, the panel of the bake that is under way, and the question before the window is closed meanwhile.
 
 use std::sync::Arc;
 
-use bevy_egui::egui::{self, Align2, Area, Frame, Id, Modal, Rect, RichText, TextureHandle, TextureOptions};
+use bevy_egui::egui::{self, Id, Modal, RichText, TextureHandle, TextureOptions, Ui};
 
 use super::dialog;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::BakeCommand;
+use crate::app::editor::command::panel::Panel;
 use crate::app::editor::model::baking::BakeModel;
-use crate::app::editor::panels::baking::{BakeForm, form, progress};
+use crate::app::editor::panels::baking::{BakeForm, form, no_bake, progress};
 use crate::app::editor::panels::look;
+use crate::app::editor::session::layout::Layout;
 
 /// The width of the form, in points.
 const WIDTH: f32 = 400.0;
-/// The distance of the panel from the edges of the picture.
-const MARGIN: f32 = 12.0;
 
-/// The form, and the texture of the panel.
+/// The form, and what the panel keeps.
 #[derive(Default)]
 pub struct BakeWidgets {
     form: BakeForm,
+    /// Whether there was a bake to show in the last frame; None before the first one.
+    was_there: Option<bool>,
+    /// The panel that that of the bake has covered.
+    covered: Option<Panel>,
     /// The texture of the lightmap, with the image that it was made of.
     picture: Option<(TextureHandle, Arc<egui::ColorImage>)>,
 }
@@ -38,25 +42,35 @@ impl BakeWidgets {
         !modal.should_close()
     }
 
-    /// Shows the bake that is under way. `viewport` is the rectangle of the picture's panel.
-    pub fn panel(&mut self, context: &egui::Context, model: &BakeModel, viewport: Rect, commands: &mut Vec<Command>) {
+    /// Shows the panel of the bake when one begins, and closes it when the bake is shown no more.
+    pub fn follow(&mut self, layout: &mut Layout, model: &BakeModel) {
+        let is_there = model.shown.is_some();
+        let was_there = self.was_there.replace(is_there);
+        if is_there && was_there != Some(true) {
+            let before = layout.fronts();
+            layout.show(Panel::Bake);
+            let after = layout.fronts();
+            self.covered = before.into_iter().find(|panel| !after.contains(panel));
+        } else if !is_there && was_there != Some(false) {
+            // In the first frame the panel may be there from the last run.
+            let covered = self.covered.take().filter(|_| layout.fronts().contains(&Panel::Bake));
+            layout.close(Panel::Bake);
+            if let Some(covered) = covered {
+                layout.bring_to_front(covered);
+            }
+        }
+    }
+
+    /// Shows the bake that is under way, or that has ended.
+    pub fn panel(&mut self, ui: &mut Ui, model: &BakeModel, commands: &mut Vec<Command>) {
         let Some(shown) = &model.shown else {
             self.picture = None;
+            no_bake(ui, commands);
             return;
         };
-        self.update_picture(context, shown.news.picture.as_ref().map(|picture| &picture.image));
-        Area::new(Id::new("bake under way"))
-            .pivot(Align2::RIGHT_BOTTOM)
-            .default_pos(viewport.right_bottom() - egui::vec2(MARGIN, MARGIN))
-            .movable(true)
-            .constrain_to(viewport)
-            .order(egui::Order::Middle)
-            .show(context, |ui| {
-                Frame::popup(ui.style()).show(ui, |ui| {
-                    let picture = self.picture.as_ref().map(|(texture, _)| texture);
-                    progress(ui, shown, picture, commands);
-                });
-            });
+        self.update_picture(ui.ctx(), shown.news.picture.as_ref().map(|picture| &picture.image));
+        let picture = self.picture.as_ref().map(|(texture, _)| texture);
+        progress(ui, shown, picture, commands);
     }
 
     /// Gives the texture the pixels of the image unless it has them.
@@ -191,6 +205,31 @@ mod tests {
     }
 
     #[test]
+    fn the_panel_comes_with_a_bake_and_goes_with_it() {
+        // It was there when the program ended.
+        let mut layout = Layout::default();
+        layout.show(Panel::Bake);
+        let mut widgets = BakeWidgets::default();
+        widgets.follow(&mut layout, &BakeModel::default());
+        assert!(!layout.has(Panel::Bake));
+        layout.show(Panel::History);
+        for is_busy in [true, false] {
+            widgets.follow(&mut layout, &bake(is_busy));
+            assert!(layout.fronts().contains(&Panel::Bake));
+        }
+        widgets.follow(&mut layout, &BakeModel::default());
+        assert!(!layout.has(Panel::Bake) && layout.fronts().contains(&Panel::History));
+        // The user looks at another panel meanwhile, and closes this one.
+        widgets.follow(&mut layout, &bake(true));
+        layout.show(Panel::Inspector);
+        layout.close(Panel::Bake);
+        widgets.follow(&mut layout, &bake(true));
+        assert!(!layout.has(Panel::Bake));
+        widgets.follow(&mut layout, &BakeModel::default());
+        assert!(layout.fronts().contains(&Panel::Inspector));
+    }
+
+    #[test]
     fn the_window_closes_when_the_bake_has_ended() {
         let after = |question: &mut BakeQuestion, mut commands: Vec<Command>, model: &BakeModel| {
             question.hold(&mut commands, model);
@@ -232,7 +271,7 @@ mod tests {
         };
         let events = click.map(|pos| vec![egui::Event::PointerMoved(pos), button(pos, true), button(pos, false)]);
         let input = egui::RawInput {
-            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0))),
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0))),
             events: events.unwrap_or_default(),
             ..Default::default()
         };

@@ -57,11 +57,8 @@ impl<'a> Panels<'a> {
 pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
     hide_lonely_bar(layout);
     layout.fit(ui.available_size());
-    let leaves = layout.0.iter_leaves();
     panels.error_color = ui.visuals().error_fg_color;
-    panels.fronts = leaves
-        .filter_map(|(_, leaf)| leaf.tabs.get(leaf.active.0).copied())
-        .collect();
+    panels.fronts = layout.fronts();
     panels.crowded = crowded(ui, layout, &panels);
     let mut style = Style::from_egui(ui.style());
     style.tab_bar.height = 24.0;
@@ -185,6 +182,7 @@ impl TabViewer for Panels<'_> {
                 let known = self.viewport.paths;
                 paths::paths(ui, known.wanted, known.pixel, &known.paths, commands);
             }
+            Panel::Bake => widgets.bake.panel(ui, &model.bake, commands),
         }
     }
 

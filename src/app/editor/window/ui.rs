@@ -215,6 +215,7 @@ pub fn show_window(
         presses: &presses,
         enabled: is_free,
     };
+    widgets.bake.follow(layout, &model.bake);
     if let Some(panel) = requests.wanted_panel.take() {
         layout.bring_to_front(panel);
     }
@@ -266,7 +267,6 @@ pub fn show_window(
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
     scene_question::question(&context, &mut requests.scene_question, commands);
-    (widgets.bake).panel(&context, &model.bake, widgets.viewport_place, commands);
     full_film::progress(&context, &model.status, widgets.viewport_place, commands);
     // One question at a time.
     if shell.recovery.offer.is_none() {
