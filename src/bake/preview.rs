@@ -1,5 +1,6 @@
 //! What a game shows of a level that is lit by its lightmaps alone: for each pixel the albedo of the first surface times the irradiance of its texels over pi,
-//! and what it sends out itself. What has no lightmap (metals, glass, what moves) is black.
+//! and what it sends out itself. What has no lightmap shows what is behind it or in it: glass is passed straight on, and metals are smooth mirrors. All else
+//! without a lightmap, such as what moves, is black.
 //!
 //! A ray through the middle of each pixel finds the surface. A second one finds the same place on the surfaces that have texels, which are triangles also where
 //! the scene has a sphere; so the two lie apart by up to some texels. The light can be gathered on while the view stays: only [`SeenPixels::lit`] is done again.
@@ -36,6 +37,10 @@ const NONE: u32 = u32::MAX;
 const TEXEL_BYTES: u64 = size_of::<u32>() as u64;
 /// Bytes that a pixel takes, with its colour in two pictures, of which one is made while the other is shown.
 const PIXEL_BYTES: u64 = (size_of::<Seen>() + 2 * size_of::<Rgb>()) as u64;
+/// The most surfaces that a view passes or is mirrored in.
+const MOST_TURNS: usize = 8;
+/// The square of the largest sine of the angle between directions that are the same.
+const STRAIGHT: f32 = 1e-8;
 /// The most emitters in front of each other that a camera does not see.
 const MOST_HIDDEN: usize = 256;
 /// Bytes that a triangle takes with its corners and its part of the hierarchy.
@@ -131,11 +136,8 @@ impl BakedSurfaces {
             let ray = camera.ray(place / size.as_vec2(), Vec2::splat(0.5));
             let ray = sight.narrow(&scene.geometry, ray);
             match hides_emitters {
-                true => Seen {
-                    own: Rgb::ZERO,
-                    ..self.see_along(scene, &behind_emitters(scene, ray))
-                },
-                false => self.see_along(scene, &ray),
+                true => self.see_along(scene, behind_emitters(scene, ray), true),
+                false => self.see_along(scene, ray, false),
             }
         };
         Ok(SeenPixels {
@@ -145,27 +147,52 @@ impl BakedSurfaces {
         })
     }
 
-    fn see_along(&self, scene: &RenderScene, ray: &Ray) -> Seen {
+    /// What is seen along a camera's ray, which does not see what shines if `hides_emitters`.
+    fn see_along(&self, scene: &RenderScene, mut ray: Ray, hides_emitters: bool) -> Seen {
         let mut seen = Seen {
             own: Rgb::ZERO,
             albedo: Rgb::ZERO,
             page: NONE,
             at: Vec2::ZERO,
         };
-        let (met, _) = behind_borders(scene, ray, None, |_, _| {});
-        let Some(Met { hit, slot, point }) = met else {
-            let sky = scene.lights.infinite().iter();
-            seen.own = sky.map(|light| scene.lights.radiance_from(*light, ray.dir)).sum();
-            return seen;
-        };
-        if let Some(light) = slot.light {
-            let on_light = SurfaceHit::at(&hit, &point);
-            seen.own = scene.lights.emitted(light, &on_light, -ray.dir);
-        }
-        if let Some((page, at)) = self.place(ray, hit.t) {
+        // The share of the light at the end of the ray.
+        let mut share = Rgb::ONE;
+        for turn in 0..=MOST_TURNS {
+            let sees_emitters = turn > 0 || !hides_emitters;
+            let (met, _) = behind_borders(scene, &ray, None, |_, _| {});
+            let Some(Met { hit, slot, point }) = met else {
+                if sees_emitters {
+                    let sky = scene.lights.infinite().iter();
+                    let sky: Rgb = sky.map(|light| scene.lights.radiance_from(*light, ray.dir)).sum();
+                    seen.own += share * sky;
+                }
+                break;
+            };
+            if let Some(light) = slot.light.filter(|_| sees_emitters) {
+                let on_light = SurfaceHit::at(&hit, &point);
+                seen.own += share * scene.lights.emitted(light, &on_light, -ray.dir);
+            }
             let scattering = scene.scattering(slot.material, &hit, &point, -ray.dir, TransportMode::Radiance);
-            seen.albedo = scattering.albedo().clamp(Rgb::ZERO, Rgb::ONE);
-            (seen.page, seen.at) = (page, at);
+            let is_open = scattering.null_share() > 0.5;
+            if let Some((page, at)) = self.place(&ray, hit.t).filter(|_| !is_open) {
+                seen.albedo = share * scattering.albedo().clamp(Rgb::ZERO, Rgb::ONE);
+                (seen.page, seen.at) = (page, at);
+                break;
+            }
+            let Some((dir, of_light)) = scattering.onward() else {
+                break;
+            };
+            share *= of_light;
+            let is_straight =
+                dir.dot(ray.dir) > 0.0 && dir.cross(ray.dir).length_squared() < STRAIGHT * ray.dir.length_squared();
+            ray = Ray {
+                // Where the view ends, its straight continuation does.
+                t_max: if is_straight { ray.t_max - hit.t } else { f32::INFINITY },
+                ..Ray::new(
+                    offset_origin(point.position, point.error, point.geometric_normal, dir),
+                    dir,
+                )
+            };
         }
         seen
     }

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, BsdfSample, ShadingTables, TransportMode};
+use crate::shading::{Bsdf, BsdfSample, Onward, ShadingTables, TransportMode, mirrored};
 
 /// The most models that a material may mix at one place.
 pub(super) const LARGEST_MIX: usize = 8;
@@ -295,6 +295,33 @@ impl<'a> Scattering<'a> {
     pub fn transmittance(&self) -> Rgb {
         let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.transmittance(part.wo);
         Rgb::splat(self.null_share) + self.parts.iter().map(of_part).sum::<Rgb>()
+    }
+
+    /// The share of the light that passes straight through because the material is open here.
+    pub fn null_share(&self) -> f32 {
+        self.null_share
+    }
+
+    /// The direction in which a view goes on that knows neither roughness nor refraction, with the share of the light from there: straight on through glass and
+    /// what is open, or as in a mirror, whichever is more. None where neither is, as on diffuse surfaces.
+    pub fn onward(&self) -> Option<(Vec3, Rgb)> {
+        let mut straight = Rgb::splat(self.null_share);
+        let (mut mirror, mut strongest) = (Rgb::ZERO, None::<&Part>);
+        for part in &self.parts {
+            match part.bsdf.onward(part.wo) {
+                Some(Onward::Straight(share)) => straight += part.weight * share,
+                Some(Onward::Mirrored(share)) => {
+                    mirror += part.weight * share;
+                    strongest = strongest.filter(|other| other.weight >= part.weight).or(Some(part));
+                }
+                None => {}
+            }
+        }
+        let (dir, share) = match strongest.filter(|_| mirror.max_element() > straight.max_element()) {
+            Some(part) => (part.orientation.to_world(mirrored(part.wo)), mirror),
+            None => (-self.wo, straight),
+        };
+        (share.max_element() > 0.0).then_some((dir, share))
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.

@@ -310,7 +310,41 @@ impl Bsdf {
     }
 }
 
+/// Where a view goes on at a surface if it knows neither roughness nor refraction, with the share of the light from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onward {
+    /// Behind the surface, in the same direction.
+    Straight(Rgb),
+    /// In the mirror.
+    Mirrored(Rgb),
+}
+
+impl Bsdf {
+    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors. None for other surfaces, whose gloss does not
+    /// count.
+    pub fn onward(&self, wo: Vec3) -> Option<Onward> {
+        let cos = wo.z.abs();
+        match self {
+            Self::Conductor(conductor) => Some(Onward::Mirrored(conductor.specular.reflectance(cos))),
+            Self::RoughConductor(rough) => Some(Onward::Mirrored(rough.specular.reflectance(cos))),
+            Self::Metal(metal) => Some(Onward::Mirrored(metal.color)),
+            Self::Dielectric(glass) => Some(Onward::Straight(glass.specular_transmittance)),
+            Self::RoughDielectric(glass) => Some(Onward::Straight(glass.specular_transmittance)),
+            Self::ThinDielectric(thin) => Some(Onward::Straight(thin.specular_transmittance)),
+            Self::Principled(principled) => {
+                let glass = (1.0 - principled.metallic) * principled.spec_trans;
+                match principled.metallic >= glass {
+                    true => Some(Onward::Mirrored(principled.metallic * principled.base_color)),
+                    false => Some(Onward::Straight(glass * principled.base_color.map(f32::sqrt))),
+                }
+            }
+            Self::PrincipledThin(thin) => Some(Onward::Straight(thin.spec_trans * thin.base_color)),
+            Self::Diffuse(_) | Self::Plastic(_) | Self::RoughPlastic(_) | Self::Hair(_) => None,
+        }
+    }
+}
+
 /// The mirror image of `wo` about the normal.
-fn mirrored(wo: Vec3) -> Vec3 {
+pub(crate) fn mirrored(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
 }

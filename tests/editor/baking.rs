@@ -67,8 +67,12 @@ struct Window {
 
 impl Window {
     fn new() -> Self {
+        Self::with(SCENE)
+    }
+
+    fn with(scene: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        std::fs::write(folder.path().join("scene.xml"), SCENE).expect("a writable folder");
+        std::fs::write(folder.path().join("scene.xml"), scene).expect("a writable folder");
         let mut app = App::new();
         app.add_plugins((
             MinimalPlugins,
@@ -526,6 +530,51 @@ fn the_level_by_its_lightmaps_is_as_bright_as_the_true_picture() {
     window.say(BakeCommand::Close).expect("it has ended");
     let comparison = window.app.world().resource::<Comparison>();
     assert!(comparison.baked.is_none() && comparison.view == CompareView::Off);
+}
+
+#[test]
+fn glass_and_mirrors_show_lightmaps_behind_them_and_in_them() {
+    let more = r#"
+  <shape type="rectangle" id="pane">
+    <transform name="to_world"><scale x="0.6" y="3" z="1"/><translate x="-1" y="0" z="3.5"/></transform>
+    <bsdf type="thindielectric"><rgb name="specular_transmittance" value="1, 0.5, 0.5"/></bsdf>
+  </shape>
+  <shape type="rectangle" id="mirror">
+    <transform name="to_world"><scale x="1.2" y="1" z="1"/><translate x="0.8" y="1" z="1"/></transform>
+    <bsdf type="conductor"><string name="material" value="none"/></bsdf>
+  </shape>
+</scene>"#;
+    let mut window = Window::with(&SCENE.replace("</scene>", more));
+    window.app.world_mut().resource_mut::<RenderControl>().target_samples = Some(64);
+    window.begin(QUICK, "level");
+    apply(window.app.world_mut(), Command::SetCompareView(CompareView::Baked(0.5))).expect("it is allowed");
+    window.end();
+    window.until("the finished lightmaps", |world| {
+        let status = world.resource::<RenderStatus>();
+        is_lit_level_seen(world) && status.state == RenderState::Done && status.is_up_to_date
+    });
+    let world = window.app.world();
+    let camera = world.resource::<PackedScene>().view.as_ref().map(|view| view.camera);
+    let lit = world
+        .resource::<Comparison>()
+        .other(camera.as_ref())
+        .expect("it is of this view");
+    let film = &world.resource::<RenderFilm>().film;
+    let truth = film.radiance();
+    // The means over a few pixels around a place of the picture.
+    let mean = |pixels: &[Vec3], [x, y]: [f32; 2]| {
+        let (width, height) = (film.width() as i32, film.height() as i32);
+        let [column, row] = [(x * width as f32) as i32, (y * height as f32) as i32];
+        let around = (-2..=2).flat_map(|down| (-2..=2).map(move |across| (row + down) * width + column + across));
+        around.map(|index| pixels[index as usize]).sum::<Vec3>() / 25.0
+    };
+    for (what, place) in [("through the pane", [0.2, 0.8]), ("in the mirror", [0.6, 0.5])] {
+        let (seen, traced) = (mean(&lit.radiance, place), mean(&truth, place));
+        assert!(traced.min_element() > 0.01, "{what}: {traced}");
+        // The pane reflects a tenth of the light.
+        let ratio = seen / traced;
+        assert!((ratio - 1.0).abs().max_element() < 0.2, "{what}: {seen} {traced}");
+    }
 }
 
 #[test]
