@@ -1,10 +1,11 @@
 //! Rays of light as emitters send them: where paths from the lights start (Veach 1997, section 10.2; PBR 4th ed., section 16.1).
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{LightId, SurfaceHit};
 use crate::color::Rgb;
-use crate::math::Aabb;
+use crate::math::{Aabb, Frame};
+use crate::sampling::warp;
 
 /// A ray of light that leaves an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,16 @@ pub(super) struct Beam {
     pub pdf_solid_angle: f32,
 }
 
-/// A sphere around everything that light from infinity can meet.
+/// What light from the lights can meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// A sphere around everything.
+    pub everything: SceneSphere,
+    /// A sphere around everything but lamps that stand far from the rest.
+    pub lit: SceneSphere,
+}
+
+/// A sphere around something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneSphere {
     /// World space.
@@ -109,5 +119,73 @@ impl SceneSphere {
     /// The area of its disk.
     pub(super) fn cross_section(&self) -> f32 {
         std::f32::consts::PI * self.radius * self.radius
+    }
+}
+
+/// The directions from a place far away to a sphere. Lamps send most of their rays there, as with projection maps (Jensen, Realistic Image Synthesis Using Photon
+/// Mapping, 2001): of a small sun only one ray in thousands would meet a scene otherwise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    /// Unit vector.
+    axis: Vec3,
+    /// The squared sine of the cone's angle, and one minus its cosine.
+    sin_squared: f32,
+    one_minus_cos: f32,
+}
+
+/// The squared sines of the angles of the cones: from places that are nearer there is none, and narrower cones would be lost to rounding.
+const SINES_SQUARED: [f32; 2] = [1e-6, 0.25];
+
+impl Aim {
+    /// The share of the rays that are aimed. The others go to lamps.
+    pub const SHARE: f32 = 0.875;
+
+    /// The directions from a place; None if it is not far away.
+    pub fn at(sphere: &SceneSphere, from: Vec3) -> Option<Self> {
+        let [least, most] = SINES_SQUARED;
+        let way = sphere.center - from;
+        let sin_squared = (sphere.radius / way.length()).powi(2).max(least);
+        (sin_squared <= most).then(|| Self {
+            axis: way.normalize(),
+            sin_squared,
+            one_minus_cos: sin_squared / (1.0 + (1.0 - sin_squared).sqrt()),
+        })
+    }
+
+    /// Whether a side with this normal shines in any of the directions.
+    pub fn is_before(&self, normal: Vec3) -> bool {
+        normal.dot(self.axis) > -self.sin_squared.sqrt()
+    }
+
+    /// A direction, uniform over the cone.
+    pub fn sample(&self, u: Vec2) -> Vec3 {
+        let local = warp::uniform_cone(u, self.one_minus_cos);
+        Frame::from_normal(self.axis).to_world(local).normalize()
+    }
+
+    /// Density per solid angle of [`Self::sample`].
+    pub fn pdf(&self, dir: Vec3) -> f32 {
+        // A sampled direction is inside, however it was rounded. There is nothing to meet on the edge.
+        const ROUNDING: f32 = 1.0 + 1e-4;
+        let is_inside =
+            dir.dot(self.axis) > 0.0 && dir.cross(self.axis).length_squared() <= ROUNDING * self.sin_squared;
+        if is_inside {
+            warp::uniform_cone_pdf(self.one_minus_cos)
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether `u` chooses an aimed ray; and what is left of it to choose the ray by.
+    pub fn choose(u: Vec2) -> (bool, Vec2) {
+        match u.x < Self::SHARE {
+            true => (true, Vec2::new(u.x / Self::SHARE, u.y)),
+            false => (false, Vec2::new((u.x - Self::SHARE) / (1.0 - Self::SHARE), u.y)),
+        }
+    }
+
+    /// The density of the mixture of aimed rays and of others with the density `pdf`.
+    pub fn mixed(aim: Option<&Self>, pdf: f32, dir: Vec3) -> f32 {
+        aim.map_or(pdf, |aim| Self::SHARE * aim.pdf(dir) + (1.0 - Self::SHARE) * pdf)
     }
 }

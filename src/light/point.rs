@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::bounds::{LightBounds, NormalCone};
-use super::emission::Beam;
+use super::emission::{Aim, Beam, SceneSphere};
 use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
 use crate::math::Aabb;
@@ -38,12 +38,22 @@ impl PointLight {
         })
     }
 
-    /// A direction in which it shines, uniform over all.
-    pub fn sample_beam(&self, u: Vec2) -> Beam {
+    /// A direction in which it shines: to what is lit, or uniform over all.
+    pub fn sample_beam(&self, lit: &SceneSphere, u: Vec2) -> Beam {
+        let dir = match (Aim::at(lit, self.position), Aim::choose(u)) {
+            (None, _) => warp::uniform_sphere(u),
+            (Some(aim), (true, u)) => aim.sample(u),
+            (Some(_), (false, u)) => warp::uniform_sphere(u),
+        };
         Beam {
-            dir: warp::uniform_sphere(u),
+            dir,
             intensity: self.intensity,
-            pdf_solid_angle: warp::UNIFORM_SPHERE_PDF,
+            pdf_solid_angle: self.beam_pdf(lit, dir),
         }
+    }
+
+    /// Density per solid angle of [`Self::sample_beam`].
+    pub fn beam_pdf(&self, lit: &SceneSphere, dir: Vec3) -> f32 {
+        Aim::mixed(Aim::at(lit, self.position).as_ref(), warp::UNIFORM_SPHERE_PDF, dir)
     }
 }

@@ -59,6 +59,8 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
+    /// The instances that shine, in rising order.
+    lamps: Vec<u32>,
     /// The box around all lights that have a place.
     finite_bounds: Option<Aabb>,
     /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
@@ -100,6 +102,13 @@ impl LightTable {
             };
             table.places.push(place);
         }
+        let lamp = |weighted: &WeightedSource| match weighted.source {
+            LightSource::Surface { instance, .. } => Some(instance),
+            _ => None,
+        };
+        table.lamps = sources.iter().filter_map(lamp).collect();
+        table.lamps.sort_unstable();
+        table.lamps.dedup();
         table.choice = LightChoice::new(&part_bounds, &infinite_weights);
         table.emission = EmissionChoice::new(&part_bounds, &infinite_weights);
         table

@@ -10,7 +10,7 @@ use crate::support::{
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
-use sunroom::light::emission::{EmittedRay, SceneSphere, Start};
+use sunroom::light::emission::{EmittedRay, Reach, Start};
 use sunroom::light::{Atmosphere, EnvironmentMap, LightId, LightReference, LightSource, Projector, Spot, SurfaceHit};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
@@ -41,6 +41,15 @@ fn alone(source: LightSource) -> RenderScene {
     let mut scene = SceneBuilder::default();
     scene.add(Primitive::Sphere, Affine3A::from_scale(Vec3::splat(2.0)), black(), None);
     scene.light(source);
+    scene.build()
+}
+
+/// A lamp that stands far from a floor.
+fn far_surface(primitive: Primitive, to_world: Affine3A) -> RenderScene {
+    let mut scene = SceneBuilder::default();
+    let floor = placed(Vec3::splat(1.6), 0.0, Vec3::new(0.1, 0.4, -0.8));
+    scene.add(Primitive::Rectangle, floor, black(), None);
+    scene.add(primitive, to_world, black(), Some(Rgb::new(400.0, 800.0, 200.0)));
     scene.build()
 }
 
@@ -100,6 +109,21 @@ fn lights() -> Vec<(&'static str, RenderScene)> {
         ("three triangles", surface(square_of_three_triangles(), turned, true)),
         ("leaning triangle", surface(leaning(), stretched, false)),
         (
+            "far sphere",
+            far_surface(Primitive::Sphere, placed(Vec3::ONE, 0.8, Vec3::new(9.0, 20.0, 12.0))),
+        ),
+        (
+            "far leaning triangle",
+            far_surface(leaning(), placed(Vec3::splat(2.0), 0.8, Vec3::new(-5.0, 6.0, 9.0))),
+        ),
+        (
+            "far point",
+            alone(LightSource::Point {
+                position: Vec3::new(3.5, 6.0, -4.0),
+                intensity: Rgb::new(3.0, 1.0, 2.0),
+            }),
+        ),
+        (
             "point",
             alone(LightSource::Point {
                 position: Vec3::new(0.5, 3.0, -1.0),
@@ -155,17 +179,17 @@ fn lights() -> Vec<(&'static str, RenderScene)> {
     ]
 }
 
-fn sphere_of(scene: &RenderScene) -> SceneSphere {
-    SceneSphere::around(&scene.geometry.bounds())
+fn reach_of(scene: &RenderScene) -> Reach {
+    scene.lights.reach(&scene.geometry)
 }
 
 fn rays(scene: &RenderScene) -> impl Iterator<Item = Option<EmittedRay>> {
-    let sphere = sphere_of(scene);
+    let reach = reach_of(scene);
     (0..COUNT).map(move |index| {
         let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(5, 9), index, 3);
         scene
             .lights
-            .sample_emission(&sphere, sampler.at_1d(0), sampler.at_2d(1), sampler.at_2d(2))
+            .sample_emission(&reach, sampler.at_1d(0), sampler.at_2d(1), sampler.at_2d(2))
     })
 }
 
@@ -228,12 +252,12 @@ fn rays_bring_the_light_that_sampling_finds() {
 #[test]
 fn densities_agree() {
     for (name, scene) in lights() {
-        let sphere = sphere_of(&scene);
+        let reach = reach_of(&scene);
         let mut seen = 0;
         for ray in rays(&scene).flatten().filter(|ray| ray.power != Rgb::ZERO).take(2000) {
             let found = match &ray.start {
-                Start::Surface(hit) => scene.lights.emission_pdf_of_hit(ray.light, &sphere, hit, ray.dir),
-                Start::Infinity { .. } => scene.lights.emission_pdf_from(ray.light, &sphere, -ray.dir),
+                Start::Surface(hit) => scene.lights.emission_pdf_of_hit(ray.light, &reach, hit, ray.dir),
+                Start::Infinity { .. } => scene.lights.emission_pdf_from(ray.light, &reach, -ray.dir),
                 Start::Point(_) => continue,
             };
             for (found, expected) in [(found.start, ray.pdf.start), (found.next, ray.pdf.next)] {
@@ -244,7 +268,7 @@ fn densities_agree() {
             }
             seen += 1;
         }
-        let is_point = ["point", "spot", "sheared spot", "projector"].contains(&name);
+        let is_point = ["point", "far point", "spot", "sheared spot", "projector"].contains(&name);
         assert!(seen > 500 || is_point, "{name}: {seen}");
     }
 }
@@ -259,14 +283,14 @@ fn sampled_lights_know_the_densities_of_their_rays() {
         Vec3::new(0.4, -0.1, 0.6),
     ];
     for (name, scene) in lights() {
-        let sphere = sphere_of(&scene);
+        let reach = reach_of(&scene);
         let mut seen = 0;
         for index in 0..3000 {
             let reference = all_around(places[index as usize % 3]);
             let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(1, 2), index, 4);
             let found = scene
                 .lights
-                .sample_start(&sphere, &reference, sampler.at_1d(0), sampler.at_2d(1));
+                .sample_start(&reach, &reference, sampler.at_1d(0), sampler.at_2d(1));
             let Some((id, sample, start, emission)) = found else {
                 continue;
             };
@@ -275,8 +299,8 @@ fn sampled_lights_know_the_densities_of_their_rays() {
             let pdf = scene.lights.pdf_of_start(id, &reference, &start, sample.wi);
             assert!((pdf / sample.pdf - 1.0).abs() < 2e-3, "{name}: {pdf} {}", sample.pdf);
             let again = match &start {
-                Start::Surface(hit) => scene.lights.emission_pdf_of_hit(id, &sphere, hit, -sample.wi),
-                Start::Infinity { .. } => scene.lights.emission_pdf_from(id, &sphere, sample.wi),
+                Start::Surface(hit) => scene.lights.emission_pdf_of_hit(id, &reach, hit, -sample.wi),
+                Start::Infinity { .. } => scene.lights.emission_pdf_from(id, &reach, sample.wi),
                 Start::Point(_) => emission,
             };
             assert!((again.start / emission.start - 1.0).abs() < 2e-3, "{name}");
@@ -310,10 +334,10 @@ fn directions_follow_their_density() {
             continue;
         };
         let place = rays(&scene).flatten().next().expect("a ray").origin;
-        let sphere = sphere_of(&scene);
+        let reach = reach_of(&scene);
         let density = |dir: Vec3| {
             let reference = all_around(place + dir);
-            let found = scene.lights.sample_start(&sphere, &reference, 0.5, Vec2::splat(0.5));
+            let found = scene.lights.sample_start(&reach, &reference, 0.5, Vec2::splat(0.5));
             found.map_or(0.0, |(.., emission)| emission.next)
         };
         let p = statistics::sphere_p(
@@ -324,8 +348,34 @@ fn directions_follow_their_density() {
         );
         results.push((name.to_owned(), p));
     }
-    assert_eq!(results.len(), 4);
+    assert_eq!(results.len(), 5);
     statistics::assert_all_plausible(&results);
+}
+
+/// Most of what a lamp far away sends goes to the things that it lights.
+#[test]
+fn far_lamps_send_their_rays_to_the_scene() {
+    let mut seen = 0;
+    for (name, scene) in lights() {
+        let reach = reach_of(&scene);
+        let is_lamp = |ray: &EmittedRay| ray.power != Rgb::ZERO;
+        let rays: Vec<EmittedRay> = rays(&scene).flatten().filter(is_lamp).take(4000).collect();
+        let meets = |ray: &&EmittedRay| {
+            let along = (reach.lit.center - ray.origin).dot(ray.dir);
+            (ray.origin + along * ray.dir).distance(reach.lit.center) < reach.lit.radius
+        };
+        if name.starts_with("far ") {
+            assert!(reach.lit.radius < 3.6, "{name}: {reach:?}");
+            let share = rays.iter().filter(meets).count() as f32 / rays.len() as f32;
+            // Half of a sphere is turned away.
+            let expected = if name == "far sphere" { 0.4 } else { 0.85 };
+            assert!(share > expected, "{name}: {share}");
+            seen += 1;
+        } else {
+            assert_eq!(reach.lit, reach.everything, "{name}");
+        }
+    }
+    assert_eq!(seen, 3);
 }
 
 /// With many lights, each sends its share of the power.
@@ -351,7 +401,7 @@ fn many_lights_send_their_power() {
         radiance: Rgb::splat(0.01),
     });
     let scene = scene.build();
-    let sphere = sphere_of(&scene);
+    let reach = reach_of(&scene);
     let of_light = |light: LightId| {
         mean(rays(&scene).map(|ray| match ray {
             Some(ray) if ray.light == light => luminance(ray.power),
@@ -363,7 +413,8 @@ fn many_lights_send_their_power() {
         let expected = PI * 4.0 * scale * scale * (1.0 + index as f32);
         assert_close(&format!("light {index}"), of_light(LightId(index)), expected);
     }
-    let expected = 4.0 * PI * PI * sphere.radius * sphere.radius * 0.01;
+    let radius = reach.everything.radius;
+    let expected = 4.0 * PI * PI * radius * radius * 0.01;
     assert_close("sky", of_light(LightId(40)), expected);
 }
 
@@ -384,6 +435,6 @@ fn a_hit_on_no_light_has_no_density() {
     };
     let pdf = scene
         .lights
-        .emission_pdf_of_hit(LightId(0), &sphere_of(&scene), &hit, Vec3::Z);
+        .emission_pdf_of_hit(LightId(0), &reach_of(&scene), &hit, Vec3::Z);
     assert_eq!((pdf.start, pdf.next), (0.0, 0.0));
 }

@@ -7,13 +7,14 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 use super::{Finite, LightTable, refined};
+use crate::accel::Tlas;
 use crate::light::choice::Chosen;
-use crate::light::emission::{Beam, EmissionPdf, EmittedRay, SceneSphere, Start};
+use crate::light::emission::{Aim, Beam, EmissionPdf, EmittedRay, Reach, SceneSphere, Start};
 use crate::light::finite::FiniteLight;
 use crate::light::infinite::InfiniteLight;
 use crate::light::surface::SurfaceLight;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
-use crate::math::Frame;
+use crate::math::{Aabb, Frame};
 use crate::sampling::warp;
 
 /// No surface: lights at infinity are sampled for all directions alike.
@@ -22,23 +23,51 @@ const NOWHERE: LightReference = LightReference {
     normal: None,
 };
 
+/// Among more shapes no lamps are sought that stand far from them.
+const MOST_SHAPES: usize = 1 << 14;
+
 impl LightTable {
+    /// What the lights of a scene can meet.
+    pub fn reach(&self, geometry: &Tlas) -> Reach {
+        let everything = geometry.bounds();
+        let is_outermost =
+            |bounds: &Aabb| bounds.min.cmple(everything.min).any() || bounds.max.cmpge(everything.max).any();
+        let lamps: Vec<(u32, Aabb)> = (self.lamps.iter())
+            .filter_map(|&lamp| Some((lamp, geometry.bounds_of(lamp)?)).filter(|(_, bounds)| is_outermost(bounds)))
+            .collect();
+        let count = geometry.instances().len() + geometry.placements().len();
+        let mut lit = everything;
+        if !lamps.is_empty() && count <= MOST_SHAPES {
+            let others = (0..count as u32).filter(|item| lamps.binary_search_by_key(item, |lamp| lamp.0).is_err());
+            let others = others.filter_map(|item| geometry.bounds_of(item));
+            let others = others.fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+            // A lamp among the others is lit as they are.
+            let near = lamps
+                .iter()
+                .map(|lamp| lamp.1)
+                .filter(|lamp| lamp.min.cmple(others.max).all() && lamp.max.cmpge(others.min).all());
+            let near = near.fold(others, |all, bounds| all.union(bounds));
+            if near.min.cmple(near.max).all() {
+                lit = near;
+            }
+        }
+        Reach {
+            everything: SceneSphere::around(&everything),
+            lit: SceneSphere::around(&lit),
+        }
+    }
+
     /// A ray of light: chooses a light by `u_choice`, a place by `u_place` and a direction by `u_dir`. None where nothing is emitted.
-    pub fn sample_emission(
-        &self,
-        sphere: &SceneSphere,
-        u_choice: f32,
-        u_place: Vec2,
-        u_dir: Vec2,
-    ) -> Option<EmittedRay> {
-        let (chosen, pmf) = self.emission.sample(sphere, u_choice)?;
+    pub fn sample_emission(&self, reach: &Reach, u_choice: f32, u_place: Vec2, u_dir: Vec2) -> Option<EmittedRay> {
+        let (chosen, pmf) = self.emission.sample(&reach.everything, u_choice)?;
         match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];
-                self.emit_from_part(finite, part - finite.first_part, pmf, u_place, u_dir)
+                self.emit_from_part(finite, part - finite.first_part, pmf, reach, u_place, u_dir)
             }
             Chosen::Infinite(index) => {
                 let (id, light) = &self.infinite[index as usize];
+                let sphere = &reach.everything;
                 let sample = light.sample(&NOWHERE, u_dir)?;
                 let pdf = EmissionPdf {
                     start: pmf * sample.pdf,
@@ -60,7 +89,15 @@ impl LightTable {
         }
     }
 
-    fn emit_from_part(&self, finite: &Finite, part: u32, pmf: f32, u_place: Vec2, u_dir: Vec2) -> Option<EmittedRay> {
+    fn emit_from_part(
+        &self,
+        finite: &Finite,
+        part: u32,
+        pmf: f32,
+        reach: &Reach,
+        u_place: Vec2,
+        u_dir: Vec2,
+    ) -> Option<EmittedRay> {
         let beam = |beam: Beam, position: Vec3| EmittedRay {
             light: finite.id,
             origin: position,
@@ -73,12 +110,12 @@ impl LightTable {
             start: Start::Point(position),
         };
         match &finite.light {
-            FiniteLight::Point(light) => Some(beam(light.sample_beam(u_dir), light.position)),
+            FiniteLight::Point(light) => Some(beam(light.sample_beam(&reach.lit, u_dir), light.position)),
             FiniteLight::Spot(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
             FiniteLight::Projector(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
             FiniteLight::Surface(light) => {
                 let (hit, pdf_area) = light.sample_start(part, u_place)?;
-                let (dir, next) = sample_cosine(light.is_two_sided(part), hit.normal, u_dir)?;
+                let (dir, next) = Side::of(light, part, &hit, reach).sample(u_dir)?;
                 let radiance = finite.light.emitted(&hit, dir, &self.textures);
                 let pdf = EmissionPdf {
                     start: pmf * pdf_area,
@@ -97,39 +134,41 @@ impl LightTable {
     }
 
     /// The densities with which [`Self::sample_emission`] gives the ray along `dir` from this point of light `id`.
-    pub fn emission_pdf_of_hit(&self, id: LightId, sphere: &SceneSphere, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
+    pub fn emission_pdf_of_hit(&self, id: LightId, reach: &Reach, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
         let none = EmissionPdf { start: 0.0, next: 0.0 };
         let Some(finite) = self.finite(id) else {
             return none;
         };
         match (&finite.light, finite.light.part_of(hit)) {
             (FiniteLight::Surface(light), Some(part)) => {
-                let pmf = self.emission.pmf(sphere, Chosen::Part(finite.first_part + part));
-                surface_pdf(light, part, pmf, hit, dir)
+                let pmf = self
+                    .emission
+                    .pmf(&reach.everything, Chosen::Part(finite.first_part + part));
+                surface_pdf(light, part, pmf, hit, dir, reach)
             }
             _ => none,
         }
     }
 
     /// The densities with which [`Self::sample_emission`] gives a ray from the direction `wi` of light `id`, which is at infinity.
-    pub fn emission_pdf_from(&self, id: LightId, sphere: &SceneSphere, wi: Vec3) -> EmissionPdf {
+    pub fn emission_pdf_from(&self, id: LightId, reach: &Reach, wi: Vec3) -> EmissionPdf {
         let start = self.at_infinity(id).map_or(0.0, |(index, light)| {
             let pdf = match light {
                 InfiniteLight::Directional(_) => 1.0,
                 _ => light.radiance_and_pdf(&NOWHERE, wi).1,
             };
-            self.emission.pmf(sphere, Chosen::Infinite(index)) * pdf
+            self.emission.pmf(&reach.everything, Chosen::Infinite(index)) * pdf
         });
         EmissionPdf {
             start,
-            next: 1.0 / sphere.cross_section(),
+            next: 1.0 / reach.everything.cross_section(),
         }
     }
 
     /// [`Self::sample`] with the place on the light, and the densities of the ray from there to the reference by [`Self::sample_emission`].
     pub fn sample_start(
         &self,
-        sphere: &SceneSphere,
+        reach: &Reach,
         reference: &LightReference,
         u_choice: f32,
         u: Vec2,
@@ -140,17 +179,17 @@ impl LightTable {
                 let (id, light) = &self.infinite[index as usize];
                 let sample = light.sample(reference, u)?;
                 let is_delta = sample.is_delta;
-                let pdf = self.emission_pdf_from(*id, sphere, sample.wi);
+                let pdf = self.emission_pdf_from(*id, reach, sample.wi);
                 (*id, sample, Start::Infinity { is_delta }, pdf)
             }
             Chosen::Part(chosen_part) => {
                 let finite = &self.finite[self.light_of_part[chosen_part as usize] as usize];
                 let part = chosen_part - finite.first_part;
-                let start = self.emission.pmf(sphere, chosen);
+                let start = self.emission.pmf(&reach.everything, chosen);
                 let (sample, place, pdf) = match &finite.light {
                     FiniteLight::Surface(light) => {
                         let (sample, hit) = light.sample_hit(part, reference.position, u, &self.textures)?;
-                        let pdf = surface_pdf(light, part, start, &hit, -sample.wi);
+                        let pdf = surface_pdf(light, part, start, &hit, -sample.wi, reach);
                         (sample, Start::Surface(hit), pdf)
                     }
                     point => {
@@ -158,7 +197,8 @@ impl LightTable {
                         let next = match point {
                             FiniteLight::Spot(light) => light.beam_pdf(),
                             FiniteLight::Projector(light) => light.beam_pdf(-sample.wi),
-                            FiniteLight::Point(_) | FiniteLight::Surface(_) => warp::UNIFORM_SPHERE_PDF,
+                            FiniteLight::Point(light) => light.beam_pdf(&reach.lit, -sample.wi),
+                            FiniteLight::Surface(_) => warp::UNIFORM_SPHERE_PDF,
                         };
                         let position = point.sample_place(part, u);
                         (sample, Start::Point(position), EmissionPdf { start, next })
@@ -194,29 +234,58 @@ impl LightTable {
     }
 }
 
-/// A direction that follows the cosine with the normal, on one side or on both, and its density. None along the surface.
-fn sample_cosine(is_two_sided: bool, normal: Vec3, mut u: Vec2) -> Option<(Vec3, f32)> {
-    let mut side = 1.0;
-    if is_two_sided {
-        side = if u.x < 0.5 { 1.0 } else { -1.0 };
-        u.x = (2.0 * u.x).fract();
-    }
-    let local = warp::cosine_hemisphere(u);
-    let dir = Frame::from_normal(side * normal).to_world(local).normalize();
-    let pdf = cosine_pdf(is_two_sided, normal, dir);
-    (pdf > 0.0).then_some((dir, pdf))
+/// A place of a surface that shines: on the side of its normal, or on both.
+struct Side {
+    normal: Vec3,
+    is_two_sided: bool,
+    aim: Option<Aim>,
 }
 
-/// Density per solid angle of [`sample_cosine`] in directions to a side that shines.
-fn cosine_pdf(is_two_sided: bool, normal: Vec3, dir: Vec3) -> f32 {
-    let sides = if is_two_sided { 2.0 } else { 1.0 };
-    normal.dot(dir).abs() * FRAC_1_PI / sides
+impl Side {
+    fn of(light: &SurfaceLight, part: u32, hit: &SurfaceHit, reach: &Reach) -> Self {
+        let is_two_sided = light.is_two_sided(part);
+        let aim = Aim::at(&reach.lit, hit.position).filter(|aim| is_two_sided || aim.is_before(hit.normal));
+        Self {
+            normal: hit.normal,
+            is_two_sided,
+            aim,
+        }
+    }
+
+    /// A direction to what is lit, or one that follows the cosine with the normal, and its density. None where it does not shine.
+    fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        let (is_aimed, u) = self.aim.map_or((false, u), |_| Aim::choose(u));
+        let dir = match &self.aim {
+            Some(aim) if is_aimed => aim.sample(u),
+            _ => self.sample_cosine(u),
+        };
+        let shines = self.is_two_sided || dir.dot(self.normal) > 0.0;
+        let pdf = self.pdf(dir);
+        (shines && pdf > 0.0).then_some((dir, pdf))
+    }
+
+    fn sample_cosine(&self, mut u: Vec2) -> Vec3 {
+        let mut side = 1.0;
+        if self.is_two_sided {
+            side = if u.x < 0.5 { 1.0 } else { -1.0 };
+            u.x = (2.0 * u.x).fract();
+        }
+        let local = warp::cosine_hemisphere(u);
+        Frame::from_normal(side * self.normal).to_world(local).normalize()
+    }
+
+    /// Density per solid angle of [`Self::sample`] in directions in which it shines.
+    fn pdf(&self, dir: Vec3) -> f32 {
+        let sides = if self.is_two_sided { 2.0 } else { 1.0 };
+        let cosine = self.normal.dot(dir).abs() * FRAC_1_PI / sides;
+        Aim::mixed(self.aim.as_ref(), cosine, dir)
+    }
 }
 
 /// The densities of a ray along `dir` from a point of a part that is chosen with probability `pmf`.
-fn surface_pdf(light: &SurfaceLight, part: u32, pmf: f32, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
+fn surface_pdf(light: &SurfaceLight, part: u32, pmf: f32, hit: &SurfaceHit, dir: Vec3, reach: &Reach) -> EmissionPdf {
     EmissionPdf {
         start: pmf * light.start_pdf(part, hit),
-        next: cosine_pdf(light.is_two_sided(part), hit.normal, dir),
+        next: Side::of(light, part, hit, reach).pdf(dir),
     }
 }

@@ -257,7 +257,7 @@ impl<'a> Sample<'a, '_> {
             radiance,
             pdf: vertex.pdf,
             pdf_of_light: 0.0,
-            emission: lights.emission_pdf_of_hit(light, self.sphere, &place, -walk.ray.dir),
+            emission: lights.emission_pdf_of_hit(light, self.reach, &place, -walk.ray.dir),
             pdf_before: 0.0,
         };
         if let Some(before) = walk.before {
@@ -284,7 +284,7 @@ impl<'a> Sample<'a, '_> {
                     Measure::Perpendicular(_) | Measure::Camera(_) => 0.0,
                 },
                 pdf_of_light: 0.0,
-                emission: lights.emission_pdf_from(light, self.sphere, wi),
+                emission: lights.emission_pdf_from(light, self.reach, wi),
                 pdf_before: 0.0,
             };
             if let Some(before) = walk.before {
@@ -346,7 +346,7 @@ impl<'a> Sample<'a, '_> {
         let found = self
             .scene
             .lights
-            .sample_start(self.sphere, &vertex.reference(), u_choice, u_point);
+            .sample_start(self.reach, &vertex.reference(), u_choice, u_point);
         let Some((id, light, start, emission)) = found else {
             return;
         };

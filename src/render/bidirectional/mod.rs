@@ -42,7 +42,7 @@ use super::scene::RenderScene;
 use super::splats::{Splat, TileSplats};
 use super::view::{Integrator, PathSettings, PhotonSettings, Shown, View};
 use crate::color::Rgb;
-use crate::light::emission::SceneSphere;
+use crate::light::emission::Reach;
 use crate::sampling::Sampler;
 
 /// The ways of joining paths that are used.
@@ -85,7 +85,7 @@ pub(super) struct Tracer<'a> {
     view: &'a View,
     settings: PathSettings,
     techniques: Techniques,
-    sphere: SceneSphere,
+    reach: Reach,
     /// The photons of all rounds that have some of the samples.
     rounds: Vec<(u32, Merging, Arc<PhotonMap>)>,
     /// The start of the last sample's path from a light.
@@ -121,7 +121,7 @@ impl<'a> Tracer<'a> {
                 merging: techniques.merging.filter(|_| scene.materials.has_delta_lobe()),
                 ..techniques
             },
-            sphere: SceneSphere::around(&scene.geometry.bounds()),
+            reach: scene.lights.reach(&scene.geometry),
             rounds: Vec::new(),
             start: None,
             light: Vec::new(),
@@ -180,7 +180,7 @@ impl<'a> Tracer<'a> {
             camera_paths: self.techniques.camera_paths,
             ways,
             photons: None,
-            sphere: &self.sphere,
+            reach: &self.reach,
             camera_sampler,
             light_sampler,
             radiance: Rgb::ZERO,
@@ -230,7 +230,7 @@ struct Sample<'a, 'b> {
     camera_paths: bool,
     ways: Ways,
     photons: Option<&'b PhotonMap>,
-    sphere: &'b SceneSphere,
+    reach: &'b Reach,
     camera_sampler: Sampler,
     light_sampler: Sampler,
     radiance: Rgb,
@@ -250,7 +250,7 @@ impl<'a> Sample<'a, '_> {
         }
         let sampler = self.light_sampler;
         let emitted = self.scene.lights.sample_emission(
-            self.sphere,
+            self.reach,
             sampler.at_1d(LightDraw::Lobe.at(0)),
             sampler.at_2d(LightDraw::Place.at(0)),
             sampler.at_2d(LightDraw::Direction.at(0)),
