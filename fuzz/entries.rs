@@ -431,7 +431,7 @@ pub fn pfm(bytes: &[u8]) {
 pub fn bake(bytes: &[u8]) {
     static POOL: LazyLock<ThreadPool> =
         LazyLock::new(|| ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
-    let mut file = beginning_with(b"SUNBAKE\n\x01\0\0\0", bytes);
+    let mut file = beginning_with(b"SUNBAKE\n\x02\0\0\0", bytes);
     if let Some((content, place)) = file.split_last_chunk_mut::<4>() {
         let mut sum = flate2::Crc::new();
         sum.update(content);

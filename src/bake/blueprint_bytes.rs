@@ -122,6 +122,7 @@ fn read_places(bytes: &mut Reader) -> Result<Texels<()>, Damaged> {
         size,
         texels: Vec::new(),
         pages: Vec::new(),
+        spreads: Vec::new(),
     };
     for _ in 0..bytes.u32()? {
         let first = places.texels.len();

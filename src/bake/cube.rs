@@ -86,6 +86,7 @@ pub fn windows(from: Vec3, world_from_cube: &Mat3A, size: u32) -> Texels<Window>
         size: UVec2::new(size, 6 * size),
         pages: std::iter::once(0..texels.len()).collect(),
         texels,
+        spreads: Vec::new(),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
+use glam::Vec3;
+
 use crate::color::Rgb;
 use crate::render::irradiance::{IrradianceJob, ReceivedLight, Receiver, trace_irradiance};
 use crate::render::outlook::{RadianceJob, Window, trace_radiance};
@@ -35,10 +37,17 @@ pub struct Arrived {
 pub trait Site: Copy + Send + Sync {
     /// A sample for each of the sites with its random numbers, in their order. None if `cancel` was set in the meantime.
     fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>>;
+
+    /// The same at another place beside it.
+    fn at(self, place: Vec3) -> Self;
 }
 
 /// Irradiance.
 impl Site for Receiver {
+    fn at(self, position: Vec3) -> Self {
+        Self { position, ..self }
+    }
+
     fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
         let Gathering { scene, view, light } = gathering;
         let job = |&(receiver, sampler): &(Self, Sampler)| IrradianceJob { receiver, sampler };
@@ -55,6 +64,10 @@ impl Site for Receiver {
 
 /// Radiance, the mean over the window.
 impl Site for Window {
+    fn at(self, _: Vec3) -> Self {
+        self
+    }
+
     fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
         let job = |&(window, sampler): &(Self, Sampler)| RadianceJob { window, sampler };
         let jobs: Vec<RadianceJob> = sites.iter().map(job).collect();

@@ -103,6 +103,7 @@ mod tests {
                 size: picture.size,
                 texels: covered.iter().map(texel).collect(),
                 pages: std::iter::once(0..covered.len()).collect(),
+                spreads: Vec::new(),
             }
         };
         let all: Vec<u32> = (0..10).collect();

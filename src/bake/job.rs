@@ -13,6 +13,7 @@ use rayon::ThreadPool;
 use super::blueprint::{Baked, Blueprint};
 use super::error::BakeError;
 use super::gathering::Gathering;
+use super::in_sight::keep_in_sight;
 use super::level::unwrap_level;
 use super::lightmap::Lightmaps;
 use super::manifest::BakedLight;
@@ -172,7 +173,9 @@ impl BakeJob {
         let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit, cancel));
         is_cancelled()?;
         let baked = baked?;
-        let texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
+        let mut texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
+        is_cancelled()?;
+        pool.install(|| keep_in_sight(&mut texels, &scene.geometry, cancel));
         is_cancelled()?;
         if texels.texels.is_empty() {
             return Err(BakeError::NoTexels);
@@ -493,5 +496,6 @@ fn places(texels: &Texels) -> Texels<()> {
         size: texels.size,
         texels: texels.texels.iter().map(place).collect(),
         pages: texels.pages.clone(),
+        spreads: Vec::new(),
     }
 }

@@ -45,6 +45,8 @@ pub struct Lightmaps {
     pub invalid: u64,
 }
 
+/// The dimension of the place of a sample within its texel: paths use no number so far behind. The first dimensions, which are spread over neighbouring pixels, take longer.
+const PLACE: u32 = u32::MAX;
 /// Texels that a thread takes at once, sixteen for each lane.
 pub(super) const BLOCK: usize = 256;
 
@@ -264,8 +266,12 @@ impl Block {
             }
             let Texel { place, receiver } = *texel;
             let pixel = UVec2::new(place.x, page as u32 * texels.size.y + place.y);
-            let sampler = |index| Sampler::new(view.sequence, pixel, index, view.seed);
-            sites.extend(indices.clone().map(|index| (receiver, sampler(index))));
+            let spread = texels.spreads.get(index);
+            sites.extend(indices.clone().map(|index| {
+                let sampler = Sampler::new(view.sequence, pixel, index, view.seed);
+                let place = spread.and_then(|spread| spread.place(sampler.at_2d(PLACE)));
+                (place.map_or(receiver, |place| receiver.at(place)), sampler)
+            }));
         }
         let samples = S::trace(gathering, &sites, cancel)?;
         for (sum, samples) in block.sums.iter_mut().zip(samples.chunks(indices.len())) {

@@ -18,8 +18,8 @@ use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::part::Origin;
 
 const MAGIC: &[u8; 8] = b"SUNBAKE\n";
-/// The version of the format.
-const FORMAT: u32 = 1;
+/// The version of the format, which also changes when samples do. Since 2 the samples of a texel have places of their own.
+const FORMAT: u32 = 2;
 /// Bytes of the sums of a texel.
 const TEXEL: usize = 4 * 8 + 4;
 

@@ -4,11 +4,14 @@
 //! touches is covered, so that filtering between texels never meets one that has no light. Where vertex normals bend a surface, the place
 //! moves out to the curved one that they stand for, as in Hanika, Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle
 //! would start inside.
+//!
+//! The samples of a texel are spread over the part of it that the surface covers, see [`super::spread`].
 
 use std::ops::Range;
 
 use glam::{UVec2, Vec2, Vec3};
 
+use super::spread::{Corners, Spread};
 use crate::render::irradiance::Receiver;
 
 /// A surface that light is gathered on, in world space.
@@ -44,12 +47,18 @@ pub struct Texels<S = Receiver> {
     pub texels: Vec<Texel<S>>,
     /// The texels of each page among them.
     pub pages: Vec<Range<usize>>,
+    /// Where the samples of each texel lie; empty if all are gathered at the places of the texels.
+    pub spreads: Vec<Spread>,
 }
 
 /// Half the diagonal of a texel, and a little more.
 const REACH: f32 = 0.7072;
 /// What lies on the border of a triangle moves inwards by so much of a texel, so that it is not in the wall that may stand there.
 const INSET: f32 = 0.05;
+/// A weight so far below 0 is still on the edge of the triangle.
+const ON_EDGE: f32 = 1e-4;
+/// Samples may lie so far from where their part of the surface is, in sides of the texel.
+const MOST_WAY: f32 = 0.1;
 /// The rounding of positions relative to the coordinates, which have gone through the pose of a node.
 const ROUNDING: f32 = 32.0 * f32::EPSILON;
 
@@ -69,6 +78,7 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texe
         size,
         texels: Vec::new(),
         pages: Vec::new(),
+        spreads: Vec::new(),
     };
     for page in 0..pages {
         let mut nearest: Vec<Option<Nearest>> = vec![None; size.x as usize * size.y as usize];
@@ -92,21 +102,109 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texe
             }
         }
         let first = found.texels.len();
-        let covered = (0..).zip(&nearest).filter_map(|(index, nearest)| {
-            let nearest = (*nearest)?;
-            Some(Texel {
+        for (index, nearest) in (0..).zip(&nearest) {
+            let Some(Nearest {
+                surface,
+                triangle,
+                weights,
+                ..
+            }) = *nearest
+            else {
+                continue;
+            };
+            let surface = &surfaces[surface as usize];
+            let texel = Texel {
                 place: UVec2::new(index % size.x, index / size.x),
-                receiver: receiver(
-                    &surfaces[nearest.surface as usize],
-                    nearest.triangle as usize,
-                    nearest.weights,
-                ),
-            })
-        });
-        found.texels.extend(covered);
+                receiver: receiver(surface, triangle as usize, weights),
+            };
+            found.spreads.push(spread(surface, triangle as usize, weights, &texel));
+            found.texels.push(texel);
+        }
         found.pages.push(first..found.texels.len());
+        spread_out(&mut found, page, surfaces, &nearest);
     }
     found
+}
+
+/// The places of a texel, of whose cells none is known yet: on a plane through the place of the texel, that of its nearest triangle or of a curved surface.
+fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) -> Spread {
+    let weights = clamped(weights);
+    let corners = surface.triangles[triangle].map(|corner| corner as usize);
+    let [a, b, c] = corners.map(|corner| surface.coordinates[corner]);
+    let in_world = corners.map(|corner| surface.positions[corner]);
+    let (edges, whole) = ([b - a, c - a], area([a, b, c]));
+    let edges_in_world = [in_world[1] - in_world[0], in_world[2] - in_world[0]];
+    let mut along = [
+        (edges_in_world[0] * edges[1].y - edges_in_world[1] * edges[0].y) / whole,
+        (edges_in_world[1] * edges[0].x - edges_in_world[0] * edges[1].x) / whole,
+    ];
+    if !surface.normals.is_empty() {
+        // The plane touches the curved surface: one through its triangle would be inside of it.
+        let (up, normal) = (texel.receiver.geometric_normal, texel.receiver.normal);
+        along = along.map(|way| way - up * (way.dot(normal) / up.dot(normal).max(0.5)));
+    }
+    let way = texel.place.as_vec2() - (a * weights.x + b * weights.y + c * weights.z);
+    Spread::new(texel.receiver.position + along[0] * way.x + along[1] * way.y, along)
+}
+
+/// Finds the cells of the texels of a page that lie on the surfaces.
+fn spread_out(found: &mut Texels, page: u32, surfaces: &[BakeSurface], nearest: &[Option<Nearest>]) {
+    let size = found.size;
+    let range = found.pages[page as usize].clone();
+    let mut number_of = vec![u32::MAX; nearest.len()];
+    for (number, texel) in (0..).zip(&found.texels[range.clone()]) {
+        number_of[(texel.place.y * size.x + texel.place.x) as usize] = number;
+    }
+    let mut corners = vec![Corners::default(); range.len()];
+    for (index, surface) in (0..).zip(surfaces).filter(|(_, surface)| surface.page == page) {
+        for (triangle, of_triangle) in (0..).zip(&surface.triangles) {
+            let at = of_triangle.map(|corner| surface.coordinates[corner as usize]);
+            let in_world = of_triangle.map(|corner| surface.positions[corner as usize]);
+            let up = normal(in_world);
+            if area(at).abs() == 0.0 || up == Vec3::ZERO {
+                continue;
+            }
+            let [first, last] = touched(at, size);
+            for (y, x) in (first.y..last.y).flat_map(|y| (first.x..last.x).map(move |x| (y, x))) {
+                let place = (y * size.x + x) as usize;
+                let Some(of_texel) = corners
+                    .get_mut(number_of[place] as usize)
+                    .filter(|corners| !corners.are_all())
+                else {
+                    continue;
+                };
+                let number = range.start + number_of[place] as usize;
+                let (spread, error) = (&found.spreads[number], found.texels[number].receiver.error);
+                let is_own = nearest[place].is_some_and(|own| own.surface == index && own.triangle == triangle);
+                let is_exact = is_own && surface.normals.is_empty();
+                let square = UVec2::new(x, y).as_vec2();
+                let is_inside = |part: Vec2| weights(at, square + part).min_element() >= -ON_EDGE;
+                if is_exact && [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().all(is_inside) {
+                    *of_texel = Corners::ALL;
+                    continue;
+                }
+                for (corner, part) in Corners::all() {
+                    let weights = weights(at, square + part);
+                    if weights.min_element() < -ON_EDGE {
+                        continue;
+                    }
+                    let place = spread.at(part);
+                    let is_near = || {
+                        // Rays from below the surface would start inside.
+                        let bent = receiver(surface, triangle as usize, weights).position;
+                        let is_above = (place - bent).dot(up) >= -0.5 * error;
+                        is_above && place.distance(bent) <= MOST_WAY * spread.side()
+                    };
+                    if is_exact || is_near() {
+                        of_texel.add(corner);
+                    }
+                }
+            }
+        }
+    }
+    for (spread, corners) in found.spreads[range].iter_mut().zip(corners) {
+        spread.take(corners);
+    }
 }
 
 /// Twice the signed area.
@@ -125,14 +223,7 @@ fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 
 /// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the weights of the corners there.
 fn cover(corners: [Vec2; 3], size: UVec2, mut found: impl FnMut(UVec2, f32, Vec3)) {
-    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
-    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
-    if !(low.is_finite() && high.is_finite()) {
-        return;
-    }
-    // Casts saturate: what is outside of the page is left out.
-    let first = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
-    let last = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2().min(size);
+    let [first, last] = touched(corners, size);
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     for y in first.y..last.y {
         for x in first.x..last.x {
@@ -150,6 +241,19 @@ fn cover(corners: [Vec2; 3], size: UVec2, mut found: impl FnMut(UVec2, f32, Vec3
             found(place, distance, weights(corners, inside));
         }
     }
+}
+
+/// The first texels that a triangle may touch, and the end of them.
+fn touched(corners: [Vec2; 3], size: UVec2) -> [UVec2; 2] {
+    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
+    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
+    if !(low.is_finite() && high.is_finite()) {
+        return [UVec2::ZERO; 2];
+    }
+    // Casts saturate: what is outside of the page is left out.
+    let first = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
+    let last = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2().min(size);
+    [first, last]
 }
 
 /// The point of a triangle that is nearest to `point`.
@@ -183,11 +287,15 @@ fn weights([a, b, c]: [Vec2; 3], point: Vec2) -> Vec3 {
     Vec3::new(1.0 - of_b - of_c, of_b, of_c)
 }
 
+/// A triangle that is thin in the lightmap may have weights a little outside.
+fn clamped(weights: Vec3) -> Vec3 {
+    let weights = weights.clamp(Vec3::ZERO, Vec3::ONE);
+    weights / weights.element_sum()
+}
+
 /// The place of a texel in the world.
 fn receiver(surface: &BakeSurface, triangle: usize, weights: Vec3) -> Receiver {
-    // A triangle that is thin in the lightmap may have weights a little outside.
-    let weights = weights.clamp(Vec3::ZERO, Vec3::ONE);
-    let weights = weights / weights.element_sum();
+    let weights = clamped(weights);
     let corners = surface.triangles[triangle].map(|corner| corner as usize);
     let in_world = corners.map(|corner| surface.positions[corner]);
     let mix = |of: [Vec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;

@@ -91,6 +91,7 @@ impl Grid {
             size: UVec2::new(6 * self.points.x, self.points.y * self.points.z),
             pages: std::iter::once(0..texels.len()).collect(),
             texels,
+            spreads: Vec::new(),
         }
     }
 

@@ -4,6 +4,7 @@ mod bits;
 mod files;
 mod layout;
 mod light;
+mod spread;
 
 use std::f32::consts::PI;
 use std::sync::atomic::AtomicBool;

@@ -1,0 +1,42 @@
+//! What stands on a surface hides parts of its texels.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use super::spread::Corners;
+use super::texels::Texels;
+use crate::accel::Tlas;
+use crate::math::Ray;
+
+/// Lines of sight run so high above the surface, in sides of a texel.
+const HEIGHT: f32 = 1.0 / 32.0;
+
+/// Leaves out the cells that are out of sight of the places of their texels. It ends soon after `cancel` is set, and then has left out some of them.
+pub fn keep_in_sight(texels: &mut Texels, geometry: &Tlas, cancel: &AtomicBool) {
+    let Texels { texels, spreads, .. } = texels;
+    texels.par_iter().zip(spreads).for_each(|(texel, spread)| {
+        if !spread.has_cells() || cancel.load(Ordering::Relaxed) {
+            return;
+        }
+        let receiver = &texel.receiver;
+        let lift = (HEIGHT * spread.side() + receiver.error) * receiver.geometric_normal;
+        let is_seen = |part: Vec2| {
+            let sight = Ray::segment(receiver.position + lift, spread.at(part) + lift);
+            !geometry.occluded(&sight)
+        };
+        // Nothing stands on most texels: lines to the corners of the texel and to the middles of its sides tell.
+        let mut outer = (0..9)
+            .filter(|number| *number != 4)
+            .map(|number| Vec2::new((number % 3) as f32, (number / 3) as f32));
+        if outer.all(|part| is_seen(0.5 * part)) {
+            return;
+        }
+        let mut seen = Corners::default();
+        for (corner, _) in Corners::all().filter(|(_, part)| is_seen(*part)) {
+            seen.add(corner);
+        }
+        spread.keep(seen);
+    });
+}
