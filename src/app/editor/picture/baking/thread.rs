@@ -275,7 +275,7 @@ impl LeftThread {
         self.thread.is_finished()
     }
 
-    /// Waits before the program ends: until files that are being written are complete, and else for [`LAST_WAIT`] at most. A thread that takes longer writes
+    /// Waits before the program ends: until files that are being written are complete, and else for 0.3 seconds at most. A thread that takes longer writes
     /// nothing, and ends with the program.
     pub fn wait_at_exit(self) {
         let begin = Instant::now();
