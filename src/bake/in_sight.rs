@@ -1,4 +1,4 @@
-//! What stands on a surface hides parts of its texels.
+//! Finds the cells of texels that are hidden by what stands on the surface.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +10,7 @@ use super::texels::Texels;
 use crate::accel::Tlas;
 use crate::math::Ray;
 
-/// Lines of sight run so high above the surface, in sides of a texel.
+/// The height above the surface at which sight is tested, in sides of a texel.
 const HEIGHT: f32 = 1.0 / 32.0;
 
 /// Leaves out the cells that are out of sight of the places of their texels. It ends soon after `cancel` is set, and then has left out some of them.
@@ -26,7 +26,7 @@ pub fn keep_in_sight(texels: &mut Texels, geometry: &Tlas, cancel: &AtomicBool) 
             let sight = Ray::segment(receiver.position + lift, spread.at(part) + lift);
             !geometry.occluded(&sight)
         };
-        // Nothing stands on most texels: lines to the corners of the texel and to the middles of its sides tell.
+        // Nothing stands on most texels. There the corners of the texel and the middles of its sides are in sight, and no more is tested.
         let mut outer = (0..9)
             .filter(|number| *number != 4)
             .map(|number| Vec2::new((number % 3) as f32, (number / 3) as f32));

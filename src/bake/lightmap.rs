@@ -45,7 +45,7 @@ pub struct Lightmaps {
     pub invalid: u64,
 }
 
-/// The dimension of the place of a sample within its texel: paths use no number so far behind. The first dimensions, which are spread over neighbouring pixels, take longer.
+/// The dimension of the place of a sample within its texel. No path uses it, and the first dimensions, which are spread over neighbouring pixels, take longer to compute.
 const PLACE: u32 = u32::MAX;
 /// Texels that a thread takes at once, sixteen for each lane.
 pub(super) const BLOCK: usize = 256;

@@ -86,7 +86,7 @@ pub(super) struct Beam {
 pub struct Reach {
     /// A sphere around everything.
     pub everything: SceneSphere,
-    /// A sphere around everything but lamps that stand far from the rest.
+    /// A sphere around everything but lamps that stand farther from the rest than twice its radius.
     pub lit: SceneSphere,
 }
 
@@ -137,18 +137,22 @@ pub(super) struct Aim {
 const SINES_SQUARED: [f32; 2] = [1e-6, 0.25];
 
 impl Aim {
-    /// The share of the rays that are aimed. The others go to lamps.
+    /// The share of the rays that are aimed. The others go wherever the lamp shines.
     pub const SHARE: f32 = 0.875;
 
     /// The directions from a place; None if it is not far away.
     pub fn at(sphere: &SceneSphere, from: Vec3) -> Option<Self> {
         let [least, most] = SINES_SQUARED;
         let way = sphere.center - from;
-        let sin_squared = (sphere.radius / way.length()).powi(2).max(least);
-        (sin_squared <= most).then(|| Self {
-            axis: way.normalize(),
-            sin_squared,
-            one_minus_cos: sin_squared / (1.0 + (1.0 - sin_squared).sqrt()),
+        let axis = way.try_normalize()?;
+        let sin_squared = (sphere.radius / way.length()).powi(2);
+        (sin_squared <= most).then(|| {
+            let sin_squared = sin_squared.max(least);
+            Self {
+                axis,
+                sin_squared,
+                one_minus_cos: sin_squared / (1.0 + (1.0 - sin_squared).sqrt()),
+            }
         })
     }
 
@@ -166,9 +170,8 @@ impl Aim {
     /// Density per solid angle of [`Self::sample`].
     pub fn pdf(&self, dir: Vec3) -> f32 {
         // A sampled direction is inside, however it was rounded. There is nothing to meet on the edge.
-        const ROUNDING: f32 = 1.0 + 1e-4;
-        let is_inside =
-            dir.dot(self.axis) > 0.0 && dir.cross(self.axis).length_squared() <= ROUNDING * self.sin_squared;
+        let most = 1.00001 * self.sin_squared + 1e-9;
+        let is_inside = dir.dot(self.axis) > 0.0 && dir.cross(self.axis).length_squared() <= most;
         if is_inside {
             warp::uniform_cone_pdf(self.one_minus_cos)
         } else {
@@ -187,5 +190,41 @@ impl Aim {
     /// The density of the mixture of aimed rays and of others with the density `pdf`.
     pub fn mixed(aim: Option<&Self>, pdf: f32, dir: Vec3) -> f32 {
         aim.map_or(pdf, |aim| Self::SHARE * aim.pdf(dir) + (1.0 - Self::SHARE) * pdf)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Sampler, SequenceKind};
+    use glam::UVec2;
+
+    #[test]
+    fn sampled_directions_lie_in_the_cone() {
+        let sphere = SceneSphere {
+            center: Vec3::new(0.3, -0.2, 0.5),
+            radius: 1.5,
+        };
+        for distance in [3.2, 40.0, 1500.0, 1e5] {
+            let from = sphere.center + distance * Vec3::new(0.48, 0.6, 0.64);
+            let aim = Aim::at(&sphere, from).expect("it is far away");
+            for index in 0..20_000 {
+                let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 1), index, 2);
+                let dir = aim.sample(sampler.at_2d(0));
+                assert!(aim.pdf(dir) > 0.0, "{distance}: {dir}");
+            }
+            assert_eq!(aim.pdf(from - sphere.center), 0.0);
+        }
+    }
+
+    #[test]
+    fn near_and_impossible_places_have_no_aim() {
+        let sphere = SceneSphere {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        };
+        for from in [0.0, 0.5, 1.9, 1e30, f32::INFINITY, f32::NAN] {
+            assert!(Aim::at(&sphere, Vec3::splat(from) * Vec3::X).is_none(), "{from}");
+        }
     }
 }

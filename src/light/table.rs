@@ -20,7 +20,7 @@ use super::spot::SpotLight;
 use super::sun_sky::SunSkyLight;
 use super::surface::SurfaceLight;
 use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
-use crate::accel::Tlas;
+use crate::accel::{Primitive, Tlas};
 use crate::color::Rgb;
 use crate::math::Aabb;
 use crate::sampling::hash::pcg3d;
@@ -59,7 +59,7 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
-    /// The instances that shine, in rising order.
+    /// The instances of which all parts shine, in rising order.
     lamps: Vec<u32>,
     /// The box around all lights that have a place.
     finite_bounds: Option<Aabb>,
@@ -80,6 +80,11 @@ impl LightTable {
             let place = match Self::light(&weighted.source, geometry, textures) {
                 None => Place::Nowhere,
                 Some(Light::Finite(light)) => {
+                    if let LightSource::Surface { instance, .. } = weighted.source
+                        && shines_whole(geometry, instance, light.parts())
+                    {
+                        table.lamps.push(instance);
+                    }
                     let first_part = table.light_of_part.len() as u32;
                     let index = table.finite.len() as u32;
                     for part in 0..light.parts() {
@@ -102,11 +107,6 @@ impl LightTable {
             };
             table.places.push(place);
         }
-        let lamp = |weighted: &WeightedSource| match weighted.source {
-            LightSource::Surface { instance, .. } => Some(instance),
-            _ => None,
-        };
-        table.lamps = sources.iter().filter_map(lamp).collect();
         table.lamps.sort_unstable();
         table.lamps.dedup();
         table.choice = LightChoice::new(&part_bounds, &infinite_weights);
@@ -300,6 +300,15 @@ impl LightTable {
 enum Light {
     Finite(FiniteLight),
     Infinite(InfiniteLight),
+}
+
+/// Whether `parts` shining parts are all that there is of an instance.
+fn shines_whole(geometry: &Tlas, instance: u32, parts: u32) -> bool {
+    let shape = geometry.instances().get(instance as usize);
+    shape.is_some_and(|shape| match &shape.primitive {
+        Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64 <= u64::from(parts),
+        _ => true,
+    })
 }
 
 /// The number `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to tell millions of lights apart.

@@ -41,14 +41,15 @@ impl LightTable {
             let others = (0..count as u32).filter(|item| lamps.binary_search_by_key(item, |lamp| lamp.0).is_err());
             let others = others.filter_map(|item| geometry.bounds_of(item));
             let others = others.fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
-            // A lamp among the others is lit as they are.
-            let near = lamps
-                .iter()
-                .map(|lamp| lamp.1)
-                .filter(|lamp| lamp.min.cmple(others.max).all() && lamp.max.cmpge(others.min).all());
-            let near = near.fold(others, |all, bounds| all.union(bounds));
-            if near.min.cmple(near.max).all() {
-                lit = near;
+            if !others.is_empty() {
+                // Nearer lamps aim at nothing, and are lit as the others are.
+                let sphere = SceneSphere::around(&others);
+                let is_near = |lamp: &Aabb| {
+                    let nearest = sphere.center.clamp(lamp.min, lamp.max);
+                    nearest.distance(sphere.center) < 2.0 * sphere.radius
+                };
+                let near = lamps.iter().map(|lamp| lamp.1).filter(is_near);
+                lit = near.fold(others, |all, bounds| all.union(bounds));
             }
         }
         Reach {

@@ -22,7 +22,7 @@ pub struct BakeWidgets {
     form: BakeForm,
     /// Whether there was a bake to show in the last frame; None before the first one.
     was_there: Option<bool>,
-    /// The panel that that of the bake has covered.
+    /// The panel that was in front before the panel of the bake came.
     covered: Option<Panel>,
     /// The texture of the lightmap, with the image that it was made of.
     picture: Option<(TextureHandle, Arc<egui::ColorImage>)>,
