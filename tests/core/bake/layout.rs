@@ -1,4 +1,4 @@
-//! Which surfaces have a place in a lightmap, and where.
+//! Tests of the layout of lightmaps: the surfaces that get a place, and the places that they get.
 
 use std::sync::atomic::AtomicBool;
 
