@@ -234,7 +234,7 @@ fn encode_colors(
             let storable = image
                 .pixels
                 .iter()
-                .map(|pixel| image::Rgb(pixel.to_array().map(storable_in_rgbe)));
+                .map(|&pixel| image::Rgb(nearest_in_rgbe(pixel).to_array()));
             let mut bytes = Vec::new();
             HdrEncoder::new(&mut bytes).encode(&storable.collect::<Vec<_>>(), width as usize, height as usize)?;
             Ok(bytes)
@@ -261,9 +261,23 @@ fn encode_pfm(image: &ImageRgb, stored: StoredColors) -> Vec<u8> {
     bytes
 }
 
-/// The shared exponent ends at 2^127 and knows neither NaN nor a sign.
-fn storable_in_rgbe(component: f32) -> f32 {
-    if component > 0.0 { component.min(1e38) } else { 0.0 }
+/// The nearest colour that RGBE stores: the encoder truncates mantissas, which would darken the picture by half a unit of eight bits. What is not
+/// above 0 or no number becomes 0, and what is beyond the exponents of the format becomes the largest colour, or black.
+fn nearest_in_rgbe(color: Rgb) -> Rgb {
+    const LARGEST: f32 = 1e38;
+    /// Below it the format stores black (Ward, "Real pixels", in Graphics Gems II).
+    const SMALLEST: f32 = 1e-32;
+    let color = Rgb::from_array(color.to_array().map(|x| if x > 0.0 { x.min(LARGEST) } else { 0.0 }));
+    let largest = color.max_element();
+    if largest < SMALLEST {
+        return Rgb::ZERO;
+    }
+    // The largest component has a mantissa of 128 to 255 units, where a unit is 2^-7 of the largest power of two in it.
+    let unit_of = |x: f32| f32::from_bits(x.to_bits() & !0x007f_ffff) / 128.0;
+    // 255.5 units become 256, which carries into the exponent: the units of the others are then twice as large.
+    let carried = (largest / unit_of(largest)).round() * unit_of(largest);
+    let unit = unit_of(carried);
+    (color / unit).round() * unit
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageIoError> {

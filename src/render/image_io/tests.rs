@@ -77,10 +77,15 @@ fn hdr_keeps_eight_bits_of_the_largest_component() {
     write_image(&path, &picture(), &Display::default()).unwrap();
     let read = read_image(&path);
     for (got, put) in read.pixels.iter().zip(&picture().pixels) {
-        // One unit of eight bits under the exponent of the largest component: at most 1/128 of it.
+        // Half a unit of eight bits under the exponent of the largest component: at most 1/256 of it.
         let error = (*got - *put).abs().max_element();
-        assert!(error <= put.max_element() / 128.0, "{got} {put}");
+        assert!(error <= put.max_element() / 256.0, "{got} {put}");
     }
+    // The picture is not darker or brighter as a whole.
+    let put = picture().pixels;
+    let ratio = |(got, put): (&Vec3, &Vec3)| f64::from(got.max_element() / put.max_element());
+    let mean = read.pixels.iter().zip(&put).map(ratio).sum::<f64>() / put.len() as f64;
+    assert!((mean - 1.0).abs() < 5e-4, "{mean}");
     let odd = ImageRgb {
         width: 2,
         height: 1,
@@ -90,6 +95,29 @@ fn hdr_keeps_eight_bits_of_the_largest_component() {
     let read = read_image(&path).pixels;
     assert_eq!(read[0], Vec3::ZERO);
     assert!(read[1].x > 1e37 && read[1].y == 0.0, "{}", read[1]);
+}
+
+#[test]
+fn hdr_carries_what_is_rounded_up_into_the_exponent() {
+    let folder = folder();
+    let path = folder.path().join("a.hdr");
+    let pairs = [
+        // 255.6 units become 256, and the units of the other components are twice as large: 101 of the old units become 50.5, which is 51.
+        (Vec3::new(255.6, 101.0, 0.4), Vec3::new(256.0, 102.0, 0.0)),
+        (Vec3::new(255.4, 101.0, 0.6), Vec3::new(255.0, 101.0, 1.0)),
+        (Vec3::splat(1.0), Vec3::splat(1.0)),
+        (Vec3::splat(0.999_999_9), Vec3::splat(1.0)),
+        // Too small for the exponent, and smaller than normal numbers.
+        (Vec3::splat(1e-35), Vec3::ZERO),
+        (Vec3::splat(1e-42), Vec3::ZERO),
+    ];
+    let image = ImageRgb {
+        width: pairs.len() as u32,
+        height: 1,
+        pixels: pairs.map(|pair| pair.0).to_vec(),
+    };
+    write_image(&path, &image, &Display::default()).unwrap();
+    assert_eq!(read_image(&path).pixels, pairs.map(|pair| pair.1));
 }
 
 #[test]
