@@ -34,14 +34,19 @@ pub fn default_output(world: &World, scene: &Path, sequence: &SequenceArgs) -> R
 /// An error if the compression would damage a layer, before anything is rendered.
 pub fn check_compression(world: &World, compression: ExrCompression, outputs: &[PathBuf]) -> Result<(), Failure> {
     let layers = world.resource::<IntegratorSettings>().layers;
-    let mut mattes = [Layer::CryptoObject, Layer::CryptoMaterial].into_iter();
-    let Some(matte) = mattes.find(|&layer| layers.contains(layer)) else {
-        return Ok(());
-    };
-    if compression.keeps_floats() || !outputs::has_exr(outputs) {
+    if !outputs::has_exr(outputs) {
         return Ok(());
     }
-    let (layer, compression) = (matte.name(), compression.name());
+    let is_damaged = |layer: &Layer| match layer {
+        Layer::CryptoObject | Layer::CryptoMaterial => !compression.keeps_floats(),
+        // Whole numbers are kept.
+        Layer::ObjectId | Layer::MaterialId => false,
+        _ => compression.takes_y_for_luminance() && layer.channels_in_pictures().contains(&"Y"),
+    };
+    let Some(layer) = layers.iter().find(is_damaged) else {
+        return Ok(());
+    };
+    let (layer, compression) = (layer.name(), compression.name());
     Err(Failure::Usage(format!(
         "the layer `{layer}` would be damaged by the compression `{compression}`: choose one without loss, such as `zip`"
     )))

@@ -131,6 +131,31 @@ impl Layer {
         }
     }
 
+    /// The last parts of the names of its channels in picture files; none of cryptomattes, which are several layers there.
+    pub const fn channels_in_pictures(self) -> &'static [&'static str] {
+        match self {
+            Self::Alpha => &["A"],
+            Self::Normal
+            | Self::GeometricNormal
+            | Self::CameraNormal
+            | Self::CameraGeometricNormal
+            | Self::Position
+            | Self::DenoiserNormal => &["X", "Y", "Z"],
+            Self::Depth => &["Z"],
+            Self::Uv => &["U", "V"],
+            Self::Motion => &["X", "Y"],
+            Self::ObjectId | Self::MaterialId | Self::Samples | Self::Variance => &["Y"],
+            Self::Albedo
+            | Self::Direct
+            | Self::Indirect
+            | Self::Emitted
+            | Self::LightGroups
+            | Self::Denoised
+            | Self::DenoiserAlbedo => &["R", "G", "B"],
+            Self::CryptoObject | Self::CryptoMaterial => &[],
+        }
+    }
+
     /// The name in panels.
     pub const fn label(self) -> &'static str {
         match self {

@@ -273,22 +273,24 @@ fn layers_are_saved_in_exr_files() {
 }
 
 #[test]
-fn a_compression_that_would_damage_a_cryptomatte_is_refused_at_once() {
+fn a_compression_that_would_damage_a_layer_is_refused_at_once() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);
-    let options = ["--aov", "crypto-material", "--compression", "dwaa"];
-    // It would take for ever.
-    let long = [&options[..], &["--spp", "1000000000"]].concat();
-    let output = render(&scene, &shop.path("a.exr"), &long);
-    assert_code(&output, 2);
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        text.contains("`crypto-material` would be damaged by the compression `dwaa`"),
-        "{text}"
-    );
-    assert!(!shop.path("a.exr").exists());
-    // Other files have no layers to damage.
-    assert_code(&render(&scene, &shop.path("a.png"), &options), 0);
+    for (layer, compression) in [("crypto-material", "pxr24"), ("normal", "dwaa"), ("samples", "dwab")] {
+        let options = ["--aov", layer, "--compression", compression];
+        // It would take for ever.
+        let long = [&options[..], &["--spp", "1000000000"]].concat();
+        let output = render(&scene, &shop.path("a.exr"), &long);
+        assert_code(&output, 2);
+        let text = String::from_utf8_lossy(&output.stderr);
+        let expected = format!("`{layer}` would be damaged by the compression `{compression}`");
+        assert!(text.contains(&expected), "{text}");
+        assert!(!shop.path("a.exr").exists());
+        // Other files have no layers to damage.
+        assert_code(&render(&scene, &shop.path("a.png"), &options), 0);
+    }
+    let kept = ["--aov", "albedo,depth,uv,object-id", "--compression", "dwaa"];
+    assert_code(&render(&scene, &shop.path("a.exr"), &kept), 0);
 }
 
 #[test]

@@ -43,7 +43,7 @@ pub fn write_exr(path: &Path, image: &LayeredImage, compression: ExrCompression)
 }
 
 /// The bytes of an EXR file. The same picture gives the same bytes. An error if the picture has no channels or pixels, a channel has not one sample
-/// for each pixel, a name cannot be written or occurs twice, or the compression would damage a cryptomatte.
+/// for each pixel, a name cannot be written or occurs twice, or the compression would damage a cryptomatte or a layer of data.
 pub fn encode_exr(image: &LayeredImage, compression: ExrCompression) -> Result<Vec<u8>, ImageIoError> {
     check(image, compression)?;
     let width = image.width as usize;
@@ -98,7 +98,12 @@ fn check(image: &LayeredImage, compression: ExrCompression) -> Result<(), ImageI
         if name.is_empty() || name.len() > 255 || name.contains('\0') {
             return fault("has a name that is empty, longer than 255 bytes, or has a zero in it");
         }
-        if is_cryptomatte(split_name(name).0) && !compression.keeps_floats() {
+        let (layer, last) = split_name(name);
+        let is_taken_for_luminance = compression.takes_y_for_luminance()
+            && !layer.is_empty()
+            && last == "Y"
+            && !matches!(samples, Samples::Uint(_));
+        if is_taken_for_luminance || is_cryptomatte(layer) && !compression.keeps_floats() {
             let compression = compression.name();
             return fault(&format!(
                 "would be damaged by the compression `{compression}`: choose one without loss, such as `zip`"
@@ -386,6 +391,34 @@ mod tests {
             let error = error.fold(0.0, f32::max);
             assert!(error < 0.01, "{compression:?}: {error}");
         }
+    }
+
+    #[test]
+    fn layers_of_data_are_not_taken_for_luminances() {
+        let numbers: Vec<f32> = (0..37 * 41).map(|i| (i as f32 * 0.37).sin()).collect();
+        let mut put = LayeredImage::new(37, 41);
+        put.add_rgb("", &numbers.iter().map(|&x| Rgb::splat(x.abs())).collect::<Vec<Rgb>>());
+        for name in ["Depth.Z", "UV.U", "UV.V", "A"] {
+            put.add_float(name, numbers.clone());
+        }
+        put.add_channel("ObjectId.Y", Samples::Uint((0..37 * 41).collect()));
+        for compression in [ExrCompression::Dwaa, ExrCompression::Dwab] {
+            let read = decode_exr(&encode_exr(&put, compression).unwrap()).unwrap();
+            for channel in put.channels.iter().filter(|channel| !"RGB".contains(&channel.name)) {
+                assert_eq!(read.channel(&channel.name), Some(channel), "{compression:?}");
+            }
+            for name in ["Normal.Y", "Samples.Y"] {
+                let mut damaged = put.clone();
+                damaged.add_float(name, numbers.clone());
+                let text = encode_exr(&damaged, compression).unwrap_err().to_string();
+                let expected = format!("`{name}` would be damaged by the compression `{}`", compression.name());
+                assert!(text.contains(&expected), "{text}");
+                encode_exr(&damaged, ExrCompression::Pxr24).unwrap();
+            }
+        }
+        // A picture of luminances alone is light.
+        put.convert_colors(crate::render::layered_image::StoredColors::Luminance);
+        encode_exr(&put, ExrCompression::Dwaa).unwrap();
     }
 
     #[test]

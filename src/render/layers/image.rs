@@ -11,7 +11,7 @@ use crate::color::Rgb;
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::image_io::ImageRgb;
-use crate::render::layered_image::{Attribute, Channel, LayeredImage, Samples};
+use crate::render::layered_image::{Attribute, Channel, LayeredImage, Samples, full_name};
 
 /// The names that layers refer to.
 pub struct LayerNames<'a> {
@@ -58,13 +58,14 @@ pub fn layered_image(
                 Some(LayerPixels::Colors(pixels)) => image.add_rgb(name, &pixels),
                 Some(LayerPixels::Vectors(vectors)) => image.add_xyz(name, &vectors),
                 Some(LayerPixels::Pairs(pairs)) => {
-                    let [first, second] = if layer == Layer::Uv { ["U", "V"] } else { ["X", "Y"] };
-                    image.add_float(&format!("{name}.{first}"), pairs.iter().map(|pair| pair.x).collect());
-                    image.add_float(&format!("{name}.{second}"), pairs.iter().map(|pair| pair.y).collect());
+                    for (axis, channel) in layer.channels_in_pictures().iter().enumerate() {
+                        let numbers = pairs.iter().map(|pair| pair[axis]).collect();
+                        image.add_float(&full_name(name, channel), numbers);
+                    }
                 }
-                Some(LayerPixels::Numbers(numbers)) => image.add_float(number_name(layer), numbers),
+                Some(LayerPixels::Numbers(numbers)) => image.add_float(&number_name(layer), numbers),
                 Some(LayerPixels::Ids(ids)) => image.channels.push(Channel {
-                    name: number_name(layer).to_owned(),
+                    name: number_name(layer),
                     samples: Samples::Uint(ids),
                 }),
                 None => {}
@@ -75,14 +76,11 @@ pub fn layered_image(
 }
 
 /// The name of the only channel of a layer.
-fn number_name(layer: Layer) -> &'static str {
+fn number_name(layer: Layer) -> String {
     match layer {
-        Layer::Alpha => "A",
-        Layer::Depth => "Depth.Z",
-        Layer::ObjectId => "ObjectId.Y",
-        Layer::MaterialId => "MaterialId.Y",
-        Layer::Samples => "Samples.Y",
-        _ => "Variance.Y",
+        // It is a channel of the picture itself.
+        Layer::Alpha => layer.name_in_pictures().to_owned(),
+        _ => full_name(layer.name_in_pictures(), layer.channels_in_pictures()[0]),
     }
 }
 

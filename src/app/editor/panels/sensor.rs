@@ -210,7 +210,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     changed |= fields::choice(
         ui,
         caption.explained(
-            "How EXR files are made smaller. The methods with loss change values a little; pxr24, dwaa and dwab cannot save cryptomattes",
+            "How EXR files are made smaller. The methods with loss change values a little. pxr24, dwaa and dwab cannot save cryptomattes; dwaa and dwab cannot save layers with a channel Y, such as normals",
         ),
         &mut film.storage.compression,
         &COMPRESSIONS,
