@@ -92,9 +92,14 @@ pub fn report_written(written: &[&Path]) {
 
 /// Says which of the outputs have no layers.
 pub fn report_without_layers(outputs: &[PathBuf]) {
-    for path in outputs.iter().filter(|path| !is_exr(path)) {
-        let name = path.display();
-        report::line(format_args!("warning: {name} has no layers: only EXR files have"));
+    let without: Vec<String> = outputs
+        .iter()
+        .filter(|path| !is_exr(path))
+        .map(|path| path.display().to_string())
+        .collect();
+    if !without.is_empty() {
+        let (names, have) = (without.join(", "), if without.len() == 1 { "has" } else { "have" });
+        report::line(format_args!("warning: {names} {have} no layers: only EXR files have"));
     }
 }
 

@@ -109,6 +109,9 @@ impl StoredColors {
 /// The last parts of the names of three channels that are one colour or vector.
 const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 
+/// The same of two channels: ways in the picture and texture coordinates.
+const PAIRS: [[&str; 2]; 2] = [["X", "Y"], ["U", "V"]];
+
 impl LayeredImage {
     /// A picture without channels.
     pub fn new(width: u32, height: u32) -> Self {
@@ -194,37 +197,49 @@ impl LayeredImage {
         layers
     }
 
-    /// A layer as colours; its name is empty for the picture itself. The channels are `R`, `G`, `B`, or `X`, `Y`, `Z`, or else the only one of the
-    /// layer that is not `A` (or its `Y`), which becomes grey. None if the layer has no such channels.
-    pub fn layer(&self, layer: &str) -> Option<ImageRgb> {
-        let of_layer = |last: &str| {
-            let mut channels = self.channels.iter();
-            channels.find(|channel| {
-                let (before, after) = split_name(&channel.name);
-                before == layer && after.eq_ignore_ascii_case(last)
-            })
-        };
-        let triple = |names: &[&str; 3]| {
-            let [first, second, third] = names.map(of_layer);
-            Some([first?, second?, third?])
+    /// The channels that are the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`, `Y`, `Z`, or `X`, `Y`, or `U`, `V`,
+    /// or else the only one of the layer that is not `A` (or its `Y`). None if the layer has no such channels.
+    pub fn channels_of(&self, layer: &str) -> Option<Vec<&Channel>> {
+        let of_layer: Vec<(&str, &Channel)> = self
+            .channels
+            .iter()
+            .map(|channel| (split_name(&channel.name), channel))
+            .filter(|((before, _), _)| *before == layer)
+            .map(|((_, last), channel)| (last, channel))
+            .collect();
+        let named = |name: &str| of_layer.iter().find(|(last, _)| last.eq_ignore_ascii_case(name));
+        let all = |names: &[&str]| {
+            let found = names.iter().map(|name| Some(named(name)?.1));
+            found.collect::<Option<Vec<&Channel>>>()
         };
         let only = || {
-            let others = |channel: &&Channel| {
-                let (before, after) = split_name(&channel.name);
-                before == layer && !after.eq_ignore_ascii_case("A")
-            };
-            let mut list = self.channels.iter().filter(others);
-            let first = list.next()?;
-            list.next().is_none().then_some(first)
+            let mut others = of_layer.iter().filter(|(last, _)| !last.eq_ignore_ascii_case("A"));
+            let first = others.next()?;
+            others.next().is_none().then(|| vec![first.1])
         };
-        let found = TRIPLES.iter().find_map(triple);
-        let [red, green, blue] = found.or_else(|| of_layer("Y").or_else(only).map(|grey| [grey; 3]))?;
-        let pixel = |i| Rgb::new(red.samples.value(i), green.samples.value(i), blue.samples.value(i));
-        Some(ImageRgb {
+        let triple = TRIPLES.iter().find_map(|names| all(names));
+        let pair = || PAIRS.iter().find_map(|names| all(names));
+        triple.or_else(pair).or_else(|| all(&["Y"])).or_else(only)
+    }
+
+    /// Channels of it as colours: one becomes grey, and the blue of two is 0.
+    pub fn as_colors(&self, channels: &[&Channel]) -> ImageRgb {
+        let pixel = |i| match *channels {
+            [grey] => Rgb::splat(grey.samples.value(i)),
+            _ => Rgb::from_array(std::array::from_fn(|axis| {
+                channels.get(axis).map_or(0.0, |channel| channel.samples.value(i))
+            })),
+        };
+        ImageRgb {
             width: self.width,
             height: self.height,
             pixels: (0..self.pixel_count()).map(pixel).collect(),
-        })
+        }
+    }
+
+    /// A layer as colours, see [`Self::channels_of`] and [`Self::as_colors`].
+    pub fn layer(&self, layer: &str) -> Option<ImageRgb> {
+        Some(self.as_colors(&self.channels_of(layer)?))
     }
 
     /// The opacity of the picture itself, in [0, 1], row by row; None if it has no channel `A`.
@@ -290,7 +305,7 @@ impl From<&ImageRgb> for LayeredImage {
 }
 
 /// The name of a layer and that of the channel in it.
-pub(super) fn split_name(name: &str) -> (&str, &str) {
+pub fn split_name(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
@@ -303,7 +318,7 @@ pub(super) fn full_name(layer: &str, channel: &str) -> String {
 }
 
 /// Whether the floats of the layer are bits that must not change.
-pub(super) fn is_cryptomatte(layer: &str) -> bool {
+pub fn is_cryptomatte(layer: &str) -> bool {
     layer.starts_with("Crypto")
 }
 
@@ -340,6 +355,11 @@ mod tests {
             [Rgb::ONE, Rgb::ZERO]
         );
         assert_eq!(image.layer("Light"), None);
+        let mut image = image;
+        image.add_float("Motion.X", vec![1.0, 2.0]);
+        image.add_float("Motion.Y", vec![3.0, 4.0]);
+        let motion = image.layer("Motion").expect("a pair").pixels;
+        assert_eq!(motion, [Vec3::new(1.0, 3.0, 0.0), Vec3::new(2.0, 4.0, 0.0)]);
         assert_eq!(image.alpha(), Some(vec![0.5, 1.0]));
     }
 

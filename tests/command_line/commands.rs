@@ -301,6 +301,13 @@ fn layers_need_exr_files_and_known_names() {
     assert_code(&output, 0);
     let text = String::from_utf8_lossy(&output.stderr);
     assert!(text.contains("a.png has no layers: only EXR files have"), "{text}");
+    // One message names all of them.
+    let second = shop.path("b.hdr").display().to_string();
+    let output = render(&scene, &shop.path("a.png"), &["-o", &second, "--aov", "depth"]);
+    assert_code(&output, 0);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(text.matches("only EXR files have").count(), 1, "{text}");
+    assert!(text.contains("b.hdr have no layers"), "{text}");
     let output = render(&scene, &shop.path("a.exr"), &["--aov", "dept"]);
     assert_code(&output, 2);
     let text = String::from_utf8_lossy(&output.stderr);

@@ -102,6 +102,86 @@ fn figures_limits_and_exit_codes() {
 }
 
 #[test]
+fn layers_of_data_have_figures_of_data() {
+    let shop = Workshop::new();
+    let write = |name: &str, offset: f32| {
+        let mut image = LayeredImage::new(16, 16);
+        image.add_rgb("", &[Vec3::ONE; 256]);
+        image.add_xyz("Normal", &[Vec3::new(-0.5, 0.25 + offset, 0.75); 256]);
+        image.add_float("Depth.Z", vec![5.0 + offset; 256]);
+        image.add_float("Motion.X", vec![1.0; 256]);
+        image.add_float("Motion.Y", vec![offset; 256]);
+        image.add_rgb("CryptoObject00", &[Vec3::ONE; 256]);
+        let path = shop.path(name);
+        write_exr(&path, &image, ExrCompression::Zip).expect("a writable folder");
+        path
+    };
+    let (a, b) = (write("a.exr", 0.5), write("b.exr", 0.0));
+    // The names in the file, on the command line of `render`, and of a channel.
+    for (name, means, mse) in [
+        (
+            "Normal",
+            "-0.500000 0.750000 0.750000 against -0.500000 0.250000 0.750000",
+            "8.33333",
+        ),
+        (
+            "normal",
+            "-0.500000 0.750000 0.750000 against -0.500000 0.250000 0.750000",
+            "8.33333",
+        ),
+        ("Normal.Y", "0.750000 against 0.250000", "2.500000e-1"),
+        ("depth", "5.500000 against 5.000000", "2.500000e-1"),
+        ("Depth.Z", "5.500000 against 5.000000", "2.500000e-1"),
+        ("motion", "1.000000 0.500000 against 1.000000 0.000000", "1.250000e-1"),
+    ] {
+        let output = diff(&a, &b, &["--layer", name]);
+        let text = stdout(&output);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", stderr(&output));
+        let has = |words: &str| text.contains(words);
+        assert!(has(means) && has(mse) && has("5.000000e-1"), "{name}: {text}");
+        assert!(!has("FLIP") && !has("luminance") && !has("PSNR"), "{name}: {text}");
+    }
+    let [signed, page] = ["d.exr", "page.html"].map(|name| shop.path(name).display().to_string());
+    let output = diff(
+        &a,
+        &b,
+        &[
+            "--layer",
+            "depth",
+            "-o",
+            &signed,
+            "--html",
+            &page,
+            "--fail-above",
+            "mse=0.3",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let difference = decode_exr(&std::fs::read(&signed).expect("written")).expect("an EXR file");
+    assert_eq!(difference.layers(), [""]);
+    let page = std::fs::read_to_string(&page).expect("written");
+    assert!(!page.contains("{{") && !page.contains("FLIP"), "{page}");
+    assert_eq!(page.matches("data:image/png;base64,iVBOR").count(), 3);
+
+    let fails = |more: &[&str], code: i32, words: &str| {
+        let output = diff(&a, &b, more);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains(words), "{said}");
+    };
+    fails(
+        &["--layer", "depth", "--fail-above", "0.1"],
+        1,
+        "flip is not known of layers of data",
+    );
+    fails(&["--layer", "depth", "--flip-map", "f.png"], 2, "--flip-map");
+    for matte in ["CryptoObject00", "CryptoObject00.R", "crypto-object", "cryptomatte"] {
+        fails(&["--layer", matte], 2, "is a cryptomatte");
+    }
+    fails(&["--layer", "light-groups"], 2, "no layer `light-groups`");
+}
+
+#[test]
 fn what_cannot_be_compared_is_said() {
     let shop = Workshop::new();
     let a = gradient(&shop, "a.exr", 1.0);

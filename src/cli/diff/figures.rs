@@ -2,21 +2,36 @@
 
 use std::fmt::Write as _;
 
+use glam::DVec3;
 use serde::Serialize;
 use sunroom::color::{Rgb, luminance};
-use sunroom::metrics::{ZScores, errors, ssim, z_scores};
+use sunroom::metrics::{Errors, ZScores, errors, ssim, z_scores};
 
-use super::pair::Pair;
+use super::pair::{Pair, Seen};
 
 #[derive(Serialize)]
 pub struct Figures {
     pub width: u32,
     pub height: u32,
+    /// Mean squared difference of the numbers.
+    pub mse: f32,
+    /// The figures of colours; None of data.
+    #[serde(flatten)]
+    pub light: Option<Light>,
+    /// The figures of data; None of colours.
+    #[serde(flatten)]
+    pub data: Option<Data>,
+    /// Pixels of each with values that are no numbers or infinite, which count as black.
+    pub not_finite: [usize; 2],
+}
+
+/// How two pictures of light differ.
+#[derive(Serialize)]
+pub struct Light {
     /// Mean luminances of the picture and of the reference.
     pub means: [f32; 2],
     /// The first divided by the second; None if the reference is black.
     pub mean_ratio: Option<f32>,
-    pub mse: f32,
     pub relmse: f32,
     /// Decibels; None for pictures that are equal on a display.
     pub psnr: Option<f32>,
@@ -29,8 +44,15 @@ pub struct Figures {
     pub flip_exposures: Option<[f32; 2]>,
     /// None if neither picture knows its variance.
     pub z: Option<Z>,
-    /// Pixels of each with values that are no numbers or infinite, which count as black.
-    pub not_finite: [usize; 2],
+}
+
+/// How two layers of numbers differ that are no colours.
+#[derive(Serialize)]
+pub struct Data {
+    /// The means of each component of the picture and of the reference.
+    pub component_means: [Vec<f64>; 2],
+    /// The greatest difference of a component.
+    pub greatest_difference: f32,
 }
 
 #[derive(Clone, Copy, Serialize)]
@@ -54,23 +76,18 @@ impl From<ZScores> for Z {
 
 impl Figures {
     pub fn of(pair: &Pair) -> Self {
-        let (picture, reference) = (&pair.picture.pixels, &pair.reference.pixels);
-        let errors = errors(picture, reference).expect("the pair is finite and of one size");
-        let [mean, other] = errors.means;
-        let flip_sum: f64 = pair.flip.iter().map(|&error| f64::from(error)).sum();
+        let errors = errors(&pair.picture.pixels, &pair.reference.pixels).expect("the pair is finite and of one size");
+        // The blue of two components is 0 in both.
+        let mse = match pair.components {
+            2 => errors.mse * 1.5,
+            _ => errors.mse,
+        };
         Self {
             width: pair.picture.width,
             height: pair.picture.height,
-            means: errors.means,
-            mean_ratio: (other != 0.0).then_some(mean / other),
-            mse: errors.mse,
-            relmse: errors.relative_mse,
-            psnr: errors.psnr.is_finite().then_some(errors.psnr),
-            ssim: ssim(picture, reference, pair.picture.width as usize),
-            flip: (flip_sum / pair.flip.len() as f64) as f32,
-            flip_greatest: pair.flip.iter().copied().fold(0.0, f32::max),
-            flip_exposures: pair.exposures.map(|exposures| [exposures.start, exposures.stop]),
-            z: scores(pair).map(Z::from),
+            mse,
+            light: pair.seen.as_ref().map(|seen| Light::of(pair, seen, &errors)),
+            data: pair.seen.is_none().then(|| Data::of(pair)),
             not_finite: pair.not_finite,
         }
     }
@@ -78,34 +95,18 @@ impl Figures {
     /// Names and values of all figures.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let mut rows = Vec::new();
-        let [mean, other] = self.means;
-        rows.push(("mean luminance", format!("{mean:.6} against {other:.6}")));
-        let or_none = |number: Option<String>, none: &str| number.unwrap_or_else(|| none.to_owned());
-        let ratio = self.mean_ratio.map(|ratio| format!("{ratio:.6}"));
-        rows.push(("mean ratio", or_none(ratio, "none, the reference is black")));
-        rows.push(("MSE", format!("{:.6e}", self.mse)));
-        rows.push(("relMSE", format!("{:.6e}", self.relmse)));
-        rows.push((
-            "PSNR",
-            or_none(self.psnr.map(|psnr| format!("{psnr:.3} dB")), "infinite"),
-        ));
-        let ssim = self.ssim.map(|ssim| format!("{ssim:.6}"));
-        rows.push(("SSIM", or_none(ssim, "none, the pictures are smaller than its window")));
-        let at = match self.flip_exposures {
-            Some([start, stop]) => format!("radiance at {start:+.2} to {stop:+.2} stops"),
-            None => "as displayed".to_owned(),
-        };
-        rows.push((
-            "FLIP",
-            format!("{:.6}, at most {:.6}, {at}", self.flip, self.flip_greatest),
-        ));
-        if let Some(z) = self.z {
-            let percent = 100.0 * z.beyond_three;
-            let text = format!(
-                "mean {:+.4}, rms {:.4}, {percent:.2} % beyond 3 (0.27 % by chance)",
-                z.mean, z.rms
-            );
-            rows.push(("z-scores", text));
+        let mse = ("MSE", format!("{:.6e}", self.mse));
+        if let Some(data) = &self.data {
+            let [means, others] = data.component_means.each_ref().map(|means| {
+                let numbers: Vec<String> = means.iter().map(|mean| format!("{mean:.6}")).collect();
+                numbers.join(" ")
+            });
+            rows.push(("mean", format!("{means} against {others}")));
+            rows.push(mse.clone());
+            rows.push(("greatest difference", format!("{:.6e}", data.greatest_difference)));
+        }
+        if let Some(light) = &self.light {
+            light.add_rows(mse, &mut rows);
         }
         if self.not_finite != [0, 0] {
             let [picture, reference] = self.not_finite;
@@ -129,6 +130,72 @@ impl Figures {
             let _ = writeln!(text, "{name:widest$}  {value}");
         }
         text
+    }
+}
+
+impl Light {
+    fn of(pair: &Pair, seen: &Seen, errors: &Errors) -> Self {
+        let (picture, reference) = (&pair.picture.pixels, &pair.reference.pixels);
+        let [mean, other] = errors.means;
+        let flip_sum: f64 = seen.flip.iter().map(|&error| f64::from(error)).sum();
+        Self {
+            means: errors.means,
+            mean_ratio: (other != 0.0).then_some(mean / other),
+            relmse: errors.relative_mse,
+            psnr: errors.psnr.is_finite().then_some(errors.psnr),
+            ssim: ssim(picture, reference, pair.picture.width as usize),
+            flip: (flip_sum / seen.flip.len() as f64) as f32,
+            flip_greatest: seen.flip.iter().copied().fold(0.0, f32::max),
+            flip_exposures: seen.exposures.map(|exposures| [exposures.start, exposures.stop]),
+            z: scores(pair).map(Z::from),
+        }
+    }
+
+    fn add_rows(&self, mse: (&'static str, String), rows: &mut Vec<(&'static str, String)>) {
+        let [mean, other] = self.means;
+        rows.push(("mean luminance", format!("{mean:.6} against {other:.6}")));
+        let or_none = |number: Option<String>, none: &str| number.unwrap_or_else(|| none.to_owned());
+        let ratio = self.mean_ratio.map(|ratio| format!("{ratio:.6}"));
+        rows.push(("mean ratio", or_none(ratio, "none, the reference is black")));
+        rows.push(mse);
+        rows.push(("relMSE", format!("{:.6e}", self.relmse)));
+        rows.push((
+            "PSNR",
+            or_none(self.psnr.map(|psnr| format!("{psnr:.3} dB")), "infinite"),
+        ));
+        let ssim = self.ssim.map(|ssim| format!("{ssim:.6}"));
+        rows.push(("SSIM", or_none(ssim, "none, the pictures are smaller than its window")));
+        let at = match self.flip_exposures {
+            Some([start, stop]) => format!("radiance at {start:+.2} to {stop:+.2} stops"),
+            None => "as displayed".to_owned(),
+        };
+        rows.push((
+            "FLIP",
+            format!("{:.6}, at most {:.6}, {at}", self.flip, self.flip_greatest),
+        ));
+        if let Some(z) = self.z {
+            let percent = 100.0 * z.beyond_three;
+            let text = format!(
+                "mean {:+.4}, rms {:.4}, {percent:.2} % beyond 3 (0.27 % by chance)",
+                z.mean, z.rms
+            );
+            rows.push(("z-scores", text));
+        }
+    }
+}
+
+impl Data {
+    fn of(pair: &Pair) -> Self {
+        let means = |pixels: &[Rgb]| {
+            let sum: DVec3 = pixels.iter().map(|pixel| pixel.as_dvec3()).sum();
+            (sum / pixels.len() as f64).to_array()[..pair.components].to_vec()
+        };
+        let differences = pair.absolute().pixels;
+        let greatest = differences.iter().map(|pixel| pixel.max_element());
+        Self {
+            component_means: [means(&pair.picture.pixels), means(&pair.reference.pixels)],
+            greatest_difference: greatest.fold(0.0, f32::max),
+        }
     }
 }
 

@@ -44,16 +44,20 @@ impl Metric {
 
     /// None if the pictures do not tell.
     fn value(self, figures: &Figures) -> Option<f32> {
+        if self == Self::Mse {
+            return Some(figures.mse);
+        }
+        let light = figures.light.as_ref()?;
         match self {
             // Two black pictures have the same mean.
-            Self::Mean if figures.means == [0.0, 0.0] => Some(0.0),
-            Self::Mean => Some(figures.mean_ratio.map_or(f32::INFINITY, |ratio| (ratio - 1.0).abs())),
+            Self::Mean if light.means == [0.0, 0.0] => Some(0.0),
+            Self::Mean => Some(light.mean_ratio.map_or(f32::INFINITY, |ratio| (ratio - 1.0).abs())),
             Self::Mse => Some(figures.mse),
-            Self::RelMse => Some(figures.relmse),
-            Self::Flip => Some(figures.flip),
-            Self::Z => figures.z.map(|z| z.rms),
-            Self::Psnr => Some(figures.psnr.unwrap_or(f32::INFINITY)),
-            Self::Ssim => figures.ssim,
+            Self::RelMse => Some(light.relmse),
+            Self::Flip => Some(light.flip),
+            Self::Z => light.z.map(|z| z.rms),
+            Self::Psnr => Some(light.psnr.unwrap_or(f32::INFINITY)),
+            Self::Ssim => light.ssim,
         }
     }
 }
@@ -118,6 +122,7 @@ impl Threshold {
             ));
         }
         match metric.value(figures) {
+            None if figures.data.is_some() => Some(format!("{name} is not known of layers of data: only mse is")),
             None => Some(format!("{name} is not known of these pictures")),
             Some(value) if metric.is_likeness() && value < limit => Some(format!("{name} is {value}, below {limit}")),
             Some(value) if !metric.is_likeness() && value > limit => Some(format!("{name} is {value}, above {limit}")),
@@ -128,22 +133,26 @@ impl Threshold {
 
 #[cfg(test)]
 mod tests {
+    use super::super::figures::Light;
     use super::*;
 
     fn figures() -> Figures {
         Figures {
             width: 1,
             height: 1,
-            means: [1.01, 1.0],
-            mean_ratio: Some(1.01),
             mse: 0.1,
-            relmse: 0.2,
-            psnr: Some(30.0),
-            ssim: None,
-            flip: 0.05,
-            flip_greatest: 0.5,
-            flip_exposures: None,
-            z: None,
+            light: Some(Light {
+                means: [1.01, 1.0],
+                mean_ratio: Some(1.01),
+                relmse: 0.2,
+                psnr: Some(30.0),
+                ssim: None,
+                flip: 0.05,
+                flip_greatest: 0.5,
+                flip_exposures: None,
+                z: None,
+            }),
+            data: None,
             not_finite: [0, 0],
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! Exit codes are those of `diff` and `cmp`: 0 alike enough, 1 too different, 2 wrong usage or a file that cannot be read or written.
 
+mod chosen;
 mod figures;
 mod metric;
 mod page;
@@ -28,7 +29,7 @@ pub struct DiffArgs {
     pub picture: PathBuf,
     /// Picture that it is measured against
     pub reference: PathBuf,
-    /// Layer of EXR files to compare, such as Albedo [default: the picture itself]
+    /// Layer or channel of EXR files to compare, such as Albedo, depth or Normal.Y [default: the picture itself]
     #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
     layer: String,
     /// End with code 1 if a figure is greater: mean (of the ratio's distance from 1), mse, relmse, flip or z; flip if none is named
@@ -77,6 +78,12 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
         FileFormat::from_path(path)?;
     }
     let pair = Pair::read([&args.picture, &args.reference], &args.layer)?;
+    if pair.seen.is_none() && args.flip_map.is_some() {
+        let layer = &args.layer;
+        return Err(
+            format!("`{layer}` is a layer of data, which has no errors of FLIP: leave out `--flip-map`").into(),
+        );
+    }
     let figures = Figures::of(&pair);
     let text = match args.json {
         true => format!("{}\n", serde_json::to_string_pretty(&figures)?),
@@ -91,9 +98,9 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
     if let Some(path) = &args.output {
         outputs::write_picture(path, &difference(&pair, path), &options)?;
     }
-    if let Some(path) = &args.flip_map {
+    if let (Some(path), Some(errors)) = (&args.flip_map, pair.flip_picture()) {
         // The colours are those of a display already.
-        outputs::write_picture(path, &LayeredImage::from(&pair.flip_picture()), &FileOptions::default())?;
+        outputs::write_picture(path, &LayeredImage::from(&errors), &FileOptions::default())?;
     }
     if let Some(path) = &args.html {
         let page = page::page(&pair, &figures, &options)?;
@@ -120,7 +127,9 @@ fn difference(pair: &Pair, path: &Path) -> LayeredImage {
     match is_exr {
         true => {
             image.add_rgb("", &signed.collect::<Vec<_>>());
-            image.add_channel("FLIP.Y", Samples::Float(pair.flip.clone()));
+            if let Some(seen) = &pair.seen {
+                image.add_channel("FLIP.Y", Samples::Float(seen.flip.clone()));
+            }
         }
         false => image.add_rgb("", &signed.map(|difference| difference.abs()).collect::<Vec<_>>()),
     }

@@ -14,7 +14,13 @@ pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<Str
     };
     let [picture, reference] = [&pair.picture, &pair.reference].map(|picture| data_uri(picture, &shown));
     let difference = data_uri(&pair.absolute(), &shown)?;
-    let flip = data_uri(&pair.flip_picture(), &FileOptions::default())?;
+    let flip = match pair.flip_picture() {
+        Some(errors) => {
+            let errors = data_uri(&errors, &FileOptions::default())?;
+            filled(include_str!("flip.html"), &[("flip", errors)])
+        }
+        None => String::new(),
+    };
     let [name, against] = pair.paths.each_ref().map(|path| escaped(&path.display().to_string()));
     let row =
         |(name, value): (&str, String)| format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(name), escaped(&value));

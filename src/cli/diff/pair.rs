@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::chosen::choose;
 use sunroom::color::{Rgb, linear_from_srgb};
 use sunroom::files::Access;
 use sunroom::memory::read_data;
@@ -21,6 +22,14 @@ pub struct Pair {
     pub not_finite: [usize; 2],
     /// The variances of picture and reference.
     pub variances: [Option<Variance>; 2],
+    /// How many numbers a pixel has, 1 to 3.
+    pub components: usize,
+    /// How the pictures differ for a viewer; None of data.
+    pub seen: Option<Seen>,
+}
+
+/// How two pictures of light differ for a viewer.
+pub struct Seen {
     /// The exposures of FLIP; None for pictures of a display.
     pub exposures: Option<Exposures>,
     /// The errors of FLIP, row by row.
@@ -48,28 +57,18 @@ impl Pair {
                 paths[1].display()
             ));
         }
-        let colors = |loaded: &LoadedPicture, path: &Path| {
-            loaded
-                .image
-                .layer(layer)
-                .ok_or_else(|| no_layer(&loaded.image, layer, path))
-        };
-        let mut picture = colors(&loaded, paths[0])?;
-        let mut reference = colors(&against, paths[1])?;
+        let chosen = choose(&loaded.image, layer, paths[0])?;
+        let other = choose(&against.image, layer, paths[1])?;
+        let is_light = chosen.is_light && other.is_light;
+        let components = chosen.components.max(other.components);
+        let (mut picture, mut reference) = (chosen.image, other.image);
         let not_finite = [&mut picture, &mut reference].map(blacken);
         let variances = match layer {
             "" => [&loaded, &against].map(|loaded| variance(&loaded.image)),
             _ => [None, None],
         };
-        let exposures = match loaded.is_displayed && against.is_displayed {
-            true => None,
-            false => Exposures::of(&reference.pixels),
-        };
-        let width = picture.width as usize;
-        let flip = match exposures {
-            Some(exposures) => hdr_flip(&picture.pixels, &reference.pixels, width, exposures, PIXELS_PER_DEGREE),
-            None => ldr_flip(&picture.pixels, &reference.pixels, width, PIXELS_PER_DEGREE),
-        };
+        let are_displayed = loaded.is_displayed && against.is_displayed;
+        let seen = is_light.then(|| seen(&picture, &reference, are_displayed));
         Ok(Self {
             paths: paths.map(Path::to_owned),
             layer: layer.to_owned(),
@@ -77,18 +76,19 @@ impl Pair {
             reference,
             not_finite,
             variances,
-            exposures,
-            flip,
+            components,
+            seen,
         })
     }
 
-    /// The errors of FLIP in the colours of a display.
-    pub fn flip_picture(&self) -> ImageRgb {
+    /// The errors of FLIP in the colours of a display; None of data.
+    pub fn flip_picture(&self) -> Option<ImageRgb> {
         let color = |error: &f32| magma(*error).map(linear_from_srgb);
-        ImageRgb {
-            pixels: self.flip.iter().map(color).collect(),
+        let seen = self.seen.as_ref()?;
+        Some(ImageRgb {
+            pixels: seen.flip.iter().map(color).collect(),
             ..self.picture
-        }
+        })
     }
 
     /// The absolute difference.
@@ -101,28 +101,23 @@ impl Pair {
     }
 }
 
+fn seen(picture: &ImageRgb, reference: &ImageRgb, are_displayed: bool) -> Seen {
+    let exposures = match are_displayed {
+        true => None,
+        false => Exposures::of(&reference.pixels),
+    };
+    let width = picture.width as usize;
+    let flip = match exposures {
+        Some(exposures) => hdr_flip(&picture.pixels, &reference.pixels, width, exposures, PIXELS_PER_DEGREE),
+        None => ldr_flip(&picture.pixels, &reference.pixels, width, PIXELS_PER_DEGREE),
+    };
+    Seen { exposures, flip }
+}
+
 fn load(path: &Path) -> Result<LoadedPicture, String> {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let bytes = read_data(path, &Access::everywhere()).map_err(|error| named(&error))?;
     load_picture(&bytes).map_err(|error| named(&error))
-}
-
-fn no_layer(image: &LayeredImage, layer: &str, path: &Path) -> String {
-    let path = path.display();
-    let names: Vec<String> = image
-        .layers()
-        .iter()
-        .filter(|name| !name.is_empty())
-        .map(|name| format!("`{name}`"))
-        .collect();
-    let known = match names.is_empty() {
-        true => "it has none".to_owned(),
-        false => format!("it has {}", names.join(", ")),
-    };
-    match layer {
-        "" => format!("{path} has no colours of its own; `--layer` names a layer, and {known}"),
-        _ => format!("{path} has no layer `{layer}` of colours, a vector or one number; {known}"),
-    }
 }
 
 /// Makes pixels black that have values that are no numbers or infinite; returns how many.

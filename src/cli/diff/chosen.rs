@@ -1,0 +1,66 @@
+//! What is compared of a picture: the picture itself, a layer, or a channel.
+
+use std::path::Path;
+
+use sunroom::layer::{Layer, Layers};
+use sunroom::render::image_io::ImageRgb;
+use sunroom::render::layered_image::{Channel, LayeredImage, is_cryptomatte, split_name};
+
+pub struct Chosen {
+    /// The numbers as colours: one is grey, and the blue of two is 0.
+    pub image: ImageRgb,
+    /// How many numbers a pixel has, 1 to 3.
+    pub components: usize,
+    /// Whether the numbers are colours or luminances, which can be shown, and not data such as depths and normals.
+    pub is_light: bool,
+}
+
+/// What `name` means in a picture: a layer as the file calls it (`Depth`) or as `--aov` does (`depth`), a channel (`Depth.Z`), or with an empty name the
+/// picture itself. The error names the layers.
+pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, String> {
+    let in_file = match Layer::from_name(name) {
+        Some(layer) => layer.name_in_pictures(),
+        None => name,
+    };
+    let is_matte = |name: &str| is_cryptomatte(name) || is_cryptomatte(split_name(name).0);
+    if is_matte(in_file) || Layers::from_name(name).is_ok_and(|layers| layers.contains(Layer::CryptoObject)) {
+        return Err(format!(
+            "`{name}` is a cryptomatte, whose numbers stand for names and have no differences: compare the layer `object-id` or `material-id`"
+        ));
+    }
+    let channels = image.channels_of(name).or_else(|| image.channels_of(in_file));
+    let channels = channels.or_else(|| Some(vec![image.channel(in_file)?]));
+    let channels = channels.ok_or_else(|| no_layer(image, name, path))?;
+    Ok(Chosen {
+        image: image.as_colors(&channels),
+        components: channels.len(),
+        is_light: are_light(&channels, name.is_empty()),
+    })
+}
+
+/// Whether the channels are light. `are_picture`: they are what the picture itself is.
+fn are_light(channels: &[&Channel], are_picture: bool) -> bool {
+    are_picture
+        || channels.iter().all(|channel| {
+            let (layer, last) = split_name(&channel.name);
+            ["R", "G", "B"].contains(&last) && !layer.starts_with("Variance")
+        })
+}
+
+fn no_layer(image: &LayeredImage, layer: &str, path: &Path) -> String {
+    let path = path.display();
+    let names: Vec<String> = image
+        .layers()
+        .iter()
+        .filter(|name| !name.is_empty())
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let known = match names.is_empty() {
+        true => "it has none".to_owned(),
+        false => format!("it has {}", names.join(", ")),
+    };
+    match layer {
+        "" => format!("{path} has no colours of its own; `--layer` names a layer, and {known}"),
+        _ => format!("{path} has no layer `{layer}` of colours, a vector or one number; {known}"),
+    }
+}
