@@ -9,6 +9,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
+use sunroom::render::image_io::exr::decode_exr;
+use sunroom::render::layered_image::Attribute;
 use window_support::{Display, Ended};
 
 fn editor(arguments: &[&str]) -> Command {
@@ -112,11 +114,20 @@ fn a_room_is_built_undone_and_redone() {
         "not the same five samples"
     );
     assert!(bytes("five.exr") != bytes("before.exr"), "five samples are not eight");
-    // A picture that was begun anew since is waited for before it is saved.
+    // A picture that was begun anew since is waited for before it is saved. It says that it is of another file.
+    let layered = |name: &str| decode_exr(&bytes(name)).expect(name);
     assert!(
-        bytes("without-wait.exr") == bytes("before.exr"),
+        layered("without-wait.exr").channels == layered("before.exr").channels,
         "not the eight samples that were waited for"
     );
+    for (name, scene, samples) in [("before.exr", "before.xml", 8), ("five.exr", "after.xml", 5)] {
+        let described = layered(name);
+        assert_eq!(
+            described.attribute("sunroom:scene"),
+            Some(&Attribute::Text(file(scene)))
+        );
+        assert_eq!(described.attribute("sunroom:spp"), Some(&Attribute::Int(samples)));
+    }
 
     let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
     command.args(["render", &file("after.xml"), "-o", &file("rendered.exr"), "--spp", "8"]);

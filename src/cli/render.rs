@@ -15,13 +15,15 @@ use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::signals::{is_terminated, note_show, note_termination};
 use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus};
-use sunroom::engine::{choose_integrator, layered_picture, load_to_completion, open_shutter, render_watched};
+use sunroom::engine::{
+    choose_integrator, describe_picture, layered_picture, load_to_completion, open_shutter, render_watched,
+};
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::auto::{Method, pays_for_pilot};
 use sunroom::render::denoise::{DenoiseError, denoise_film};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
-use sunroom::render::layered_image::{Attribute, LayeredImage};
+use sunroom::render::layered_image::LayeredImage;
 use sunroom::render::view::{Shown, View};
 use sunroom::scene::Film as SensorFilm;
 use sunroom::scene::{
@@ -449,27 +451,10 @@ fn file_options(world: &World, args: &RenderArgs) -> FileOptions {
     args.file.options(args.display.display(), storage)
 }
 
-/// Says in the picture where it comes from. Times are named only where the picture depends on them, so that the same render gives the same file.
+/// Says in the picture where it comes from.
 fn describe(picture: &mut LayeredImage, world: &World, args: &RenderArgs) {
-    let status = world.resource::<RenderStatus>();
-    let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));
-    text("software", concat!("Sunroom ", env!("CARGO_PKG_VERSION")).to_owned());
-    text("sunroom:scene", args.scene.scene.display().to_string());
-    let camera = world.resource::<ActiveSensor>().0;
-    if let Some(name) = camera.and_then(|camera| world.get::<Name>(camera)) {
-        text("sunroom:camera", name.as_str().to_owned());
-    }
-    if let Some(auto) = status.auto {
-        text("sunroom:auto", auto.integrator.to_owned());
-    }
-    let mut int = |name: &str, value: u32| {
-        picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));
-    };
-    int("sunroom:spp", status.samples.saturating_sub(status.first));
-    int("sunroom:seed", world.resource::<SamplerSettings>().seed);
-    if args.time.is_some() {
-        picture.set_attribute("sunroom:seconds", Attribute::Float(status.seconds as f32));
-    }
+    let seconds = args.time.map(|_| world.resource::<RenderStatus>().seconds);
+    describe_picture(picture, world, Some(&args.scene.scene), seconds);
 }
 
 /// The first interrupt asks for an orderly end, the second one ends the process.

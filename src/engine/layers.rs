@@ -1,21 +1,23 @@
 //! The finished picture with its layers, by the names of the scene.
 
 use std::collections::{BTreeMap, HashSet};
+use std::path::Path;
 
 use bevy::prelude::*;
 
 use super::film::RenderFilm;
 use super::light_groups::LightGroup;
 use super::packed_scene::PackedScene;
+use super::status::RenderStatus;
 use crate::color::Rgb;
 use crate::layer::Layer;
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::image_io::{FileOptions, ImageRgb};
-use crate::render::layered_image::{LayeredImage, StoredColors};
+use crate::render::layered_image::{Attribute, LayeredImage, StoredColors};
 use crate::render::layers::{LayerNames, layered_image};
 use crate::render::tonemap::Display;
-use crate::scene::{ComponentFormat, DocumentOrder, FilmStorage, PixelFormat, SceneId};
+use crate::scene::{ActiveSensor, ComponentFormat, DocumentOrder, FilmStorage, PixelFormat, SamplerSettings, SceneId};
 
 /// The names that layers refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -77,6 +79,32 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     match &world.resource::<PackedScene>().view {
         Some(view) => PictureNames::of(world).layered(picture, film, &view.camera, denoised),
         None => LayeredImage::from(picture),
+    }
+}
+
+/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the samples and the seed. `seconds` is for
+/// pictures that depend on the time that they took, so that the same render gives the same file.
+pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option<&Path>, seconds: Option<f64>) {
+    let status = world.resource::<RenderStatus>();
+    let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));
+    text("software", concat!("Sunroom ", env!("CARGO_PKG_VERSION")).to_owned());
+    if let Some(scene) = scene {
+        text("sunroom:scene", scene.display().to_string());
+    }
+    let camera = world.resource::<ActiveSensor>().0;
+    if let Some(name) = camera.and_then(|camera| world.get::<Name>(camera)) {
+        text("sunroom:camera", name.as_str().to_owned());
+    }
+    if let Some(auto) = status.auto {
+        text("sunroom:auto", auto.integrator.to_owned());
+    }
+    let mut int = |name: &str, value: u32| {
+        picture.set_attribute(name, Attribute::Int(i32::try_from(value).unwrap_or(i32::MAX)));
+    };
+    int("sunroom:spp", status.samples.saturating_sub(status.first));
+    int("sunroom:seed", world.resource::<SamplerSettings>().seed);
+    if let Some(seconds) = seconds {
+        picture.set_attribute("sunroom:seconds", Attribute::Float(seconds as f32));
     }
 }
 

@@ -20,6 +20,7 @@ use crate::engine::{RenderState, RenderStatus, file_options};
 use crate::render::image_io::{
     FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
+use crate::render::layered_image::LayeredImage;
 use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{
     self, ActiveSensor, Film, FilmStorage, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState,
@@ -172,7 +173,10 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
         // Both are one picture: saving it again replaces both, and the dialog asks about both.
         let path = noisy_beside(path);
-        write_image(&path, &noisy, &display.tone()).map_err(CommandError::file)?;
+        let mut noisy = LayeredImage::from(&noisy);
+        finished::describe(world, &mut noisy);
+        let options = file_options(film_storage(world), display.tone());
+        write_layered(&path, &noisy, &options).map_err(CommandError::file)?;
         say_saved(world, format!("Saved the picture as sampled as {}", path.display()));
     }
     let mut shown = match is_displayed && display.mode.is_light() {

@@ -13,7 +13,7 @@ use crate::app::editor::picture::denoiser::{Denoised, Denoiser};
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{PackedScene, RenderFilm, RenderState, RenderStatus, layered_picture};
+use crate::engine::{PackedScene, RenderFilm, RenderState, RenderStatus, describe_picture, layered_picture};
 use crate::layer::Layer;
 use crate::metrics::errors;
 use crate::render::denoise::denoise_film;
@@ -21,6 +21,7 @@ use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
 use crate::render::layered_image::LayeredImage;
 use crate::render::tile::tiles;
+use crate::scene::SceneStatus;
 
 /// The picture as it is shown: with its lights mixed, and denoised if the denoised picture is shown.
 pub fn picture(world: &World) -> ImageRgb {
@@ -57,7 +58,17 @@ pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
         true => is_shown.or_else(|| denoise_film(film, None, &AtomicBool::new(false)).ok()),
         false => None,
     };
-    layered_picture(world, picture, denoised.as_deref())
+    let mut layered = layered_picture(world, picture, denoised.as_deref());
+    describe(world, &mut layered);
+    layered
+}
+
+/// Says in the picture where it comes from.
+pub fn describe(world: &World, picture: &mut LayeredImage) {
+    let scene = world.get_resource::<SceneStatus>();
+    let scene = scene.and_then(|scene| scene.path.as_deref());
+    let status = world.resource::<RenderStatus>();
+    describe_picture(picture, world, scene, status.time_limit.map(|_| status.seconds));
 }
 
 /// The picture with the snapshot wiped over it, or their difference, if that is shown.

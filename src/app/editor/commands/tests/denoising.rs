@@ -11,8 +11,8 @@ use crate::engine::EngineSystems;
 use crate::files::{ExrCompression, LARGEST_DATA, read};
 use crate::render::denoise::denoise_film;
 use crate::render::image_io::exr::decode_exr;
-use crate::render::layered_image::Samples;
-use crate::scene::{ActiveSensor, ComponentFormat, Film};
+use crate::render::layered_image::{Attribute, Samples};
+use crate::scene::{ActiveSensor, ComponentFormat, Film, SamplerSettings, SceneStatus};
 
 fn denoising_app(samples: u32) -> App {
     let mut app = app();
@@ -146,6 +146,10 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("sky.exr");
     let mut app = denoising_app(6);
+    app.world_mut().resource_mut::<SamplerSettings>().seed = 7;
+    app.world_mut().resource_mut::<SceneStatus>().path = Some("/scenes/sky.xml".into());
+    let camera = app.world().resource::<ActiveSensor>().0.expect("a camera");
+    app.world_mut().entity_mut(camera).insert(Name::new("eye"));
     update_until(&mut app, is_best);
     // The window has fewer pixels than the film, of which none is denoised yet.
     apply(app.world_mut(), Command::SaveImage(path.clone())).expect("it is begun");
@@ -157,6 +161,20 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     assert_eq!([film.width(), film.height()], [120, 80]);
     let noisy = film.radiance();
     assert_eq!(pixels(&folder.path().join("sky-noisy.exr")), noisy);
+    // Both files say where they come from, as those of the command line do.
+    for name in ["sky.exr", "sky-noisy.exr"] {
+        let bytes = read(&folder.path().join(name), LARGEST_DATA).expect("a file");
+        let described = decode_exr(&bytes).expect("an EXR file");
+        let attribute = |name: &str| described.attribute(name).cloned();
+        let version = concat!("Sunroom ", env!("CARGO_PKG_VERSION")).to_owned();
+        assert_eq!(attribute("software"), Some(Attribute::Text(version)));
+        let scene = Some(Attribute::Text("/scenes/sky.xml".to_owned()));
+        assert_eq!(attribute("sunroom:scene"), scene);
+        assert_eq!(attribute("sunroom:camera"), Some(Attribute::Text("eye".to_owned())));
+        assert_eq!(attribute("sunroom:spp"), Some(Attribute::Int(6)));
+        assert_eq!(attribute("sunroom:seed"), Some(Attribute::Int(7)));
+        assert_eq!(attribute("sunroom:seconds"), None);
+    }
     // Saving it again replaces both files, and adds none.
     std::fs::write(folder.path().join("sky-noisy.exr"), "older").expect("can be written");
     apply(app.world_mut(), Command::SaveImage(path.clone())).expect("saved");
