@@ -39,6 +39,14 @@ impl ExitDoor {
         }
     }
 
+    /// The samples per pixel that it waits for.
+    pub(super) fn wanted_samples(&self) -> u32 {
+        match self.step {
+            Step::Sampling(samples) => samples,
+            _ => self.after_spp,
+        }
+    }
+
     /// Stops waiting. Returns the picture that will not be written.
     pub fn give_up(&mut self) -> Option<PathBuf> {
         let before = std::mem::replace(&mut self.step, Step::Done);

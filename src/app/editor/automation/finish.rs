@@ -32,12 +32,11 @@ pub(crate) fn drive_exit_door(
     (pacing, previews, place, denoiser): (Res<Pacing>, Res<Previews>, Res<PicturePlace>, Res<Denoiser>),
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
-        error!(
-            "Gave up after {:.0} s at {} of {} samples",
-            door.timeout.as_secs_f32(),
-            status.samples,
-            door.after_spp
-        );
+        let awaited = match script.as_ref().filter(|script| !script.is_done()) {
+            Some(script) => script.awaited(&status),
+            None => format!("at {} of {} samples per pixel", status.samples, door.wanted_samples()),
+        };
+        error!("Gave up after {:.0} s {awaited}", door.timeout.as_secs_f32());
         exit.write(AppExit::error());
         door.step = Step::Done;
     }

@@ -35,6 +35,7 @@ use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning};
 use crate::app::editor::session::requests::Requests;
+use crate::app::editor::words::figures::counted;
 use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
@@ -98,6 +99,25 @@ impl Script {
             && !self.screenshot_awaited
             && !self.image_awaited
             && self.frames >= FRAMES_TO_BEGIN
+    }
+
+    /// What is waited for, in words: the line, and what the picture has of it.
+    pub fn awaited(&self, status: &RenderStatus) -> String {
+        let place = format!("{}:{}", self.path.display(), self.number);
+        let samples = counted(status.samples.into(), "sample");
+        match (self.wait, &self.bake) {
+            (_, Some(_)) => format!("at {place}, which waits for a bake"),
+            (Some(Wait::Samples(wanted)), _) if wanted > 0 => {
+                format!(
+                    "at {place}, which waits for {wanted} samples per pixel: the picture has {}",
+                    status.samples
+                )
+            }
+            (Some(Wait::Done), _) => {
+                format!("at {place}, which waits until the picture is done: it has {samples} per pixel")
+            }
+            _ => format!("at {place}: the picture has {samples} per pixel"),
+        }
     }
 }
 
@@ -288,6 +308,31 @@ impl Script {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_waited_for_is_said() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("script.txt");
+        std::fs::write(&path, "wait 64").expect("a file");
+        let mut script = Script::read(&path).expect("a script");
+        script.number = 1;
+        let status = RenderStatus {
+            samples: 48,
+            ..RenderStatus::default()
+        };
+        let said = |script: &Script, words: &str| {
+            let text = script.awaited(&status);
+            assert!(text.contains("script.txt:1") && text.contains(words), "{text}");
+        };
+        script.wait = Some(Wait::Samples(64));
+        said(&script, "waits for 64 samples per pixel: the picture has 48");
+        script.wait = Some(Wait::Done);
+        said(&script, "until the picture is done: it has 48 samples per pixel");
+        script.wait = None;
+        said(&script, ": the picture has 48 samples per pixel");
+        script.bake = Some(BakeWait::End);
+        said(&script, "waits for a bake");
+    }
 
     #[test]
     fn the_reason_why_a_scene_is_not_opened_is_left_to_the_log() {
