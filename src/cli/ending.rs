@@ -58,6 +58,11 @@ impl Ending {
         self.pixels > 0 && self.pixels_without_samples == 0
     }
 
+    /// Whether the user has broken the render off.
+    pub fn is_interrupted(&self) -> bool {
+        matches!(self.broken_off_by, Some(Reason::Interrupt))
+    }
+
     /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
     /// without noise; `written`: the outputs that have the picture.
     pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {

@@ -365,6 +365,15 @@ fn picture(
             "warning: {count} samples were not finite and counted as black"
         ));
     }
+    if let (Some(limit), false) = (status.missed_noise(), args.quiet || ending.is_interrupted()) {
+        let noise = match status.noise {
+            Some(noise) => format!("the noise is {noise:.4}"),
+            None => "the noise is not known of so few samples".to_owned(),
+        };
+        report::line(format_args!(
+            "the limit of noise {limit} was not reached: {noise} at {samples} samples per pixel"
+        ));
+    }
     if let Some(limit) = status.clamped.filter(|_| !args.quiet) {
         let (limit, removed) = (limit.luminance, 100.0 * limit.removed);
         report::line(format_args!(

@@ -128,6 +128,14 @@ impl RenderStatus {
         by_samples.max(by_time).max(by_noise).clamp(0.0, 1.0)
     }
 
+    /// The limit of noise, if there is one that the picture has not reached.
+    pub fn missed_noise(&self) -> Option<f32> {
+        let is_missed = |limit: &f32| self.noise.is_none_or(|noise| noise > *limit);
+        // A picture that is all black reaches it without a noise.
+        let target = self.noise_target.filter(|_| self.stopped_by != Some(StopReason::Noise));
+        target.filter(is_missed)
+    }
+
     /// The seconds until the picture is done, as fast as before; None while that is unknown.
     pub fn seconds_left(&self) -> Option<f64> {
         let done = self.done();

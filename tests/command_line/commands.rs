@@ -84,6 +84,14 @@ fn a_limit_of_noise_ends_a_render() {
     // Whichever comes first.
     let (fewer, louder) = run(&["--noise", "0.005", "--spp", "20"]);
     assert!(fewer == 20.0 && louder > 0.005, "{fewer} {louder}");
+    let said = |more: &[&str]| String::from_utf8_lossy(&render(&scene, &picture, more).stderr).into_owned();
+    let text = said(&["--noise", "0.005", "--spp", "20"]);
+    assert!(
+        text.contains("the limit of noise 0.005 was not reached: the noise is 0.0"),
+        "{text}"
+    );
+    let text = said(&["--noise", "0.5%"]);
+    assert!(!text.contains("not reached"), "{text}");
     let (some, _) = run(&["--noise", "1e-6", "--time", "300ms"]);
     assert!(some > 0.0);
     // The file may say it; what is asked for takes its place.

@@ -8,7 +8,7 @@ use super::typed;
 use crate::app::editor::model::StatusModel;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::words::figures::counted;
-use crate::engine::{AutoStatus, RenderState, RenderStatus};
+use crate::engine::{AutoStatus, RenderState, RenderStatus, StopReason};
 use crate::render::auto::{Choice, Method};
 
 /// The room for the separator before a part.
@@ -190,12 +190,27 @@ fn noise(model: &StatusModel) -> Option<Part> {
             counted((*samples).into(), "sample")
         )
     });
+    let is_done = model.status.state == RenderState::Done;
+    let missed = model.status.missed_noise().filter(|_| is_done);
+    let stopped_by = match model.status.stopped_by {
+        Some(StopReason::Time) => "Limit time",
+        _ => "Samples",
+    };
+    let more = match missed {
+        Some(_) => format!(
+            "{stopped_by} in Render has ended the picture before Limit noise: raise it, and the picture goes on."
+        ),
+        None => "Limit noise in Render stops at a value.".to_owned(),
+    };
+    let noise = percent(noise);
     Some(Part {
-        text: match model.status.noise_target {
-            Some(target) => format!("noise {} of {}", percent(noise), percent(target)),
-            None => format!("noise {}", percent(noise)),
+        text: match (missed, model.status.noise_target) {
+            (Some(limit), _) => format!("noise {noise}, limit {} not reached", percent(limit)),
+            (None, Some(target)) => format!("noise {noise} of {}", percent(target)),
+            (None, None) => format!("noise {noise}"),
         },
-        hint: format!("The error that is expected of a pixel, as a share of the picture's brightness.{before} Limit noise in Render stops at a value.").into(),
+        hint: format!("The error that is expected of a pixel, as a share of the picture's brightness.{before} {more}")
+            .into(),
         trend: heights(points),
     })
 }
@@ -340,6 +355,18 @@ mod tests {
         assert_eq!((part.trend[0], part.trend[CURVE_POINTS - 1]), (1.0, 0.0));
         assert!(part.trend.windows(2).all(|pair| pair[0] >= pair[1]));
         assert_eq!([percent(0.123), percent(0.0042)], ["12 %", "0.42 %"]);
+
+        // A limit that is not reached is told of once the picture has ended.
+        model.status.noise_target = Some(0.02);
+        assert_eq!(noise(&model).expect("it is known").text, "noise 5.0 % of 2.0 %");
+        model.status.state = RenderState::Done;
+        model.status.stopped_by = Some(StopReason::Samples);
+        let part = noise(&model).expect("it is known");
+        assert_eq!(part.text, "noise 5.0 %, limit 2.0 % not reached");
+        assert!(part.hint.contains("Samples in Render has ended"), "{}", part.hint);
+        model.status.noise = Some(0.02);
+        model.status.stopped_by = Some(StopReason::Noise);
+        assert_eq!(noise(&model).expect("it is known").text, "noise 2.0 % of 2.0 %");
     }
 
     #[test]
