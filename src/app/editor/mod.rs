@@ -61,6 +61,7 @@ impl Plugin for EditorPlugin {
             _ => session::preferences::folder(options.is_attended()),
         };
         let (preferences_file, preferences) = PreferencesFile::open(folder.as_deref());
+        let preferences_file = preferences_file.kept_if(options.is_attended() || options.monkey.is_some());
         let mut settings = ViewSettings::default();
         settings.navigation.set_speed(preferences.speed);
         settings.gizmo.steps = preferences.steps;

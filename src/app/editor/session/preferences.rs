@@ -29,6 +29,8 @@ const PAUSE: Duration = Duration::from_secs(2);
 pub struct PreferencesFile {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
+    /// They are not written: without a user nobody has chosen anything.
+    is_only_read: bool,
     written: Preferences,
     /// They are being written: other files that are written at the time may keep the disk busy.
     writing: Option<Task<std::io::Result<()>>>,
@@ -56,6 +58,7 @@ impl PreferencesFile {
     pub fn open(folder: Option<&Path>) -> (Self, Preferences) {
         let mut file = Self {
             path: folder.map(|folder| folder.join(FILE)),
+            is_only_read: false,
             written: Preferences::default(),
             writing: None,
             looked_at: Instant::now(),
@@ -76,6 +79,14 @@ impl PreferencesFile {
         }
         let preferences = file.written.clone();
         (file, preferences)
+    }
+
+    /// The same, which is written only if there is a user.
+    pub fn kept_if(self, is_attended: bool) -> Self {
+        Self {
+            is_only_read: !is_attended,
+            ..self
+        }
     }
 
     fn set_aside(&mut self, reason: &str) {
@@ -113,7 +124,8 @@ impl PreferencesFile {
 
     /// Begins to write them on another thread. Nothing else may be written meanwhile.
     fn begin_to_store(&mut self, preferences: Preferences) {
-        let Some(path) = self.path.clone().filter(|_| preferences != self.written) else {
+        let is_changed = preferences != self.written && !self.is_only_read;
+        let Some(path) = self.path.clone().filter(|_| is_changed) else {
             return;
         };
         let text = serde_json::to_vec_pretty(&preferences);
@@ -332,6 +344,24 @@ mod tests {
                 ..preferences
             });
             assert!(path.exists());
+        }
+    }
+
+    #[test]
+    fn windows_without_a_user_change_no_preferences() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = written(folder.path(), r#"{"speed": 2.5}"#);
+        let before = std::fs::read(&path).expect("it is there");
+        for is_attended in [false, true] {
+            let (file, preferences) = PreferencesFile::open(Some(folder.path()));
+            let mut file = file.kept_if(is_attended);
+            assert_eq!(preferences.speed, 2.5);
+            file.store(Preferences {
+                denoising: !preferences.denoising,
+                ..preferences
+            });
+            let after = std::fs::read(&path).expect("it is there");
+            assert_eq!(after != before, is_attended);
         }
     }
 
