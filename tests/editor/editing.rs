@@ -213,6 +213,34 @@ fn lines_that_cannot_be_done_say_why() {
 }
 
 #[test]
+fn switches_of_the_menus_take_on_and_off() {
+    let mut world = bare_world();
+    let switches = [
+        ("timeline-shown on", "timeline-shown off"),
+        ("grid off", "grid on"),
+        ("safe-frame on", "safe-frame off"),
+    ];
+    let mut command = |line: &str| match parse::line(&mut world, line) {
+        Ok(Some(Step::Do(command))) => {
+            apply(&mut world, command).expect(line);
+            true
+        }
+        Ok(None) => false,
+        other => panic!("{line}: {other:?}"),
+    };
+    for (there, back) in switches {
+        assert!(command(there), "{there}");
+        // It is so already.
+        assert!(!command(there), "{there}");
+        assert!(command(back) && !command(back), "{back}");
+    }
+    for line in ["undo on", "grid maybe", "denoise maybe"] {
+        let error = parse::line(&mut world, line).expect_err(line).to_string();
+        assert!(error.contains("words"), "{line}: {error}");
+    }
+}
+
+#[test]
 fn the_choice_of_layers_is_undone() {
     let mut world = bare_world();
     world.init_resource::<IntegratorSettings>();

@@ -78,10 +78,18 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     let (verb, arguments) = words.split_first().ok_or("expected a command")?;
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     if let Some(action) = actions::find(verb)
-        && arguments.is_empty()
+        && let Some(wanted) = wanted_state(&arguments)
     {
         let selection = world.resource::<Selection>().clone();
-        let command = (action.command)(&context(world, &selection));
+        let context = context(world, &selection);
+        if wanted.is_some() {
+            match action.switch(&context) {
+                None => return Err(format!("`{verb}` takes no words behind it").into()),
+                is_on if is_on == wanted => return Ok(None),
+                _ => {}
+            }
+        }
+        let command = (action.command)(&context);
         let command = command.ok_or_else(|| format!("`{verb}`: nothing is selected"))?;
         return Ok(Some(Step::Do(command)));
     }
@@ -94,6 +102,16 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
             }
             None => error,
         })
+}
+
+/// The state that a line wants a switch of the menus to have: none in particular without a word. None for other words.
+fn wanted_state(arguments: &[&str]) -> Option<Option<bool>> {
+    match arguments {
+        [] => Some(None),
+        ["on"] => Some(Some(true)),
+        ["off"] => Some(Some(false)),
+        _ => None,
+    }
 }
 
 fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
@@ -329,7 +347,6 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let light = named(world, light)?;
             rendering::mix(world.resource::<LightMix>(), light, gain)?
         }
-        ("denoise", [on @ ("on" | "off")]) => Command::SetDenoising(*on == "on"),
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
         ("tutorial-step", ["off"]) => Command::Shell(ShellCommand::ShowTutorial(None)),

@@ -135,9 +135,9 @@ impl Action {
         }
     }
 
-    /// Whether it switches something that is on now, or chooses what is chosen already.
-    pub fn is_on(&self, context: &ActionContext) -> bool {
-        match self.name {
+    /// Whether what it switches is on now; None for actions that are no switches.
+    pub fn switch(&self, context: &ActionContext) -> Option<bool> {
+        Some(match self.name {
             "grid" => context.grid.shown,
             "boxes" => context.overlay.shown,
             "safe-frame" => context.safe_frame,
@@ -153,6 +153,16 @@ impl Action {
             "denoise" => context.denoising,
             "snap-always" => context.gizmo.snap.always,
             "snap-align" => context.gizmo.snap.aligns,
+            _ => return None,
+        })
+    }
+
+    /// Whether it switches something that is on now, or chooses what is chosen already.
+    pub fn is_on(&self, context: &ActionContext) -> bool {
+        if let Some(is_on) = self.switch(context) {
+            return is_on;
+        }
+        match self.name {
             // They have no state to be in.
             "gizmo-axes" | "select-none" => false,
             _ => match (self.command)(context) {
