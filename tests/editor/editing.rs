@@ -14,7 +14,7 @@ use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::requests::Requests;
-use sunroom::engine::{LightGroup, RenderFilm};
+use sunroom::engine::{LightGroup, RenderControl, RenderFilm};
 use sunroom::layer::{Layer, Layers};
 use sunroom::scene::write::{self, gather};
 use sunroom::scene::*;
@@ -238,6 +238,38 @@ fn switches_of_the_menus_take_on_and_off() {
         let error = parse::line(&mut world, line).expect_err(line).to_string();
         assert!(error.contains("words"), "{line}: {error}");
     }
+}
+
+#[test]
+fn limits_of_the_window_are_kept_with_the_camera() {
+    let mut world = bare_world();
+    assert!(say(&mut world, "add camera name=eye at=0,0,5"));
+    let mut sensors = world.query_filtered::<Entity, With<Sensor>>();
+    let eye = sensors.single(&world).expect("a camera");
+    world.insert_resource(ActiveSensor(Some(eye)));
+    let limits = |world: &World| {
+        let film = world.get::<Film>(eye).expect("it has a film");
+        (film.sample_count, film.noise_target, film.adaptive)
+    };
+    let before = limits(&world);
+    assert!(!say(&mut world, "keep-limits"), "there is nothing to keep");
+    for line in ["samples 96", "limit-noise 0.25", "adaptive on"] {
+        assert!(say(&mut world, line), "{line}");
+    }
+    // They are of the window alone.
+    assert_eq!(limits(&world), before);
+    assert!(say(&mut world, "keep-limits"));
+    assert_eq!(limits(&world), (96, Some(0.25), true));
+    let document = write::to_document(&gather::describe(&mut world), Path::new("/scene.xml"));
+    let text = sunroom::document::to_xml(&document).expect("it can be written");
+    assert!(text.contains("noise_target") && text.contains("value=\"96\""), "{text}");
+    // The film counts from now on.
+    assert_eq!(world.resource::<RenderControl>().target_samples, None);
+    say(&mut world, "undo");
+    assert_eq!(limits(&world), before);
+    say(&mut world, "redo");
+    assert!(say(&mut world, "limit-noise none") && say(&mut world, "keep-limits"));
+    assert_eq!(limits(&world), (96, None, true));
 }
 
 #[test]

@@ -120,6 +120,8 @@ fn limits_have_a_switch_and_a_number() {
         Command::SetAdaptive(true),
     ];
     assert_eq!(harness.state().commands, expected);
+    click(&mut harness, "Keep limits with the camera");
+    assert_eq!(harness.state().commands.last(), Some(&Command::KeepLimits));
     let mut harness = render_panel(RenderModel {
         time_limit: Some(5.0),
         noise_target: Some(0.1),

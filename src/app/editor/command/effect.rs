@@ -79,7 +79,8 @@ impl Command {
             | Self::SetAccel(_)
             | Self::Key(..)
             | Self::AddTurntable
-            | Self::BakeLights => Effect::Edit,
+            | Self::BakeLights
+            | Self::KeepLimits => Effect::Edit,
             Self::MoveView(_)
             | Self::FrameSelection
             | Self::FrameAll

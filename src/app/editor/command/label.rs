@@ -70,6 +70,7 @@ impl Command {
             Self::SetUnit(_) => "Set unit of length",
             Self::SetAccel(_) => "Edit hierarchy",
             Self::BakeLights => "Bake light mix",
+            Self::KeepLimits => "Keep limits",
             Self::AddTurntable => "Add turntable",
             Self::Key(_, KeyEdit::Set) => "Set key of",
             Self::Key(_, KeyEdit::Remove) => "Remove key of",

@@ -340,6 +340,8 @@ pub enum Command {
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
     BakeLights,
+    /// Writes the samples, the limit of noise and the adaptive sampling of the window into the film of the camera.
+    KeepLimits,
 
     // Time. All times are in seconds.
     /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each selected thing, and other

@@ -7,8 +7,8 @@ use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, transform};
 use super::{
-    adding, arranging, blocking, copying, fitting, grouping, materials, media, mixing, placing, several, texturing,
-    timeline, uv_projection, view,
+    adding, arranging, blocking, copying, fitting, grouping, limits, materials, media, mixing, placing, several,
+    texturing, timeline, uv_projection, view,
 };
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
@@ -147,6 +147,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
         Command::SetUnit(unit) => super::world::set_unit(edit.world, unit),
         Command::BakeLights => mixing::bake(edit)?,
+        Command::KeepLimits => limits::keep(edit)?,
         Command::AddTurntable => timeline::add_turntable(edit)?,
         Command::Key(targets, how) => timeline::edit(edit, &targets, how)?,
         Command::OnSelection(command) => {

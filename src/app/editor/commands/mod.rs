@@ -20,6 +20,7 @@ pub(crate) mod flight;
 pub(crate) mod full_film;
 mod grouping;
 pub(crate) mod kept_picture;
+mod limits;
 mod materials;
 mod media;
 mod media_boxes;

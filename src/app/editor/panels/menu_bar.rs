@@ -219,7 +219,7 @@ fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut 
 }
 
 fn render_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
-    let lines_before = ["pause", "render-full", "denoise", "bake-lights", "take-snapshot"];
+    let lines_before = ["pause", "render-full", "denoise", "keep-limits", "take-snapshot"];
     group(ui, Group::Render, &lines_before, context, commands);
     ui.separator();
     entry(ui, "save-image", context, commands);

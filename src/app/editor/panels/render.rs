@@ -73,6 +73,11 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     if fields::checkbox(ui, "Adaptive", &mut adaptive) {
         commands.push(Command::SetAdaptive(adaptive));
     }
+    let keep = fields::buttons(ui, |ui| ui.button("Keep limits with the camera"));
+    let hint = "Samples, Limit noise and Adaptive are those of this window: this writes them into the film of the camera, which the file keeps";
+    if keep.on_hover_text(hint).clicked() {
+        commands.push(Command::KeepLimits);
+    }
     // The row is always there, so that those below stay where they are.
     let noise = model.noise.map_or_else(|| "not known yet".to_owned(), percent);
     fields::note(ui, "Noise now", noise);

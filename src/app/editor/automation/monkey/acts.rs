@@ -210,7 +210,13 @@ fn display(random: &mut Random) -> Vec<Act> {
 fn rendering(world: &mut World, random: &mut Random) -> Vec<Act> {
     match random.below(11) {
         0 => say(format!("samples {}", 1 + random.below(64))),
-        1 => say(["limit-noise none", "limit-noise 0.1", "adaptive on", "adaptive off"][random.below(4)]),
+        1 => say([
+            "limit-noise none",
+            "limit-noise 0.1",
+            "adaptive on",
+            "adaptive off",
+            "keep-limits",
+        ][random.below(5)]),
         2 => match random.below(2) {
             0 => say("region none"),
             _ => {

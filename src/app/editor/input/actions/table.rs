@@ -307,6 +307,9 @@ pub const RENDER: &[Action] = &[
     action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |context| {
         Some(Command::SetDenoising(!context.denoising))
     }),
+    action(Group::Render, "keep-limits", "Keep limits with the camera", &[], |_| {
+        Some(Command::KeepLimits)
+    }),
     action(Group::Render, "bake-lights", "Bake the light mix", &[], |_| {
         Some(Command::BakeLights)
     }),
