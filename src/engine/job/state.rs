@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::math::UVec2;
+use bevy::math::{Rect, UVec2};
 
 use super::Job;
 use crate::engine::film::RenderFilm;
@@ -42,8 +42,16 @@ impl Job {
         to.0
     }
 
-    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run yet.
-    pub fn resume(&mut self, state: &[u8], saved: Film, film: &mut RenderFilm) -> Result<(), Damaged> {
+    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run yet. `region` is the one that was rendered
+    /// then: the round under way and the judged noise are of it.
+    pub fn resume(
+        &mut self,
+        state: &[u8],
+        saved: Film,
+        region: Option<Rect>,
+        film: &mut RenderFilm,
+    ) -> Result<(), Damaged> {
+        self.set_region(region, film);
         let mut from = Reader(state);
         for done in &mut self.done {
             *done = from.u32()?;
@@ -187,6 +195,7 @@ mod tests {
 
         /// Renders until a limit is reached, or `most` pieces of work. Returns their number.
         fn render(&mut self, stop: &StopCondition, most: usize) -> usize {
+            self.job.set_region(stop.region, &mut self.film);
             let mut count = 0;
             while self.job.reached(stop).is_none() {
                 let asked = (stop.noise, stop.is_adaptive);
@@ -227,7 +236,7 @@ mod tests {
                     .expect("it was just written");
             }
             let state = self.job.write();
-            let resumed = new.job.resume(&state, saved, &mut new.film);
+            let resumed = new.job.resume(&state, saved, self.job.region, &mut new.film);
             resumed.expect("it was just written");
             new
         }
@@ -237,18 +246,24 @@ mod tests {
     #[test]
     fn checkpoints_at_any_moment_lead_to_the_same_picture() {
         let (scene, view) = scene_and_view();
-        for (noise, is_adaptive, samples) in [
-            (None, false, 100),
-            (None, true, 300),
-            (Some(0.12), false, 1000),
-            (Some(0.12), true, 1000),
+        let part = Some(Rect::new(0.0, 0.0, 1.0, 0.8));
+        for (noise, is_adaptive, samples, region) in [
+            (None, false, 100, None),
+            (None, true, 300, None),
+            (Some(0.12), false, 1000, None),
+            (Some(0.12), true, 1000, None),
+            (Some(0.12), false, 1000, part),
         ] {
             let limits = FilmLimits {
                 samples,
                 noise,
                 is_adaptive,
             };
-            let stop = StopCondition::new(&RenderControl::default(), limits);
+            let control = RenderControl {
+                region,
+                ..RenderControl::default()
+            };
+            let stop = StopCondition::new(&control, limits);
             let mut whole = Picture::new(&scene, &view);
             let count = whole.render(&stop, usize::MAX);
             assert!(
@@ -263,8 +278,9 @@ mod tests {
                 while picture.render(&stop, between) == between {
                     picture = picture.resumed();
                     interruptions += 1;
+                    assert!(interruptions < 10 * count, "{limits:?} in {region:?} does not get on");
                 }
-                let what = format!("{limits:?}, {interruptions} interruptions");
+                let what = format!("{limits:?} in {region:?}, {interruptions} interruptions");
                 assert!(interruptions >= count / between, "{what}");
                 assert_eq!(picture.job.least_samples(), whole.job.least_samples(), "{what}");
                 assert!(picture.tiles() == whole.tiles(), "{what}: the films differ");
