@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, BsdfSample, Onward, ShadingTables, TransportMode, mirrored};
+use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, TransportMode, mirrored};
 
 /// The most models that a material may mix at one place.
 pub(super) const LARGEST_MIX: usize = 8;
@@ -76,9 +76,17 @@ pub struct Single<'a> {
 }
 
 impl Single<'_> {
-    /// Whether it is diffuse.
-    pub fn is_diffuse(&self) -> bool {
-        matches!(*self.part.bsdf, Bsdf::Diffuse(_))
+    /// Whether it has a [`Self::diffuse_lobe`], which may be empty.
+    pub fn may_have_diffuse_lobe(&self) -> bool {
+        self.part.bsdf.may_have_diffuse_lobe()
+    }
+
+    /// Its diffuse lobe as [`Bsdf::diffuse_lobe`], and the normal of that in the world.
+    pub fn diffuse_lobe(&self) -> (DiffuseLobe, Vec3) {
+        (
+            self.part.bsdf.diffuse_lobe(self.tables, self.part.wo),
+            self.part.orientation.to_world(Vec3::Z),
+        )
     }
 
     /// Evaluates as [`Scattering::eval_and_pdf`].
@@ -338,10 +346,12 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// The normal on the side that is seen, if the model is diffuse and no other.
+    /// The normal of the only model on the side that is seen, if that has a diffuse lobe.
     pub fn diffuse_normal(&self) -> Option<Vec3> {
         match (&self.parts[..], self.null_share) {
-            ([part], 0.0) if matches!(*part.bsdf, Bsdf::Diffuse(_)) => Some(part.orientation.to_world(Vec3::Z)),
+            ([part], 0.0) if part.bsdf.diffuse_lobe(self.tables, part.wo).share > 0.0 => {
+                Some(part.orientation.to_world(Vec3::Z))
+            }
             _ => None,
         }
     }

@@ -50,7 +50,7 @@ const COST_OF_GUIDED_RAY: f64 = 1.25;
 const COST_OF_LEARNING: u64 = 1 << 19;
 const COST_OF_GUIDED_PIXEL: u64 = 24;
 /// A guide is tried where a sample of path tracing has this variance at least, relative to the light of its place.
-const NOISY: f64 = 12.0;
+const NOISY: f64 = 3.0;
 /// The gain of bidirectional path tracing from which on no guide is tried.
 const BEYOND_GUIDES: f64 = 6.0;
 /// What path tracing finds is rare if it is so many times as bright as the place.
@@ -62,6 +62,8 @@ const DARK: f32 = 0.05;
 /// The gain from which on bidirectional path tracing is chosen, and beyond which, one way or the other, the first stage is enough.
 const WORTHWHILE: f64 = 1.5;
 const CLEAR: f64 = 4.0;
+/// The gain from which on guided paths are chosen. It is told too low where they pay: well spread samples complete each other the more, the more of them go the same way.
+const WORTHWHILE_OF_GUIDE: f64 = 1.15;
 /// Gains are told down to this, and up to its reciprocal.
 const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
@@ -238,9 +240,9 @@ pub fn choose(
     }
     let of_guide = gain_of_guide.unwrap_or(1.0);
     let method = match () {
-        _ if found.gain.max(of_guide) < WORTHWHILE => Method::Path,
-        _ if of_guide > found.gain => Method::GuidedPath,
-        _ => Method::Bidirectional,
+        _ if of_guide >= WORTHWHILE_OF_GUIDE && of_guide > found.gain => Method::GuidedPath,
+        _ if found.gain >= WORTHWHILE => Method::Bidirectional,
+        _ => Method::Path,
     };
     Some(Choice {
         method,

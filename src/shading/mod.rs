@@ -20,6 +20,7 @@ mod compensation;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod diffuse_lobe;
 pub mod fresnel;
 mod ggx;
 mod hair;
@@ -43,6 +44,7 @@ pub use compensation::Compensation;
 pub use conductor::{Conductor, ConductorSpecular};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use diffuse_lobe::DiffuseLobe;
 pub use fresnel::DielectricModel;
 pub use ggx::Ggx;
 pub use hair::{Fiber, Hair, melanin_absorption};
@@ -208,6 +210,26 @@ impl Bsdf {
             }
             Self::RoughPlastic(rough) => tables.has_coat(rough.coat),
             _ => true,
+        }
+    }
+
+    /// Whether there may be a [`Self::diffuse_lobe`].
+    pub fn may_have_diffuse_lobe(&self) -> bool {
+        matches!(
+            self,
+            Self::Diffuse(_) | Self::Plastic(_) | Self::RoughPlastic(_) | Self::Principled(_)
+        )
+    }
+
+    /// The lobe of [`Self::sample`] whose directions have the density of the cosine with the normal. It is empty where there is none, and for what
+    /// lets light through.
+    pub fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
+        match self {
+            Self::Diffuse(_) => DiffuseLobe::ALL,
+            Self::Plastic(plastic) => plastic.diffuse_lobe(wo),
+            Self::RoughPlastic(plastic) => plastic.diffuse_lobe(tables, wo),
+            Self::Principled(principled) => principled.diffuse_lobe(wo),
+            _ => DiffuseLobe::NONE,
         }
     }
 

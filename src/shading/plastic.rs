@@ -5,7 +5,7 @@
 //! of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, 2007; Elias, Simonot and Menu, 2001.)
 
 use super::{
-    BsdfSample,
+    BsdfSample, DiffuseLobe,
     fresnel::{self, DielectricModel},
     mirrored,
 };
@@ -90,6 +90,13 @@ impl Plastic {
         }
         let coat = self.base.coat_probability(self.coat.reflectance(wo.z));
         (1.0 - coat) * warp::cosine_hemisphere_pdf(wi.z)
+    }
+
+    pub(super) fn diffuse_lobe(&self, wo: Vec3) -> DiffuseLobe {
+        match wo.z > 0.0 {
+            true => DiffuseLobe::below(self.base.coat_probability(self.coat.reflectance(wo.z))),
+            false => DiffuseLobe::NONE,
+        }
     }
 
     pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {

@@ -3,7 +3,9 @@
 //! As smooth plastic, with a microfacet lobe for the coat and tabulated transmittances in place of Fresnel's.
 
 use super::rough_coat::CoatThere;
-use super::{BsdfSample, CoatId, CoatedBase, Microfacet, ShadingTables, fresnel, fresnel::DielectricModel};
+use super::{
+    BsdfSample, CoatId, CoatedBase, DiffuseLobe, Microfacet, ShadingTables, fresnel, fresnel::DielectricModel,
+};
 use crate::{color::Rgb, sampling::warp};
 use glam::{Vec2, Vec3};
 
@@ -51,6 +53,11 @@ impl RoughPlastic {
     pub(super) fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         self.seen(tables, wo)
             .map_or((Rgb::ZERO, 0.0), |seen| seen.eval_and_pdf(wi))
+    }
+
+    pub(super) fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
+        self.seen(tables, wo)
+            .map_or(DiffuseLobe::NONE, |seen| DiffuseLobe::below(seen.coat_probability))
     }
 
     pub(super) fn sample(&self, tables: &ShadingTables, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {

@@ -42,6 +42,7 @@ mod bsdf_rough;
 mod clamp;
 #[cfg(feature = "denoise")]
 mod denoise;
+mod diffuse_lobe;
 mod document;
 mod edited_hierarchy;
 mod emission;

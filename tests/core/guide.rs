@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::bidirectional::{assert_pictures, diffuse, glass, lit_room, look, placed};
+use crate::principled_cases::PRINCIPLED;
 use crate::support::{SceneBuilder, camera, render};
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
@@ -14,6 +15,7 @@ use sunroom::render::scene::RenderScene;
 use sunroom::render::shutter::Shutter;
 use sunroom::render::tile::{Tile, TileSamples, render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
+use sunroom::shading::{Bsdf, CoatedBase, MicrofacetKind, Plastic, Principled, RoughPlastic, SmoothCoat};
 use sunroom::texture::Parameter;
 
 pub fn guided(view: &View) -> View {
@@ -81,6 +83,45 @@ fn ridged_cove() -> RenderScene {
     })
 }
 
+/// The room with walls of coated diffuse materials, one of which has normals that lean.
+fn coated_cove() -> RenderScene {
+    let base = CoatedBase {
+        diffuse_reflectance: Rgb::splat(0.7),
+        nonlinear: false,
+        specular_reflectance: Rgb::ONE,
+    };
+    let rough = move |scene: &mut SceneBuilder, alpha: f32| {
+        let coat = scene.tables.uniform_coat(MicrofacetKind::Ggx, 1.5, alpha);
+        Material::from(Bsdf::RoughPlastic(RoughPlastic { coat, alpha, base }))
+    };
+    cove_of(std::f32::consts::PI, move |scene, number| match number {
+        0 => rough(scene, 0.3),
+        1 => Bsdf::Principled(Principled {
+            base_color: Rgb::splat(0.7),
+            clearcoat: 0.5,
+            ..PRINCIPLED
+        })
+        .into(),
+        2 => Bsdf::Plastic(Plastic {
+            coat: SmoothCoat::new(1.5),
+            base,
+        })
+        .into(),
+        3 => {
+            let nested = rough(scene, 0.1);
+            Material::NormalMap {
+                nested: scene.material(nested),
+                normals: Parameter::Constant(0.5 * (Vec3::new(0.5, 0.3, 0.8).normalize() + 1.0)),
+                options: BumpOptions {
+                    flip_invalid_normals: true,
+                    use_shadowing_function: true,
+                },
+            }
+        }
+        _ => diffuse(0.7).into(),
+    })
+}
+
 /// The mean variance of pixels in relation to their light.
 fn relative_variance(film: &Film) -> f32 {
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
@@ -124,6 +165,15 @@ fn what_cannot_be_guided_is_as_without_a_guide() {
 }
 
 #[test]
+fn what_is_below_coats_is_guided() {
+    let (scene, free) = (coated_cove(), look(6));
+    let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 8192));
+    assert_pictures("coated walls", &plain, &led);
+    let [noise, less] = [&plain, &led].map(relative_variance);
+    assert!(less < 0.7 * noise, "{less} and {noise}");
+}
+
+#[test]
 fn normals_that_lean_are_guided_without_bias() {
     let (scene, free) = (ridged_cove(), look(6));
     let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 8192));
@@ -140,7 +190,7 @@ fn guided_samples_do_not_depend_on_their_neighbours() {
         ..look(6)
     });
     let go = AtomicBool::new(false);
-    for scene in [cove(), ridged_cove()] {
+    for scene in [cove(), ridged_cove(), coated_cove()] {
         let tile = tiles(24, 24)[0];
         for sample in 0..4 {
             let whole = render_tile(&scene, &view, tile, sample..sample + 1, &go).expect("not cancelled");

@@ -8,7 +8,7 @@ use super::Sample;
 use super::subpath::{LightPath, Vertex};
 use super::weights::Ways;
 use crate::color::{Rgb, luminance};
-use crate::render::guide::{Field, SHARE};
+use crate::render::guide::Field;
 
 /// A path with light, and what path tracing would make of it.
 #[derive(Clone, Copy, Debug)]
@@ -50,15 +50,15 @@ impl Sample<'_, '_> {
 }
 
 impl Guidance<'_> {
-    /// The density with which paths leave a vertex in direction `wi` over that without a guide.
+    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Coats are left out, whose directions nothing guides.
     pub fn ratio(&self, vertex: &Vertex, wi: Vec3) -> f32 {
         let of_guide = || {
             let normal = vertex.scattering.diffuse_normal()?;
-            let density = self.0?.density(vertex.point.position, normal, wi)?;
-            Some((density, normal.dot(wi).max(0.0) * FRAC_1_PI))
+            let (density, part) = self.0?.density(vertex.point.position, normal, wi)?;
+            Some((density, part, normal.dot(wi).max(0.0) * FRAC_1_PI))
         };
         match of_guide() {
-            Some((density, of_cosine)) if of_cosine > 0.0 => 1.0 - SHARE + SHARE * density / of_cosine,
+            Some((density, part, of_cosine)) if of_cosine > 0.0 => 1.0 - part + part * density / of_cosine,
             _ => 1.0,
         }
     }

@@ -11,12 +11,14 @@ pub(in crate::render) struct Cell {
     /// The bin of each unit.
     bin_of_unit: [u8; 256],
     /// The first unit of each bin, times 256, and their number.
-    units_of_bin: [u16; 256],
+    units_of_bin: [u16; BINS],
+    /// The part of the directions of a diffuse lobe that is from here, from 0 to 1.
+    part: f32,
 }
 
 impl Cell {
     /// A cell whose bins have these shares, which are 1 in all.
-    pub fn new(shares: &[f32; BINS]) -> Self {
+    pub fn new(shares: &[f32; BINS], part: f32) -> Self {
         let mut counts = shares.map(|share| (share * UNITS as f32) as usize);
         let mut left = UNITS.saturating_sub(counts.iter().sum());
         let mut order: Vec<usize> = (0..BINS).collect();
@@ -32,7 +34,8 @@ impl Cell {
         }
         let mut cell = Self {
             bin_of_unit: [0; 256],
-            units_of_bin: [0; 256],
+            units_of_bin: [0; BINS],
+            part,
         };
         let mut start = 0;
         for (bin, &count) in counts.iter().enumerate() {
@@ -44,18 +47,24 @@ impl Cell {
         cell
     }
 
+    /// The part of the directions of a diffuse lobe that is from here, from 0 to 1.
+    #[inline(always)]
+    pub fn part(&self) -> f32 {
+        self.part
+    }
+
     /// The bin of a unit, its first unit and their number.
     #[inline(always)]
     pub fn unit(&self, unit: u32) -> (u32, u32, u32) {
         let bin = self.bin_of_unit[unit as usize & 255];
-        let units = u32::from(self.units_of_bin[usize::from(bin)]);
+        let units = u32::from(self.units_of_bin[usize::from(bin) & (BINS - 1)]);
         (u32::from(bin), units >> 8, units & 255)
     }
 
     /// The number of units of a bin.
     #[inline(always)]
     pub fn count(&self, bin: u32) -> u32 {
-        u32::from(self.units_of_bin[bin as usize & 255]) & 255
+        u32::from(self.units_of_bin[bin as usize & (BINS - 1)]) & 255
     }
 }
 
@@ -71,7 +80,7 @@ mod tests {
         let mut single = [0.0; BINS];
         single[77] = 1.0;
         for shares in [uneven, single, [1.0 / BINS as f32; BINS]] {
-            let cell = Cell::new(&shares);
+            let cell = Cell::new(&shares, 0.5);
             let counts: Vec<u32> = (0..BINS as u32).map(|bin| cell.count(bin)).collect();
             assert_eq!(counts.iter().sum::<u32>(), UNITS as u32);
             for (count, share) in counts.iter().zip(shares) {

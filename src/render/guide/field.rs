@@ -27,8 +27,10 @@ const RESOLUTION: f32 = 32.0;
 const LEAST_PHOTONS: u32 = 128;
 /// What the piece around a piece says of it counts as so many photons.
 const PRIOR: f32 = 64.0;
-/// The part of the directions that are from histograms. A smaller one gains less where they are right, a larger one loses more where they are wrong.
-pub(in crate::render) const SHARE: f32 = 0.5;
+/// The parts of the directions of a diffuse lobe that may be from a histogram. A smaller one gains less where the histogram is right, a larger one loses more where it is wrong.
+const PARTS: [f32; 2] = [0.5, 0.75];
+/// The larger part has to lessen the second moment of light by this factor more than the smaller one.
+const DECISIVE: f32 = 1.15;
 /// A histogram is of use if it lessens the second moment of light by this factor: the variance has other parts, and a guided step takes longer.
 const WORTHWHILE: f32 = 1.5;
 /// Photons of one path are neighbours in their list: so many are in the same half.
@@ -157,16 +159,16 @@ impl Field {
         }
         let cosine = cosine_shares();
         let shares = shares_of(&levels, &cosine);
-        let mut cells = vec![Cell::new(&cosine)];
+        let mut cells = vec![Cell::new(&cosine, 0.0)];
         let mut ready: Vec<Vec<Option<u32>>> = levels.iter().map(|level| vec![None; level.counts.len()]).collect();
         let mut number_of = |number: usize, cell: usize| {
             *ready[number][cell].get_or_insert_with(|| {
                 let shares = &shares[number][cell];
                 let halves = [0, 1].map(|half| &levels[number].sums[half][cell]);
-                if gain(shares, halves, &cosine) < WORTHWHILE {
+                let Some(part) = part_of(shares, halves, &cosine) else {
                     return 0;
-                }
-                cells.push(Cell::new(shares));
+                };
+                cells.push(Cell::new(shares, part));
                 cells.len() as u32 - 1
             })
         };
@@ -222,8 +224,8 @@ impl Field {
         self.index.get(place as usize).copied().unwrap_or(0)
     }
 
-    /// The density per solid angle of a direction from the histogram of a place; None where there is none.
-    pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<f32> {
+    /// The density per solid angle of a direction from the histogram of a place, and the part of a lobe that is from there; None where there is none.
+    pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<(f32, f32)> {
         let axes = BinLanes::of(Vec3Lanes::splat(normal));
         let place = self.places(Vec3Lanes::splat(position), &axes).as_array()[0];
         let cell = match self.cell_at(place) {
@@ -232,7 +234,7 @@ impl Field {
         };
         let (bins, densities) = axes.find(Vec3Lanes::splat(wi));
         let units = cell.count(bins.as_array()[0]) as f32;
-        Some(units * densities.as_array()[0] / UNITS as f32)
+        Some((units * densities.as_array()[0] / UNITS as f32, cell.part()))
     }
 
     #[inline(always)]
@@ -266,9 +268,16 @@ fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
     shares
 }
 
-/// By how much less the second moment of light is if a part of the directions has these shares. The product of two independent halves is without the noise of either, which
+/// The part of the directions that are to be from a histogram whose bins have these shares; None where it is of no use. (Müller, "Practical Path Guiding in Production", SIGGRAPH
+/// 2019 courses, learns the same while the picture is rendered.)
+fn part_of(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> Option<f32> {
+    let [small, large] = PARTS.map(|part| gain(part, shares, halves, cosine));
+    (small >= WORTHWHILE).then_some(PARTS[usize::from(large >= DECISIVE * small)])
+}
+
+/// By how much less the second moment of light is if this part of the directions has these shares. The product of two independent halves is without the noise of either, which
 /// would look like light from few directions.
-fn gain(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
+fn gain(part: f32, shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
     // In doubles, because the square of a power may be out of the range of floats in a scene of millimetres.
     let moment = |guided: f32| -> f64 {
         let of_bin = |bin: usize| {
@@ -277,7 +286,7 @@ fn gain(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -
         };
         (0..BINS).filter(|&bin| cosine[bin] > 0.0).map(of_bin).sum()
     };
-    let guided = moment(SHARE);
+    let guided = moment(part);
     match guided > 0.0 {
         true => (moment(0.0) / guided) as f32,
         false => 1.0,
@@ -329,6 +338,11 @@ mod tests {
             }
         };
         (0..1 << 16).map(photon).collect()
+    }
+
+    fn by_cosine(u: f32, v: f32) -> Vec3 {
+        let (radius, turn) = (u.sqrt(), std::f32::consts::TAU * v);
+        Vec3::new(radius * turn.cos(), (1.0 - u).sqrt(), radius * turn.sin())
     }
 
     fn cell_at(field: &Field, place: Vec3, normal: Vec3) -> u32 {
@@ -388,12 +402,26 @@ mod tests {
     }
 
     #[test]
-    fn light_from_everywhere_needs_no_guide() {
-        let cosine = |u: f32, v: f32| {
-            let (radius, turn) = (u.sqrt(), std::f32::consts::TAU * v);
-            Vec3::new(radius * turn.cos(), (1.0 - u).sqrt(), radius * turn.sin())
+    fn light_from_one_side_alone_is_followed_farther() {
+        let narrow = |u: f32, v: f32| Vec3::new(0.3, 1.0, 0.2) + 0.1 * Vec3::new(u, 0.0, v);
+        let part = |from: &dyn Fn(f32, f32) -> Vec3| {
+            let field = Field::learn(&photons(from)).expect("a guide");
+            field.cell(cell_at(&field, Vec3::new(0.3, 0.0, 0.6), Vec3::Y)).part()
         };
-        assert!(Field::learn(&photons(cosine)).is_none());
-        assert!(Field::learn(&photons(cosine)[..63]).is_none());
+        assert_eq!(part(&narrow), PARTS[1]);
+        let and_everywhere = |u: f32, v: f32| {
+            if u < 0.2 {
+                narrow(u, v)
+            } else {
+                by_cosine((u - 0.2) / 0.8, v)
+            }
+        };
+        assert_eq!(part(&and_everywhere), PARTS[0]);
+    }
+
+    #[test]
+    fn light_from_everywhere_needs_no_guide() {
+        assert!(Field::learn(&photons(by_cosine)).is_none());
+        assert!(Field::learn(&photons(by_cosine)[..63]).is_none());
     }
 }

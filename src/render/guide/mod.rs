@@ -11,7 +11,7 @@ mod store;
 
 pub(super) use self::bins::BinLanes;
 pub(super) use self::cell::UNITS;
-pub(super) use self::field::{Field, PhotonArrival, SHARE};
+pub(super) use self::field::{Field, PhotonArrival};
 pub use self::store::Guide;
 pub(super) use self::store::{PhotonPaths, Photons};
 

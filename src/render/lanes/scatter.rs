@@ -103,7 +103,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         self.paths.depth += ones_in(surfaces.lanes);
         let guided = context.field.and_then(|field| {
             let asked = self.vertices.guided() & surfaces.lanes;
-            Guided::of(field, asked, surfaces.reference.position, surfaces.frame.n)
+            let lobes = self.vertices.diffuse_lobes(asked, surfaces.frame.n);
+            Guided::of(field, asked, surfaces.reference.position, lobes)
         });
         if surfaces.smooth != 0 && context.samples_lights() {
             self.sample_lights(&surfaces, coherence, context, guided.as_ref(), samples);
@@ -301,27 +302,36 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             ..local
         };
         let mut smooth = surfaces.smooth;
+        let mut delta = 0;
         if other != 0 {
             let (with_others, smooth_others) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
             sample = with_others;
             smooth &= !other | smooth_others;
+            delta = other & !smooth_others & sample.returned.to_bitmask();
         }
         match guided {
-            Some(guided) => (
-                self.guide(guided, surfaces, u_direction, sample),
-                smooth | guided.lanes(),
-            ),
+            Some(guided) => {
+                // A coat that is smooth keeps its only direction.
+                let here = guided.lanes() & !delta;
+                (self.guide(guided, surfaces, here, u_direction, sample), smooth | here)
+            }
             None => (sample, smooth),
         }
     }
 
     /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It is not inlined, so that paths without a guide have the code that they had.
     #[inline(never)]
-    fn guide(&self, guided: &Guided, surfaces: &Surfaces, u: [Lanes; 2], sample: BsdfSampleLanes) -> BsdfSampleLanes {
+    fn guide(
+        &self,
+        guided: &Guided,
+        surfaces: &Surfaces,
+        here: u32,
+        u: [Lanes; 2],
+        sample: BsdfSampleLanes,
+    ) -> BsdfSampleLanes {
         let Surfaces { frame, wo, .. } = *surfaces;
-        // No other lobe needs the number where there is a guide.
-        let u_choice = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
-        let others = surfaces.other & guided.lanes();
+        let u_lobe = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
+        let others = surfaces.other & here;
         let eval_and_pdf = |wi: Vec3Lanes| {
             let (value, pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(wi));
             match others {
@@ -329,7 +339,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
                 _ => self.vertices.eval_others(others, wi, value, pdf),
             }
         };
-        guided.sample(eval_and_pdf, u_choice, u, sample)
+        guided.sample(here, eval_and_pdf, u_lobe, u, sample)
     }
 
     /// Sets the next rays of the paths. True in the lanes whose light is not absorbed.

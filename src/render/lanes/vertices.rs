@@ -36,10 +36,19 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     singles: [Option<Single<'a>>; LANES],
     /// The lanes of `other` that have smooth lobes.
     other_smooth: u32,
-    /// The lanes of `other` that have a diffuse model and no other.
+    /// The lanes of `other` that may have a diffuse lobe.
     other_diffuse: u32,
     /// The lanes of `other` that scatter light from one half space only.
     other_halved: u32,
+}
+
+/// The diffuse lobes of the models at the vertices, as [`crate::shading::DiffuseLobe`].
+#[derive(Clone, Copy)]
+pub(super) struct DiffuseLobeLanes {
+    /// The normals in the world.
+    pub normal: Vec3Lanes,
+    pub start: Lanes,
+    pub share: Lanes,
 }
 
 /// The surface at one of the vertices.
@@ -95,6 +104,33 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// The lanes whose directions are worth guiding, a bit each.
     pub fn guided(&self) -> u32 {
         self.bsdf.guided() | self.other_diffuse
+    }
+
+    /// The diffuse lobes of the lanes `asked`, which are among [`Self::guided`]. `normal` are those of the commonest models.
+    #[inline(always)]
+    pub fn diffuse_lobes(&self, asked: u32, normal: Vec3Lanes) -> DiffuseLobeLanes {
+        let all = DiffuseLobeLanes {
+            normal,
+            start: Lanes::ZERO,
+            share: Lanes::ONE,
+        };
+        match asked & self.other {
+            0 => all,
+            others => self.with_lobes_of_others(others, all),
+        }
+    }
+
+    #[inline(never)]
+    fn with_lobes_of_others(&self, others: u32, mut lobes: DiffuseLobeLanes) -> DiffuseLobeLanes {
+        for lane in each_lane(others) {
+            if let Some(single) = &self.singles[lane] {
+                let (lobe, normal) = single.diffuse_lobe();
+                lobes.normal.set(lane, normal);
+                lobes.start.as_mut_array()[lane] = lobe.start;
+                lobes.share.as_mut_array()[lane] = lobe.share;
+            }
+        }
+        lobes
     }
 
     /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
@@ -269,7 +305,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         let (one_sided_normal, albedo) = (scattering.one_sided_normal(), scattering.albedo());
         let is_smooth = scattering.has_smooth_lobe();
         let single = scattering.take_single()?;
-        let is_diffuse = single.is_diffuse();
+        let may_be_diffuse = single.may_have_diffuse_lobe();
         self.singles[lane] = Some(single);
         self.set_place(lane, &point);
         self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
@@ -277,7 +313,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         let bit = |condition: bool| u32::from(condition) << lane;
         self.other |= bit(true);
         self.other_smooth |= bit(is_smooth);
-        self.other_diffuse |= bit(is_diffuse);
+        self.other_diffuse |= bit(may_be_diffuse);
         self.other_halved |= bit(one_sided_normal.is_some());
         Some(Met {
             point,

@@ -25,7 +25,7 @@ pub use thin::{PrincipledThin, ThinSamplingRates};
 use glam::{Vec2, Vec3};
 
 use super::fresnel::{self, DielectricFresnel, DielectricModel};
-use super::{BsdfSample, TransportMode};
+use super::{BsdfSample, DiffuseLobe, TransportMode};
 use crate::color::Rgb;
 use crate::sampling::warp;
 use clearcoat::Clearcoat;
@@ -163,6 +163,16 @@ impl Principled {
             outside: true,
             eta: self.eta,
         })
+    }
+
+    pub(super) fn diffuse_lobe(&self, wo: Vec3) -> DiffuseLobe {
+        match self.aspect(wo).filter(|_| self.glass() == 0.0) {
+            Some(aspect) => DiffuseLobe {
+                start: 0.0,
+                share: aspect.base,
+            },
+            None => DiffuseLobe::NONE,
+        }
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
