@@ -140,6 +140,11 @@ impl Window {
         self.app.world().resource::<Baking>().failure.as_deref()
     }
 
+    /// The failure that *Messages* shows.
+    fn notice(&self) -> Option<&str> {
+        self.app.world().resource::<Baking>().notice()
+    }
+
     fn told(&self) -> String {
         let toasts = self.app.world().resource::<Toasts>();
         toasts.texts().collect::<Vec<_>>().join("\n")
@@ -354,22 +359,18 @@ fn a_bad_folder_and_a_bad_scene_are_told() {
     let reason = window.failure().expect("it fails").to_owned();
     let is_told = reason.starts_with("The scene is not baked: `floor` needs") && window.told().contains(&reason);
     assert!(is_told && reason.contains("7.5 texels per unit"), "{reason}");
-    let notice = |window: &Window| {
-        let baking = window.app.world().resource::<Baking>();
-        baking.notice().map(str::to_owned)
-    };
-    assert_eq!(notice(&window), Some(reason));
+    assert_eq!(window.notice(), Some(&*reason));
     baking::end_at_exit(window.app.world_mut());
     assert!(!window.path("failed").exists());
     // The next bake that begins is another matter, and so is another scene.
     window.begin(QUICK, "level");
-    assert_eq!(notice(&window), None);
+    assert_eq!(window.notice(), None);
     window.end();
     window.begin(fine, "failed");
     window.end();
-    assert!(notice(&window).is_some());
+    assert!(window.notice().is_some());
     apply(window.app.world_mut(), Command::OpenScene(scene)).expect("a scene");
-    assert_eq!(notice(&window), None);
+    assert_eq!(window.notice(), None);
 }
 
 #[test]
@@ -414,7 +415,26 @@ fn a_bake_that_waits_is_of_no_other_scene() {
     assert!(!window.app.world().resource::<Baking>().is_busy());
     let reason = window.failure().expect("it is given up");
     assert!(reason.contains("another scene was opened"), "{reason}");
+    assert_eq!(window.notice(), None);
     assert!(!window.path("new").exists());
+}
+
+#[test]
+fn a_failure_is_no_matter_of_a_scene_that_was_opened_meanwhile() {
+    let mut window = Window::new();
+    let other = window.path("other.xml");
+    std::fs::write(&other, SCENE).expect("a writable folder");
+    let fine = BakeChoices {
+        texels_per_unit: Some(100.0),
+        ..QUICK
+    };
+    window.begin(fine, "failed");
+    window.until("the bake", |world| world.resource::<Baking>().thread().is_some());
+    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    window.end();
+    let reason = window.failure().expect("it fails");
+    assert!(window.told().contains(reason), "{reason}");
+    assert_eq!(window.notice(), None);
 }
 
 #[test]

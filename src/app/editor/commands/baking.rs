@@ -74,9 +74,10 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
     if baking.is_busy() {
         return Err("A bake is still under way.".into());
     }
+    baking.is_of_open_scene = true;
     let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let prepared = OutputFolder::prepare(&folder).map_err(|error| {
-        baking.fail(error.to_string());
+        baking.failure = Some(error.to_string());
         CommandError::file(error)
     })?;
     // The last one is closed. The level by its lightmaps will be seen of the new one.
@@ -208,17 +209,17 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFo
     Ok((order, folder))
 }
 
-/// Gives up a bake that waits for a scene, since another one takes its place.
+/// Gives up a bake that waits for a scene, since another one takes its place. One that is under way goes on, and how it ends is no matter of the other scene.
 pub(super) fn leave_scene(world: &mut World) {
-    if let Some(mut baking) = world.get_resource_mut::<Baking>() {
-        baking.is_failure_of_scene = false;
-    }
     let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));
     if world.get_resource::<Baking>().is_some_and(waits) {
         fail(
             world,
             "Nothing is baked: another scene was opened before the bake began.".to_owned(),
         );
+    }
+    if let Some(mut baking) = world.get_resource_mut::<Baking>() {
+        baking.is_of_open_scene = false;
     }
 }
 
@@ -227,7 +228,7 @@ fn fail(world: &mut World, reason: String) {
     close(world);
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.error(Topic::Other, reason.clone(), None);
-    world.resource_mut::<Baking>().fail(reason);
+    world.resource_mut::<Baking>().failure = Some(reason);
 }
 
 /// Tells of the end of the bake, once.

@@ -17,8 +17,8 @@ pub struct Baking {
     pub work: Work,
     /// How the last one failed, for those who wait for it.
     pub failure: Option<String>,
-    /// Whether that was with the scene that is open now.
-    pub is_failure_of_scene: bool,
+    /// Whether the bake is of the scene that is open now, not of one that was open before.
+    pub is_of_open_scene: bool,
     /// The threads of bakes that were given up.
     pub ending: Vec<LeftThread>,
 }
@@ -60,15 +60,9 @@ impl Baking {
         }
     }
 
-    /// Notes how the bake of the open scene has failed.
-    pub fn fail(&mut self, reason: String) {
-        self.failure = Some(reason);
-        self.is_failure_of_scene = true;
-    }
-
     /// How the last bake of the open scene has failed.
     pub fn notice(&self) -> Option<&str> {
-        self.failure.as_deref().filter(|_| self.is_failure_of_scene)
+        self.failure.as_deref().filter(|_| self.is_of_open_scene)
     }
 
     /// Gives the bake up, or closes what is shown of it.
