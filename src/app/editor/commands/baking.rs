@@ -11,7 +11,7 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::picture::baking::shown::Wanted;
-use crate::app::editor::picture::baking::thread::{BakeOrder, BakeThread};
+use crate::app::editor::picture::baking::thread::{BakeOrder, BakeThread, wait_at_exit};
 use crate::app::editor::picture::baking::{Baking, Work};
 use crate::app::editor::picture::compare::{Comparison, LitPicture, Look};
 use crate::app::editor::session::requests::Requests;
@@ -278,7 +278,5 @@ pub fn end_at_exit(world: &mut World) {
         return;
     };
     baking.discard();
-    for thread in std::mem::take(&mut baking.ending) {
-        thread.wait_at_exit();
-    }
+    wait_at_exit(std::mem::take(&mut baking.ending));
 }

@@ -275,12 +275,17 @@ impl LeftThread {
         self.thread.is_finished()
     }
 
-    /// Waits before the program ends: until files that are being written are complete, and else for 0.3 seconds at most. A thread that takes longer writes
-    /// nothing, and ends with the program.
-    pub fn wait_at_exit(self) {
-        let begin = Instant::now();
-        let is_writing = || lock(&self.shared.folder).is_written;
-        while !self.is_finished() && (is_writing() || begin.elapsed() < LAST_WAIT) {
+    fn is_writing(&self) -> bool {
+        lock(&self.shared.folder).is_written
+    }
+}
+
+/// Waits before the program ends: until files that are being written are complete, and for the other threads, all together, 0.3 seconds at most. Those that take
+/// longer write nothing, and end with the program.
+pub fn wait_at_exit(threads: Vec<LeftThread>) {
+    let begin = Instant::now();
+    for thread in threads {
+        while !thread.is_finished() && (thread.is_writing() || begin.elapsed() < LAST_WAIT) {
             std::thread::sleep(Duration::from_millis(5));
         }
     }
@@ -361,4 +366,31 @@ fn stage(stage: Stage, blueprint: Option<&Blueprint>) -> String {
     let mut letters = words.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_the_program_waits_for_all_threads_together() {
+        let left = |is_written: bool, time: Duration| {
+            let shared = Arc::new(Shared::default());
+            lock(&shared.folder).is_written = is_written;
+            LeftThread {
+                shared,
+                thread: std::thread::spawn(move || std::thread::sleep(time)),
+            }
+        };
+        let slow = || left(false, Duration::from_secs(60));
+        let begin = Instant::now();
+        wait_at_exit((0..8).map(|_| slow()).collect());
+        let waited = begin.elapsed();
+        assert!(waited >= LAST_WAIT && waited < 6 * LAST_WAIT, "{waited:?}");
+        // Files that are being written become complete, however long others have been waited for.
+        let time = 2 * LAST_WAIT;
+        let begin = Instant::now();
+        wait_at_exit(vec![slow(), left(true, time)]);
+        assert!(begin.elapsed() >= time);
+    }
 }
