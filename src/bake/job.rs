@@ -173,7 +173,8 @@ impl BakeJob {
         let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit, cancel));
         is_cancelled()?;
         let baked = baked?;
-        let mut texels = covered_texels(&baked.surfaces, baked.size, baked.pages);
+        let find = || covered_texels(&baked.surfaces, baked.size, baked.pages, cancel);
+        let mut texels = pool.install(find);
         is_cancelled()?;
         pool.install(|| keep_in_sight(&mut texels, &scene.geometry, cancel));
         is_cancelled()?;

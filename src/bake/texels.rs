@@ -8,8 +8,10 @@
 //! The samples of a texel are spread over the part of it that the surface covers, see [`super::spread`].
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::spread::{Corners, Spread};
 use crate::render::irradiance::Receiver;
@@ -66,64 +68,197 @@ const ROUNDING: f32 = 32.0 * f32::EPSILON;
 #[derive(Clone, Copy)]
 struct Nearest {
     distance: f32,
-    surface: u32,
-    triangle: u32,
+    /// The numbers of its surface and of the triangle.
+    number: [u32; 2],
     weights: Vec3,
 }
 
+/// Rows of a lightmap that a thread takes at once.
+const BAND: u32 = 64;
+
 /// Finds the texels of so many pages of `size` that the surfaces cover. What lies outside of the pages, and triangles without an area in the lightmap
-/// or in the world, cover none.
-pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texels {
-    let mut found = Texels {
+/// or in the world, cover none. It ends soon after `cancel` is set, and then some are missing.
+pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel: &AtomicBool) -> Texels {
+    let mut of_page: Vec<Vec<&BakeSurface>> = vec![Vec::new(); pages as usize];
+    for surface in surfaces {
+        if let Some(of_page) = of_page.get_mut(surface.page as usize) {
+            of_page.push(surface);
+        }
+    }
+    let bands = size.y.div_ceil(BAND);
+    let found: Vec<Vec<(Texel, Spread)>> = (0..pages * bands)
+        .into_par_iter()
+        .map(|number| {
+            let rows = number % bands * BAND;
+            Band {
+                surfaces: &of_page[(number / bands) as usize],
+                first: UVec2::new(0, rows),
+                end: UVec2::new(size.x, size.y.min(rows + BAND)),
+                cancel,
+            }
+            .texels()
+        })
+        .collect();
+    let mut all = Texels {
         size,
         texels: Vec::new(),
         pages: Vec::new(),
         spreads: Vec::new(),
     };
-    for page in 0..pages {
-        let mut nearest: Vec<Option<Nearest>> = vec![None; size.x as usize * size.y as usize];
-        for (index, surface) in (0..).zip(surfaces).filter(|(_, surface)| surface.page == page) {
-            for (number, corners) in (0..).zip(&surface.triangles) {
+    let mut found = found.into_iter();
+    for _ in 0..pages {
+        let first = all.texels.len();
+        for (texel, spread) in found.by_ref().take(bands as usize).flatten() {
+            all.texels.push(texel);
+            all.spreads.push(spread);
+        }
+        all.pages.push(first..all.texels.len());
+    }
+    all
+}
+
+/// Rows of a lightmap. What is found in them does not depend on the other rows.
+struct Band<'a> {
+    /// The surfaces of the lightmap.
+    surfaces: &'a [&'a BakeSurface],
+    /// The first texel, and the end of them.
+    first: UVec2,
+    end: UVec2,
+    cancel: &'a AtomicBool,
+}
+
+/// A triangle that may have texels.
+struct Triangle<'a> {
+    surface: &'a BakeSurface,
+    /// The numbers of the surface and of the triangle.
+    number: [u32; 2],
+    /// The corners in the lightmap.
+    at: [Vec2; 3],
+    /// The unit normal in the world.
+    up: Vec3,
+    /// The first texel that it may touch, and the end of them.
+    touched: [UVec2; 2],
+}
+
+impl Triangle<'_> {
+    /// The texels that it may touch.
+    fn places(&self) -> impl Iterator<Item = UVec2> + use<> {
+        let [first, end] = self.touched;
+        (first.y..end.y).flat_map(move |y| (first.x..end.x).map(move |x| UVec2::new(x, y)))
+    }
+}
+
+impl<'a> Band<'a> {
+    /// The triangles that have an area and may touch the rows, or the first of them if the work is cancelled.
+    fn triangles(&self) -> impl Iterator<Item = Triangle<'a>> {
+        let of_surface = move |(index, &surface): (u32, &&'a BakeSurface)| {
+            (0..)
+                .zip(&surface.triangles)
+                .map(move |(number, corners)| (surface, [index, number], corners))
+        };
+        let all = (0..).zip(self.surfaces).flat_map(of_surface);
+        let (first, end, cancel) = (self.first, self.end, self.cancel);
+        all.take_while(|_| !cancel.load(Ordering::Relaxed))
+            .filter_map(move |(surface, number, corners)| {
                 let at = corners.map(|corner| surface.coordinates[corner as usize]);
-                let in_world = corners.map(|corner| surface.positions[corner as usize]);
-                if area(at).abs() > 0.0 && normal(in_world) != Vec3::ZERO {
-                    cover(at, size, |place, distance, weights| {
-                        let old = &mut nearest[(place.y * size.x + place.x) as usize];
-                        if old.is_none_or(|old| distance < old.distance) {
-                            *old = Some(Nearest {
-                                distance,
-                                surface: index,
-                                triangle: number,
-                                weights,
-                            });
-                        }
+                let touched = touched(at, [first, end]);
+                let has_area = area(at).abs() > 0.0;
+                if !has_area || touched[0].cmpge(touched[1]).any() {
+                    return None;
+                }
+                let up = normal(corners.map(|corner| surface.positions[corner as usize]));
+                (up != Vec3::ZERO).then_some(Triangle {
+                    surface,
+                    number,
+                    at,
+                    up,
+                    touched,
+                })
+            })
+    }
+
+    fn index_of(&self, place: UVec2) -> usize {
+        (place.y - self.first.y) as usize * self.end.x as usize + place.x as usize
+    }
+
+    /// The covered texels, row by row, with the places of their samples.
+    fn texels(&self) -> Vec<(Texel, Spread)> {
+        let extent = self.end - self.first;
+        let mut nearest: Vec<Option<Nearest>> = vec![None; extent.x as usize * extent.y as usize];
+        for triangle in self.triangles() {
+            cover(&triangle, |place, distance, weights| {
+                let old = &mut nearest[self.index_of(place)];
+                if old.is_none_or(|old| distance < old.distance) {
+                    *old = Some(Nearest {
+                        distance,
+                        number: triangle.number,
+                        weights,
                     });
+                }
+            });
+        }
+        let mut found = Vec::new();
+        // The number of each texel among those that are found.
+        let mut number_of = vec![u32::MAX; nearest.len()];
+        for (index, nearest) in nearest.iter().enumerate() {
+            let Some(Nearest { number, weights, .. }) = *nearest else {
+                continue;
+            };
+            let [surface, triangle] = number.map(|number| number as usize);
+            let surface = self.surfaces[surface];
+            let texel = Texel {
+                place: self.first + UVec2::new(index as u32 % extent.x, index as u32 / extent.x),
+                receiver: receiver(surface, triangle, weights),
+            };
+            number_of[index] = found.len() as u32;
+            found.push((texel, spread(surface, triangle, weights, &texel)));
+        }
+        self.spread_out(&mut found, &number_of, &nearest);
+        found
+    }
+
+    /// Finds the cells of the texels that lie on the surfaces.
+    fn spread_out(&self, found: &mut [(Texel, Spread)], number_of: &[u32], nearest: &[Option<Nearest>]) {
+        let mut corners = vec![Corners::default(); found.len()];
+        for triangle in self.triangles() {
+            let Triangle { surface, at, up, .. } = triangle;
+            for place in triangle.places() {
+                let index = self.index_of(place);
+                let number = number_of[index] as usize;
+                let Some(of_texel) = corners.get_mut(number).filter(|corners| !corners.are_all()) else {
+                    continue;
+                };
+                let (texel, spread) = &found[number];
+                let is_own = nearest[index].is_some_and(|own| own.number == triangle.number);
+                let is_exact = is_own && surface.normals.is_empty();
+                let square = place.as_vec2();
+                let is_inside = |part: Vec2| weights(at, square + part).min_element() >= -ON_EDGE;
+                if is_exact && [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().all(is_inside) {
+                    *of_texel = Corners::ALL;
+                    continue;
+                }
+                for (corner, part) in Corners::all() {
+                    let weights = weights(at, square + part);
+                    if weights.min_element() < -ON_EDGE {
+                        continue;
+                    }
+                    let place = spread.at(part);
+                    let is_near = || {
+                        // Rays from below the surface would start inside.
+                        let bent = receiver(surface, triangle.number[1] as usize, weights).position;
+                        let is_above = (place - bent).dot(up) >= -0.5 * texel.receiver.error;
+                        is_above && place.distance(bent) <= MOST_WAY * spread.side()
+                    };
+                    if is_exact || is_near() {
+                        of_texel.add(corner);
+                    }
                 }
             }
         }
-        let first = found.texels.len();
-        for (index, nearest) in (0..).zip(&nearest) {
-            let Some(Nearest {
-                surface,
-                triangle,
-                weights,
-                ..
-            }) = *nearest
-            else {
-                continue;
-            };
-            let surface = &surfaces[surface as usize];
-            let texel = Texel {
-                place: UVec2::new(index % size.x, index / size.x),
-                receiver: receiver(surface, triangle as usize, weights),
-            };
-            found.spreads.push(spread(surface, triangle as usize, weights, &texel));
-            found.texels.push(texel);
+        for ((_, spread), corners) in found.iter_mut().zip(corners) {
+            spread.take(corners);
         }
-        found.pages.push(first..found.texels.len());
-        spread_out(&mut found, page, surfaces, &nearest);
     }
-    found
 }
 
 /// The places of a texel, of whose cells none is known yet: on a plane through the place of the texel, that of its nearest triangle or of a curved surface.
@@ -147,66 +282,6 @@ fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) 
     Spread::new(texel.receiver.position + along[0] * way.x + along[1] * way.y, along)
 }
 
-/// Finds the cells of the texels of a page that lie on the surfaces.
-fn spread_out(found: &mut Texels, page: u32, surfaces: &[BakeSurface], nearest: &[Option<Nearest>]) {
-    let size = found.size;
-    let range = found.pages[page as usize].clone();
-    let mut number_of = vec![u32::MAX; nearest.len()];
-    for (number, texel) in (0..).zip(&found.texels[range.clone()]) {
-        number_of[(texel.place.y * size.x + texel.place.x) as usize] = number;
-    }
-    let mut corners = vec![Corners::default(); range.len()];
-    for (index, surface) in (0..).zip(surfaces).filter(|(_, surface)| surface.page == page) {
-        for (triangle, of_triangle) in (0..).zip(&surface.triangles) {
-            let at = of_triangle.map(|corner| surface.coordinates[corner as usize]);
-            let in_world = of_triangle.map(|corner| surface.positions[corner as usize]);
-            let up = normal(in_world);
-            if area(at).abs() == 0.0 || up == Vec3::ZERO {
-                continue;
-            }
-            let [first, last] = touched(at, size);
-            for (y, x) in (first.y..last.y).flat_map(|y| (first.x..last.x).map(move |x| (y, x))) {
-                let place = (y * size.x + x) as usize;
-                let Some(of_texel) = corners
-                    .get_mut(number_of[place] as usize)
-                    .filter(|corners| !corners.are_all())
-                else {
-                    continue;
-                };
-                let number = range.start + number_of[place] as usize;
-                let (spread, error) = (&found.spreads[number], found.texels[number].receiver.error);
-                let is_own = nearest[place].is_some_and(|own| own.surface == index && own.triangle == triangle);
-                let is_exact = is_own && surface.normals.is_empty();
-                let square = UVec2::new(x, y).as_vec2();
-                let is_inside = |part: Vec2| weights(at, square + part).min_element() >= -ON_EDGE;
-                if is_exact && [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().all(is_inside) {
-                    *of_texel = Corners::ALL;
-                    continue;
-                }
-                for (corner, part) in Corners::all() {
-                    let weights = weights(at, square + part);
-                    if weights.min_element() < -ON_EDGE {
-                        continue;
-                    }
-                    let place = spread.at(part);
-                    let is_near = || {
-                        // Rays from below the surface would start inside.
-                        let bent = receiver(surface, triangle as usize, weights).position;
-                        let is_above = (place - bent).dot(up) >= -0.5 * error;
-                        is_above && place.distance(bent) <= MOST_WAY * spread.side()
-                    };
-                    if is_exact || is_near() {
-                        of_texel.add(corner);
-                    }
-                }
-            }
-        }
-    }
-    for (spread, corners) in found.spreads[range].iter_mut().zip(corners) {
-        spread.take(corners);
-    }
-}
-
 /// Twice the signed area.
 fn area([a, b, c]: [Vec2; 3]) -> f32 {
     (b - a).perp_dot(c - a)
@@ -222,38 +297,35 @@ fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 }
 
 /// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the weights of the corners there.
-fn cover(corners: [Vec2; 3], size: UVec2, mut found: impl FnMut(UVec2, f32, Vec3)) {
-    let [first, last] = touched(corners, size);
+fn cover(triangle: &Triangle, mut found: impl FnMut(UVec2, f32, Vec3)) {
+    let corners = triangle.at;
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-    for y in first.y..last.y {
-        for x in first.x..last.x {
-            let place = UVec2::new(x, y);
-            let centre = place.as_vec2() + 0.5;
-            let nearest = nearest_point(corners, centre);
-            let distance = nearest.distance(centre);
-            if distance > REACH {
-                continue;
-            }
-            let inside = match distance > 0.0 {
-                true => nearest + (middle - nearest).clamp_length_max(INSET),
-                false => nearest,
-            };
-            found(place, distance, weights(corners, inside));
+    for place in triangle.places() {
+        let centre = place.as_vec2() + 0.5;
+        let nearest = nearest_point(corners, centre);
+        let distance = nearest.distance(centre);
+        if distance > REACH {
+            continue;
         }
+        let inside = match distance > 0.0 {
+            true => nearest + (middle - nearest).clamp_length_max(INSET),
+            false => nearest,
+        };
+        found(place, distance, weights(corners, inside));
     }
 }
 
-/// The first texels that a triangle may touch, and the end of them.
-fn touched(corners: [Vec2; 3], size: UVec2) -> [UVec2; 2] {
+/// The first texel that a triangle may touch and the end of them, among those from `first` to `end`.
+fn touched(corners: [Vec2; 3], [first, end]: [UVec2; 2]) -> [UVec2; 2] {
     let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
     let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
     if !(low.is_finite() && high.is_finite()) {
         return [UVec2::ZERO; 2];
     }
     // Casts saturate: what is outside of the page is left out.
-    let first = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
-    let last = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2().min(size);
-    [first, last]
+    let low = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
+    let high = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2();
+    [low.max(first), high.min(end)]
 }
 
 /// The point of a triangle that is nearest to `point`.
@@ -324,6 +396,10 @@ fn receiver(surface: &BakeSurface, triangle: usize, weights: Vec3) -> Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texels {
+        super::covered_texels(surfaces, size, pages, &AtomicBool::new(false))
+    }
 
     fn square(low: f32, high: f32) -> BakeSurface {
         let corners = [(low, low), (high, low), (high, high), (low, high)];
@@ -406,6 +482,47 @@ mod tests {
             let distance = texel.receiver.position.distance(centre);
             assert!(distance > 0.999 * radius && distance < 1.35 * radius, "{texel:?}");
             assert!(texel.receiver.normal.angle_between(texel.receiver.position - centre) < 0.1);
+        }
+    }
+
+    #[test]
+    fn a_search_that_is_cancelled_ends() {
+        let found = super::covered_texels(&[square(0.0, 16384.0)], UVec2::splat(16384), 1, &AtomicBool::new(true));
+        assert!(found.texels.is_empty() && found.pages.len() == 1);
+    }
+
+    #[test]
+    fn texels_do_not_depend_on_the_rows_that_are_searched_together() {
+        let mut ball = square(1.0, 9.0);
+        let centre = Vec3::new(5.0, 5.0, -9.0);
+        ball.normals = ball
+            .positions
+            .iter()
+            .map(|place| (*place - centre).normalize())
+            .collect();
+        let below = |rows: u32| {
+            let mut moved = ball.clone();
+            moved.coordinates.iter_mut().for_each(|place| place.y += rows as f32);
+            covered_texels(&[moved], UVec2::splat(2 * BAND), 1)
+        };
+        let first = below(0);
+        // The border between the rows is in the middle of the square.
+        let second = below(BAND - 5);
+        assert_eq!(first.texels.len(), second.texels.len());
+        assert!(first.texels.len() >= 64);
+        for (one, other) in first.texels.iter().zip(&second.texels) {
+            assert_eq!(one.place + UVec2::new(0, BAND - 5), other.place);
+            assert!(one.receiver.position.distance(other.receiver.position) < 1e-5);
+        }
+        for (one, other) in first.spreads.iter().zip(&second.spreads) {
+            for u in [Vec2::ZERO, Vec2::splat(0.4), Vec2::splat(0.9)] {
+                let places = [one, other].map(|spread| spread.place(u));
+                let are_alike = match places {
+                    [Some(one), Some(other)] => one.distance(other) < 1e-4,
+                    [one, other] => one == other,
+                };
+                assert!(are_alike, "{places:?}");
+            }
         }
     }
 }

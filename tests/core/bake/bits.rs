@@ -4,20 +4,25 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec2, Vec3};
 use sunroom::bake::lightmap::Lightmaps;
-use sunroom::bake::texels::covered_texels;
-use sunroom::render::view::Strategy;
+use sunroom::bake::texels::Texels;
+use sunroom::render::scene::RenderScene;
+use sunroom::render::view::{Strategy, View};
 
-use super::{corner, gather, gathering, patch, settings};
+use super::{corner, covered, gather, gathering, patch, settings};
+
+/// A floor of 24 x 24 texels in a corner, with the settings of paths.
+fn floor_in_corner() -> (RenderScene, Texels, View) {
+    let floor = patch(Vec3::ZERO, Vec3::Y, 1.0, 24.0, Vec2::splat(2.0));
+    (
+        corner(),
+        covered(&[floor], UVec2::splat(28), 1),
+        settings(Strategy::Mis),
+    )
+}
 
 #[test]
 fn threads_and_rounds_change_no_bit() {
-    let scene = corner();
-    let texels = covered_texels(
-        &[patch(Vec3::ZERO, Vec3::Y, 1.0, 24.0, Vec2::splat(2.0))],
-        UVec2::splat(28),
-        1,
-    );
-    let view = settings(Strategy::Mis);
+    let (scene, texels, view) = floor_in_corner();
     let gathering = gathering(&scene, &view);
     let with = |threads: usize, rounds: &[u32]| {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -42,13 +47,7 @@ fn threads_and_rounds_change_no_bit() {
 
 #[test]
 fn shares_and_interruptions_change_no_bit() {
-    let scene = corner();
-    let texels = covered_texels(
-        &[patch(Vec3::ZERO, Vec3::Y, 1.0, 24.0, Vec2::splat(2.0))],
-        UVec2::splat(28),
-        1,
-    );
-    let view = settings(Strategy::Mis);
+    let (scene, texels, view) = floor_in_corner();
     let gathering = gathering(&scene, &view);
     let never = AtomicBool::new(false);
     let whole = gather(&gathering, &texels, 50);

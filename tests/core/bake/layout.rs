@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{Vec2, Vec3};
 use sunroom::bake::level::{BakeLevel, unwrap_level};
-use sunroom::bake::texels::covered_texels;
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::primitives::unit_cube;
@@ -12,7 +11,7 @@ use sunroom::gltf::write::GltfWriter;
 use sunroom::gltf::write::material::{Material as GltfMaterial, Pbr};
 use sunroom::gltf::write::model::{Mesh, Node, Pose, Primitive as GltfPrimitive};
 
-use super::patch;
+use super::{covered, patch};
 
 /// Cubes of one mesh: two of one size, one of another, one mirrored, one that is clear, and one that moves.
 fn cubes() -> GltfWriter {
@@ -125,7 +124,7 @@ fn surfaces_face_away_from_what_they_enclose() {
     let level = laid_out(&mut writer, (true, false));
     assert_eq!(writer.mesh(writer.placed_meshes()[6].mesh).primitives.len(), 1);
     for (surface, centre) in level.surfaces.iter().zip([0.0, 5.0, 10.0, 15.0, 30.0]) {
-        let texels = covered_texels(std::slice::from_ref(surface), level.size, level.pages);
+        let texels = covered(std::slice::from_ref(surface), level.size, level.pages);
         assert!(texels.texels.len() > 6 * 14 * 14, "{}", texels.texels.len());
         for texel in texels.texels {
             let receiver = texel.receiver;
@@ -136,7 +135,7 @@ fn surfaces_face_away_from_what_they_enclose() {
     }
     // Of what is lit from behind alone the back is gathered on.
     let level = laid_out(&mut cubes(), (false, true));
-    let texels = covered_texels(&level.surfaces[4..], level.size, level.pages);
+    let texels = covered(&level.surfaces[4..], level.size, level.pages);
     for texel in texels.texels {
         assert!(texel.receiver.normal.dot(texel.receiver.position - Vec3::X * 30.0) < -0.9);
     }
@@ -156,7 +155,7 @@ fn no_two_places_share_a_texel() {
         for (index, surface) in own {
             let mut alone = surface.clone();
             alone.page = 0;
-            for texel in covered_texels(&[alone], level.size, 1).texels {
+            for texel in covered(&[alone], level.size, 1).texels {
                 let place = (texel.place.y * level.size.x + texel.place.x) as usize;
                 assert_eq!(owner[place].replace(index), None, "{}", texel.place);
             }

@@ -8,7 +8,7 @@ use sunroom::accel::Primitive;
 use sunroom::bake::finish::finish;
 use sunroom::bake::gathering::Gathering;
 use sunroom::bake::sides::lit_sides;
-use sunroom::bake::texels::{BakeSurface, covered_texels};
+use sunroom::bake::texels::BakeSurface;
 use sunroom::color::Rgb;
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::{LightSource, Projector};
@@ -16,7 +16,7 @@ use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::view::Strategy;
 use sunroom::texture::Parameter;
 
-use super::{DOWN, add_lamp, corner, diffuse, gather, gathering, mean, patch, point, rectangle, settings};
+use super::{DOWN, add_lamp, corner, covered, diffuse, gather, gathering, mean, patch, point, rectangle, settings};
 use crate::support::{SceneBuilder, assert_close, camera, mean_luminance, render, view};
 
 #[test]
@@ -62,7 +62,7 @@ fn all_light_of_a_lamp_is_found_on_the_walls() {
             patch(outwards, -outwards, 1.0, texels, offset)
         })
         .collect();
-    let found = covered_texels(&walls, UVec2::new(214, 144), 1);
+    let found = covered(&walls, UVec2::new(214, 144), 1);
     let light = gather(&gathering(&scene, &settings(Strategy::Mis)), &found, 1);
     let is_whole = |place: UVec2| {
         let within = (place.as_vec2() + 0.5 - 4.0) % 70.0;
@@ -85,7 +85,7 @@ fn a_closed_furnace_sends_pi_times_its_radiance() {
             .add(Primitive::Sphere, Affine3A::IDENTITY, diffuse(albedo), Some(Rgb::ONE))
             .flip_normals = true;
         let scene = scene.build();
-        let texels = covered_texels(
+        let texels = covered(
             &[patch(
                 Vec3::new(0.1, 0.2, 0.0),
                 Vec3::new(0.6, 0.8, 0.0),
@@ -174,7 +174,7 @@ fn no_light_leaks_through_a_wall_into_a_dark_room() {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..BakeSurface::default()
     };
-    let texels = covered_texels(&[floor], UVec2::new(88, 48), 1);
+    let texels = covered(&[floor], UVec2::new(88, 48), 1);
     let light = gather(&gathering(&scene, &settings(Strategy::Mis)), &texels, 64);
     let picture = finish(&texels, 0, &light, &[], None).expect("nothing is denoised");
     let row: Vec<f32> = (0..88).map(|x| picture.irradiance[24 * 88 + x].x).collect();

@@ -59,9 +59,13 @@ fn patch(centre: Vec3, normal: Vec3, half_size: f32, texels: f32, offset: Vec2) 
     }
 }
 
+fn covered(surfaces: &[BakeSurface], size: UVec2, pages: u32) -> Texels {
+    covered_texels(surfaces, size, pages, &AtomicBool::new(false))
+}
+
 /// A single texel.
 fn point(at: Vec3, normal: Vec3) -> Texels {
-    let texels = covered_texels(&[patch(at, normal, 1e-3, 0.01, Vec2::splat(2.5))], UVec2::splat(5), 1);
+    let texels = covered(&[patch(at, normal, 1e-3, 0.01, Vec2::splat(2.5))], UVec2::splat(5), 1);
     assert_eq!(texels.texels.len(), 1, "{texels:?}");
     texels
 }
