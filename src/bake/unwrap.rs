@@ -8,6 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use uvunwrap::{Density, MeshInput, Options};
 
+use super::lightmap::TexelSum;
+use super::spread::Spread;
+use super::texels::Texel;
 use crate::memory::{self, Reservation, Shortage};
 
 /// The sizes of lightmaps that are possible, in texels.
@@ -130,8 +133,15 @@ pub enum UnwrapError {
     Cancelled,
 }
 
-/// Bytes for each texel of a lightmap while it is made: its place, its sums, and the pictures of it.
-pub(super) const TEXEL_BYTES: u64 = 224;
+/// Bytes for each texel of a lightmap while it is made: its place with what light is gathered at, the place alone, where its samples lie, its sums, and the
+/// pictures of it.
+pub(super) const TEXEL_BYTES: u64 = {
+    let gathered = size_of::<Texel>() + size_of::<Texel<()>>() + size_of::<Spread>() + size_of::<TexelSum>();
+    gathered as u64 + PICTURE_BYTES
+};
+/// Bytes for each texel of the pictures that are made of a lightmap, with those that are filtered. Before, the search for texels takes less.
+const PICTURE_BYTES: u64 = 128;
+const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
 /// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
 const LEAST_HEIGHT: f64 = 2e-6;
 /// The most texels of all lightmaps together.
