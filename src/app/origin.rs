@@ -121,6 +121,7 @@ fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, St
     settings.extend(others.into_iter().map(|(name, value)| (name, short(value))));
     Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        samples: Origin::SAMPLES,
         files: digests,
         settings,
     }

@@ -18,7 +18,7 @@ use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::part::Origin;
 
 const MAGIC: &[u8; 8] = b"SUNBAKE\n";
-/// The version of the format, which also changes when samples do. Since 2 the samples of a texel have places of their own.
+/// The version of the format. That of the samples is [`Origin::SAMPLES`].
 const FORMAT: u32 = 2;
 /// Bytes of the sums of a texel.
 const TEXEL: usize = 4 * 8 + 4;

@@ -16,6 +16,9 @@ pub struct FileDigest {
 pub struct Origin {
     /// The version of the program.
     pub version: String,
+    /// The version of its samples, [`Self::SAMPLES`]. It is 0 in files that do not have it.
+    #[serde(default)]
+    pub samples: u32,
     /// The files that the scene consists of, in the order of their paths.
     pub files: Vec<FileDigest>,
     /// Everything else, by name.
@@ -26,6 +29,11 @@ pub struct Origin {
 const LONGEST_QUOTED: usize = 60;
 
 impl Origin {
+    /// The version of samples. Raise it with every change after which a sample of the same scene, settings, seed and index is another one, of pictures or of
+    /// bakes: in what paths do, in their densities, or in the random numbers that they use. Files of an older version would be continued with other samples, and
+    /// the result would have the bits of neither version.
+    pub const SAMPLES: u32 = 1;
+
     /// How the picture now differs from `then`, a sentence for each difference.
     pub fn differences(&self, then: &Self) -> Vec<String> {
         let mut found = Vec::new();
@@ -33,6 +41,12 @@ impl Origin {
             found.push(format!(
                 "the version of Sunroom is {}, and was {}",
                 self.version, then.version
+            ));
+        }
+        if self.samples != then.samples {
+            found.push(format!(
+                "the version of samples, which changes with how light is computed, is {}, and was {}",
+                self.samples, then.samples
             ));
         }
         for file in &self.files {
@@ -80,17 +94,20 @@ mod tests {
         let setting = |name: &str, value: &str| (name.to_owned(), value.to_owned());
         let then = Origin {
             version: "1".to_owned(),
+            samples: 3,
             files: vec![file("a.xml", "1"), file("b.obj", "1"), file("c.png", "1")],
             settings: vec![setting("the seed", "1"), setting("-D x", "2")],
         };
         assert_eq!(then.differences(&then), [""; 0]);
         let now = Origin {
             version: "2".to_owned(),
+            samples: 4,
             files: vec![file("a.xml", "1"), file("b.obj", "2"), file("d.png", "1")],
             settings: vec![setting("the seed", "3")],
         };
         let expected = [
             "the version of Sunroom is 2, and was 1",
+            "the version of samples, which changes with how light is computed, is 4, and was 3",
             "b.obj has another content",
             "d.png was not part of the scene",
             "c.png is no longer part of the scene",
@@ -98,5 +115,16 @@ mod tests {
             "-D x is not set, and was 2",
         ];
         assert_eq!(now.differences(&then), expected);
+    }
+
+    #[test]
+    fn files_that_say_no_version_of_samples_have_other_ones() {
+        let text = r#"{"version": "1", "files": [], "settings": []}"#;
+        let then: Origin = serde_json::from_str(text).expect("an origin");
+        let now = Origin {
+            samples: Origin::SAMPLES,
+            ..then.clone()
+        };
+        assert_eq!(now.differences(&then).len(), 1);
     }
 }
