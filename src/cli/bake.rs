@@ -89,7 +89,7 @@ pub fn check_samples(samples: &Range<u32>, spp: Option<u32>) -> Result<(), Failu
 }
 
 /// Refuses to remove noise where the program has no denoiser.
-fn check_denoiser(denoise: bool) -> Result<(), Failure> {
+pub fn check_denoiser(denoise: bool) -> Result<(), Failure> {
     match denoise && !cfg!(feature = "denoise") {
         true => Err(Failure::Usage(format!(
             "{}; --no-denoise bakes without it",

@@ -20,7 +20,7 @@ const FLOOR: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n
 const LEVEL: &str = "scenes/the level.xml";
 /// A lightmap, a reflection probe and a volume.
 const SMALL: [&str; 6] = ["--atlas-size", "32", "--probe-size", "16", "--probe-spacing", "1"];
-const JOB: [&str; 7] = ["submit", LEVEL, "--bake", "--to", "slurm", "-o", "job"];
+const JOB: [&str; 8] = ["submit", LEVEL, "--bake", "--to", "slurm", "-o", "job", "--no-denoise"];
 
 fn shop() -> Workshop {
     let shop = Workshop::new();
@@ -76,7 +76,7 @@ fn same(one: &Path, other: &Path) {
 fn the_tasks_of_a_job_make_the_files_of_one_bake() {
     let shop = shop();
     let options = [&SMALL[..], &["--seed", "5"]].concat();
-    let shares = ["--shares", "4", "--spp", "20", "--no-denoise", "-D", "height=2"];
+    let shares = ["--shares", "4", "--spp", "20", "-D", "height=2"];
     let text = succeeds(&run(&shop, &[&JOB, &shares, &["--"], &options]));
     assert!(
         text.contains("4 tasks: a bake in 4 ranges of its 20 samples per texel"),
@@ -126,7 +126,7 @@ fn an_interrupted_task_goes_on() {
     use std::time::{Duration, Instant};
 
     let shop = shop();
-    let job = [&JOB[..], &["--shares", "1", "--spp", "2000", "--no-denoise", "--"]].concat();
+    let job = [&JOB[..], &["--shares", "1", "--spp", "2000", "--"]].concat();
     succeeds(&run(&shop, &[&job, &SMALL, &["--every", "10ms"]]));
     let mut task = script(&shop, "task", &["0"]);
     // A group of its own, as the terminal makes for what it stops together.
@@ -191,5 +191,15 @@ fn what_cannot_be_a_job_of_a_bake_is_refused() {
     refused(&shop, &[&job, &["--spp", "4000000000"]], "samples of shares end at");
     let render = ["submit", LEVEL, "--to", "slurm", "-o", "job", "--no-denoise"];
     refused(&shop, &[&render], "--bake");
+    if !cfg!(feature = "denoise") {
+        let render = ["submit", LEVEL, "--to", "slurm", "-o", "job", "--denoise"];
+        refused(&shop, &[&JOB[..7]], "--no-denoise bakes without it");
+        let output = run(&shop, &[&render]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            !output.status.success() && said.contains("without the denoiser"),
+            "{said}"
+        );
+    }
     assert!(!shop.path("job").exists());
 }

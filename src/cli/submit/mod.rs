@@ -16,6 +16,7 @@ use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
 use sunroom::engine::{Limits, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
+use sunroom::render::denoise::DenoiseError;
 use sunroom::render::part;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
@@ -26,6 +27,7 @@ pub use self::args::SubmitArgs;
 use self::args::System;
 use self::plan::{Plan, Whole};
 use self::work::Work;
+use super::bake::check_denoiser;
 use super::check::report_scene;
 use super::outputs;
 use super::report::{self, Failure, counted};
@@ -72,6 +74,10 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
             args.output.display()
         );
         return Err(Failure::Usage(message));
+    }
+    check_denoiser(args.bake && !args.no_denoise)?;
+    if args.denoise && !cfg!(feature = "denoise") {
+        return Err(DenoiseError::NotBuilt.into());
     }
     let work = Work::of(args)?;
     let Some(job) = gather(args, &work)? else {
