@@ -342,21 +342,22 @@ pub enum Onward {
 }
 
 impl Bsdf {
-    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors. None for other surfaces, whose gloss does not
-    /// count.
+    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors on their front. None for other surfaces, whose
+    /// gloss does not count.
     pub fn onward(&self, wo: Vec3) -> Option<Onward> {
-        let cos = wo.z.abs();
+        let is_front = wo.z > 0.0;
+        let mirror = |share: Rgb| is_front.then_some(Onward::Mirrored(share));
         match self {
-            Self::Conductor(conductor) => Some(Onward::Mirrored(conductor.specular.reflectance(cos))),
-            Self::RoughConductor(rough) => Some(Onward::Mirrored(rough.specular.reflectance(cos))),
-            Self::Metal(metal) => Some(Onward::Mirrored(metal.color)),
+            Self::Conductor(conductor) => mirror(conductor.specular.reflectance(wo.z.abs())),
+            Self::RoughConductor(rough) => mirror(rough.specular.reflectance(wo.z.abs())),
+            Self::Metal(metal) => mirror(metal.color),
             Self::Dielectric(glass) => Some(Onward::Straight(glass.specular_transmittance)),
             Self::RoughDielectric(glass) => Some(Onward::Straight(glass.specular_transmittance)),
             Self::ThinDielectric(thin) => Some(Onward::Straight(thin.specular_transmittance)),
             Self::Principled(principled) => {
                 let glass = (1.0 - principled.metallic) * principled.spec_trans;
-                match principled.metallic >= glass {
-                    true => Some(Onward::Mirrored(principled.metallic * principled.base_color)),
+                match principled.metallic >= glass && (is_front || glass == 0.0) {
+                    true => mirror(principled.metallic * principled.base_color),
                     false => Some(Onward::Straight(glass * principled.base_color.map(f32::sqrt))),
                 }
             }

@@ -6,7 +6,7 @@ use crate::statistics::{assert_all_plausible, chi_squared_p};
 use glam::{Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::shading::{
-    Bsdf, BsdfSample, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Metal, Plastic,
+    Bsdf, BsdfSample, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Metal, Onward, Plastic,
     SmoothCoat, ThinDielectric, fresnel, ior,
 };
 
@@ -122,6 +122,26 @@ fn lobes_are_chosen_as_often_as_they_say() {
         }
     }
     assert_all_plausible(&results);
+}
+
+/// A view that knows neither roughness nor refraction goes on only where paths do: the backs of metals are black.
+#[test]
+fn views_go_on_where_paths_do() {
+    let mut backs = 0;
+    for case in cases() {
+        for wo in viewers().into_iter().flat_map(|wo| [wo, -wo]) {
+            let is_black = (0..64).all(|index| case.sample(wo, index).is_none_or(|lobe| lobe.weight == Rgb::ZERO));
+            let onward = case.bsdf.onward(wo);
+            if is_black {
+                let is_dark = matches!(onward, None | Some(Onward::Mirrored(Rgb::ZERO)));
+                assert!(is_dark, "{} from {wo}: {onward:?}", case.name);
+                backs += u32::from(wo.z < 0.0);
+            } else if let Bsdf::Conductor(_) | Bsdf::Metal(_) = case.bsdf {
+                assert!(matches!(onward, Some(Onward::Mirrored(_))), "{} from {wo}", case.name);
+            }
+        }
+    }
+    assert!(backs > 20, "{backs}");
 }
 
 #[test]
