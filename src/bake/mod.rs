@@ -25,6 +25,7 @@ pub mod job;
 pub mod ktx2;
 pub mod level;
 pub mod lightmap;
+pub mod limits;
 pub mod manifest;
 pub mod merging;
 pub mod part;

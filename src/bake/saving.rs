@@ -5,8 +5,9 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::error::BakeError;
-use super::job::{BakeJob, BakeLimits, Watch};
+use super::job::{BakeJob, Watch};
 use super::lightmap::{Lightmaps, TexelSum};
+use super::limits::BakeLimits;
 use super::part::{PartHeader, PartLight, write_part};
 use crate::memory;
 use crate::render::part::Origin;

@@ -3,15 +3,20 @@
 //! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
 //! an atlas may be, and what becomes of meshes that have no surface or are broken.
 
+mod error;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use uvunwrap::{Density, MeshInput, Options};
 
+pub use self::error::UnwrapError;
+
+use self::error::MOST_TEXELS;
 use super::lightmap::TexelSum;
 use super::spread::Spread;
 use super::texels::Texel;
-use crate::memory::{self, Reservation, Shortage};
+use crate::memory::{self, Reservation};
 
 /// The sizes of lightmaps that are possible, in texels.
 pub const ATLAS_SIZES: std::ops::RangeInclusive<u32> = 16..=16384;
@@ -92,47 +97,6 @@ pub struct LayoutRectangle {
     pub max: Vec2,
 }
 
-/// The reason why meshes cannot be unwrapped.
-#[derive(Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say what the variants mean")]
-pub enum UnwrapError {
-    #[error("nothing in the level has a surface that a lightmap could lie on")]
-    Nothing,
-    #[error("a lightmap of {0} texels: the width is between 16 and 16384")]
-    AtlasSize(u32),
-    #[error("{0} texels per unit: the number has to be above 0")]
-    TexelsPerUnit(f32),
-    #[error("`{0}` has vertices that are no numbers: mend its mesh, or give it a lightmap scale of 0")]
-    Broken(String),
-    #[error("`{0}` has no surface that a lightmap could lie on: give it a lightmap scale of 0")]
-    Flat(String),
-    /// The number of texels per unit is about the largest that the shape has room with.
-    #[error(
-        "`{name}` needs {width} x {height} texels, and a lightmap has {size} x {size}: take larger lightmaps, or at most about {texels_per_unit} texels per unit, or a smaller lightmap scale for this shape"
-    )]
-    TooLarge {
-        name: String,
-        width: u32,
-        height: u32,
-        size: u32,
-        texels_per_unit: f32,
-    },
-    #[error(
-        "`{name}` has so many pieces that a lightmap of {size} x {size} texels has no room for them: take larger lightmaps, or give the shape a lightmap scale of 0"
-    )]
-    TooManyPieces { name: String, size: u32 },
-    #[error(
-        "the level needs {texels} texels, of which `{largest}` has the most, and at most {} are possible: take fewer texels per unit, or a smaller lightmap scale for this shape", MOST_TEXELS as u64
-    )]
-    TooMany { texels: u64, largest: String },
-    #[error("the lightmaps need {0}; fewer texels per unit or smaller lightmaps need less")]
-    Memory(#[from] Shortage),
-    #[error("the shapes cannot be laid out: {0}")]
-    Other(String),
-    #[error("interrupted")]
-    Cancelled,
-}
-
 /// Bytes for each texel of a lightmap while it is made: its place with what light is gathered at, the place alone, where its samples lie, its sums, and the
 /// pictures of it.
 pub(super) const TEXEL_BYTES: u64 = {
@@ -144,9 +108,6 @@ const PICTURE_BYTES: u64 = 128;
 const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
 /// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
 const LEAST_HEIGHT: f64 = 2e-6;
-/// The most texels of all lightmaps together.
-const MOST_TEXELS: f64 = (1u64 << 30) as f64;
-
 /// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends after `cancel` is set: soon while charts are flattened and packed, and
 /// at the end of a mesh while it is cut.
 pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicBool) -> Result<Layout, UnwrapError> {

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use sunroom::bake::job::{BakeJob, BakeLimits};
+use sunroom::bake::job::BakeJob;
+use sunroom::bake::limits::BakeLimits;
 use sunroom::bake::probes::{Probe, ProbeKind};
 use sunroom::bake::progress::{Gathered, Progress as Now, Stage};
 

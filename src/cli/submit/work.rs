@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use bevy::prelude::World;
 use clap::Parser;
-use sunroom::bake::job::USUAL_SAMPLES;
+use sunroom::bake::limits::USUAL_SAMPLES;
 use sunroom::bake::part::read_part;
 use sunroom::engine::{RenderControl, full_size};
 use sunroom::scene::{ActiveSensor, Film};

@@ -6,7 +6,8 @@ use std::time::Duration;
 use bevy::prelude::Resource;
 use serde::{Deserialize, Serialize};
 
-use crate::bake::job::{BakeLimits, BakeSettings};
+use crate::bake::job::BakeSettings;
+use crate::bake::limits::BakeLimits;
 use crate::bake::manifest::BakedLight;
 use crate::bake::probes::ProbeSettings;
 use crate::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};

@@ -17,7 +17,7 @@ use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::baking::{BakeModel, ShownBake};
 use crate::app::editor::words::figures::legible;
 use crate::app::editor::words::files::home_for_tilde;
-use crate::bake::job::USUAL_SAMPLES;
+use crate::bake::limits::USUAL_SAMPLES;
 use crate::bake::progress::{Gathered, Stage};
 use crate::bake::unwrap::ATLAS_SIZES;
 
