@@ -44,9 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The five tables of a scene. Nothing in them changes while a picture is made.
     let geometry = Arc::new(Tlas::build(shapes.into_iter().flatten().collect(), SplitMethod::Sah));
     let textures = Arc::default();
+    let lights = LightTable::build(&[sky.into()], &geometry, &textures);
     let scene = RenderScene {
         media: Arc::default(),
-        lights: Arc::new(LightTable::build(&[sky.into()], &geometry, &textures)),
+        reach: lights.reach(&geometry),
+        lights: Arc::new(lights),
         surfaces: Arc::new(SurfaceTable { first_slot, slots }),
         materials: Arc::new(MaterialTable::new(materials)?),
         textures,

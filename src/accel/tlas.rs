@@ -1,5 +1,6 @@
 //! The hierarchy over everything in the world, which the integrator traces rays against.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -182,6 +183,32 @@ impl Tlas {
                 .get(place)
                 .map(|placement| self.placed_bounds(placement)),
         }
+    }
+
+    /// World bounds of everything but the instances and placements of these numbers, in rising order, as [`Hit::instance`] counts them; empty if there is nothing
+    /// else.
+    pub fn bounds_without(&self, left_out: &[u32]) -> Aabb {
+        let found = Cell::new(Aabb::EMPTY);
+        let add = |number: u32, bounds: Aabb| {
+            if left_out.binary_search(&number).is_err() {
+                found.set(found.get().union(bounds));
+            }
+        };
+        // What lies within the bounds of others does not change them.
+        let is_outside = |bounds: &Aabb| {
+            let found = found.get();
+            bounds.min.cmplt(found.min).any() || bounds.max.cmpgt(found.max).any()
+        };
+        self.bvh.any_item(is_outside, |number| {
+            match self.item(number) {
+                Item::Shape(shape) => add(number, shape.world_bounds()),
+                Item::Placement(placement) => add(number, self.placed_bounds(placement)),
+                Item::Block(_, members) => (members.indices().iter())
+                    .for_each(|&member| add(member, self.instances[member as usize].world_bounds())),
+            }
+            false
+        });
+        found.get()
     }
 
     fn placed_bounds(&self, placement: &Placement) -> Aabb {

@@ -35,6 +35,7 @@ use super::status::BvhStatus;
 use super::stop_condition::FilmLimits;
 use crate::accel::{SplitMethod, Tlas};
 use crate::layer::Layer;
+use crate::light::emission::Reach;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::MediumId;
@@ -138,6 +139,7 @@ impl Default for Extracted {
             scene: RenderScene {
                 media: Arc::default(),
                 lights: Arc::new(LightTable::build(&[], &geometry, &Arc::default())),
+                reach: Reach::default(),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(SurfaceTable::default()),
                 materials: Arc::new(MaterialTable::default()),
@@ -417,6 +419,8 @@ impl Extracted {
             self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
             self.light_sources = sources;
         }
+        // Other shapes may have moved as well.
+        self.scene.reach = self.scene.lights.reach(&self.scene.geometry);
     }
 
     fn update_layers(&mut self, wanted: bool) {

@@ -82,7 +82,7 @@ pub(super) struct Beam {
 }
 
 /// What light from the lights can meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reach {
     /// A sphere around everything.
     pub everything: SceneSphere,
@@ -99,14 +99,20 @@ pub struct SceneSphere {
     pub radius: f32,
 }
 
+impl Default for SceneSphere {
+    fn default() -> Self {
+        Self {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        }
+    }
+}
+
 impl SceneSphere {
     /// The sphere around a box, a little larger for rounding.
     pub fn around(bounds: &Aabb) -> Self {
         if !bounds.min.cmple(bounds.max).all() {
-            return Self {
-                center: Vec3::ZERO,
-                radius: 1.0,
-            };
+            return Self::default();
         }
         let radius = 0.5 * bounds.extent().length() * (1.0 + 1e-4);
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();

@@ -59,8 +59,8 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
-    /// The instances of which all parts shine, in rising order.
-    lamps: Vec<u32>,
+    /// The instances of which all parts shine, in rising order, with their bounds.
+    lamps: Vec<(u32, Aabb)>,
     /// The box around all lights that have a place.
     finite_bounds: Option<Aabb>,
     /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
@@ -76,14 +76,14 @@ impl LightTable {
             ..Self::default()
         };
         let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
+        // The instances with the number of parts of a slot that shine.
+        let mut shining: Vec<(u32, u32)> = Vec::new();
         for (id, weighted) in (0..).map(LightId).zip(sources) {
             let place = match Self::light(&weighted.source, geometry, textures) {
                 None => Place::Nowhere,
                 Some(Light::Finite(light)) => {
-                    if let LightSource::Surface { instance, .. } = weighted.source
-                        && shines_whole(geometry, instance, light.parts())
-                    {
-                        table.lamps.push(instance);
+                    if let LightSource::Surface { instance, .. } = weighted.source {
+                        shining.push((instance, light.parts()));
                     }
                     let first_part = table.light_of_part.len() as u32;
                     let index = table.finite.len() as u32;
@@ -107,8 +107,12 @@ impl LightTable {
             };
             table.places.push(place);
         }
-        table.lamps.sort_unstable();
-        table.lamps.dedup();
+        shining.sort_unstable();
+        table.lamps = (shining.chunk_by(|one, other| one.0 == other.0))
+            .map(|slots| (slots[0].0, slots.iter().map(|slot| slot.1).sum()))
+            .filter(|&(instance, parts)| shines_whole(geometry, instance, parts))
+            .filter_map(|(instance, _)| Some((instance, geometry.bounds_of(instance)?)))
+            .collect();
         table.choice = LightChoice::new(&part_bounds, &infinite_weights);
         table.emission = EmissionChoice::new(&part_bounds, &infinite_weights);
         table

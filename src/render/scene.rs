@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
+use crate::light::emission::Reach;
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
 use crate::math::Ray;
@@ -12,7 +13,7 @@ use crate::medium::{MediumInterface, MediumTable};
 use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
-/// The data that light transport needs of a scene. A clone copies six pointers.
+/// The data that light transport needs of a scene. A clone copies six pointers and a few numbers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
     /// The hierarchy over all shapes.
@@ -25,6 +26,8 @@ pub struct RenderScene {
     pub textures: Arc<TextureTable>,
     /// The lights that [`SurfaceSlot::light`] refers to, with the tree that chooses among all of them.
     pub lights: Arc<LightTable>,
+    /// What the lights can meet, [`LightTable::reach`].
+    pub reach: Reach,
     /// The participating media that [`SurfaceSlot::media`] refers to.
     pub media: Arc<MediumTable>,
 }

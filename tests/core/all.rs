@@ -69,6 +69,7 @@ mod motion;
 mod outer_walls;
 mod probes;
 mod projected_light;
+mod reach;
 mod sampling;
 mod sensors;
 mod serialized_meshes;

@@ -120,7 +120,10 @@ fn edited_hierarchies_are_those_of_the_edited_lists() {
         found.sort_unstable();
         let touches = |bounds: Aabb| bounds.min.cmple(sought.max).all() && bounds.max.cmpge(sought.min).all();
         let all = (0..).zip(&shapes).filter(|(_, shape)| touches(shape.world_bounds()));
-        assert!(all.map(|(number, _)| number).eq(found), "step {step}");
+        assert!(all.map(|(number, _)| number).eq(found.iter().copied()), "step {step}");
+        let others = (0..).zip(&shapes).filter(|(number, _)| !found.contains(number));
+        let others = others.fold(Aabb::EMPTY, |all, (_, shape)| all.union(shape.world_bounds()));
+        assert_eq!(tlas.bounds_without(&found), others, "step {step}");
         for ray in rays(&mut random) {
             let (here, there) = (tlas.intersect(&ray), whole.intersect(&ray));
             assert_eq!(tlas.occluded(&ray), here.is_some());

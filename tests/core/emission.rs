@@ -10,7 +10,7 @@ use crate::support::{
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
-use sunroom::light::emission::{EmittedRay, Reach, Start};
+use sunroom::light::emission::{EmittedRay, Start};
 use sunroom::light::{Atmosphere, EnvironmentMap, LightId, LightReference, LightSource, Projector, Spot, SurfaceHit};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
@@ -179,12 +179,8 @@ fn lights() -> Vec<(&'static str, RenderScene)> {
     ]
 }
 
-fn reach_of(scene: &RenderScene) -> Reach {
-    scene.lights.reach(&scene.geometry)
-}
-
 fn rays(scene: &RenderScene) -> impl Iterator<Item = Option<EmittedRay>> {
-    let reach = reach_of(scene);
+    let reach = scene.reach;
     (0..COUNT).map(move |index| {
         let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(5, 9), index, 3);
         scene
@@ -252,7 +248,7 @@ fn rays_bring_the_light_that_sampling_finds() {
 #[test]
 fn densities_agree() {
     for (name, scene) in lights() {
-        let reach = reach_of(&scene);
+        let reach = scene.reach;
         let mut seen = 0;
         for ray in rays(&scene).flatten().filter(|ray| ray.power != Rgb::ZERO).take(2000) {
             let found = match &ray.start {
@@ -283,7 +279,7 @@ fn sampled_lights_know_the_densities_of_their_rays() {
         Vec3::new(0.4, -0.1, 0.6),
     ];
     for (name, scene) in lights() {
-        let reach = reach_of(&scene);
+        let reach = scene.reach;
         let mut seen = 0;
         for index in 0..3000 {
             let reference = all_around(places[index as usize % 3]);
@@ -334,7 +330,7 @@ fn directions_follow_their_density() {
             continue;
         };
         let place = rays(&scene).flatten().next().expect("a ray").origin;
-        let reach = reach_of(&scene);
+        let reach = scene.reach;
         let density = |dir: Vec3| {
             let reference = all_around(place + dir);
             let found = scene.lights.sample_start(&reach, &reference, 0.5, Vec2::splat(0.5));
@@ -357,7 +353,7 @@ fn directions_follow_their_density() {
 fn far_lamps_send_their_rays_to_the_scene() {
     let mut seen = 0;
     for (name, scene) in lights() {
-        let reach = reach_of(&scene);
+        let reach = scene.reach;
         let is_lamp = |ray: &EmittedRay| ray.power != Rgb::ZERO;
         let rays: Vec<EmittedRay> = rays(&scene).flatten().filter(is_lamp).take(4000).collect();
         let meets = |ray: &&EmittedRay| {
@@ -401,7 +397,7 @@ fn many_lights_send_their_power() {
         radiance: Rgb::splat(0.01),
     });
     let scene = scene.build();
-    let reach = reach_of(&scene);
+    let reach = scene.reach;
     let of_light = |light: LightId| {
         mean(rays(&scene).map(|ray| match ray {
             Some(ray) if ray.light == light => luminance(ray.power),
@@ -435,6 +431,6 @@ fn a_hit_on_no_light_has_no_density() {
     };
     let pdf = scene
         .lights
-        .emission_pdf_of_hit(LightId(0), &reach_of(&scene), &hit, Vec3::Z);
+        .emission_pdf_of_hit(LightId(0), &scene.reach, &hit, Vec3::Z);
     assert_eq!((pdf.start, pdf.next), (0.0, 0.0));
 }

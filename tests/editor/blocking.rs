@@ -68,6 +68,7 @@ fn packed(has_box: bool) -> PackedScene {
             materials: Arc::default(),
             textures: Arc::default(),
             lights: Arc::default(),
+            reach: Default::default(),
         }),
         entity_of_instance: if has_box { vec![cube()] } else { Vec::new() }.into(),
         ..PackedScene::default()

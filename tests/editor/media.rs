@@ -435,6 +435,7 @@ fn packed_ball(medium: Entity) -> PackedScene {
             materials: Arc::default(),
             textures: Arc::default(),
             lights: Arc::default(),
+            reach: Default::default(),
             media: Arc::default(),
         }),
         medium_of_entity: Arc::new([(medium, id)].into_iter().collect()),

@@ -52,6 +52,7 @@ fn packed() -> PackedScene {
             materials: Arc::default(),
             textures: Arc::default(),
             lights: Arc::default(),
+            reach: Default::default(),
         }),
         entity_of_instance: vec![entity(1), entity(2)].into(),
         ..PackedScene::default()

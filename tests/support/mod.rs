@@ -121,9 +121,11 @@ impl SceneBuilder {
         let geometry = Arc::new(Tlas::build(self.instances, SplitMethod::Sah));
         let textures = Arc::new(self.textures);
         let materials = MaterialTable::with_tables(self.materials, self.tables);
+        let lights = LightTable::build(&self.lights, &geometry, &textures);
         RenderScene {
             media: Arc::new(MediumTable::new(self.media)),
-            lights: Arc::new(LightTable::build(&self.lights, &geometry, &textures)),
+            reach: lights.reach(&geometry),
+            lights: Arc::new(lights),
             surfaces: Arc::new(SurfaceTable {
                 first_slot: (0..self.slots.len() as u32).collect(),
                 slots: self.slots,

@@ -23,24 +23,20 @@ const NOWHERE: LightReference = LightReference {
     normal: None,
 };
 
-/// Among more shapes no lamps are sought that stand far from them.
-const MOST_SHAPES: usize = 1 << 14;
-
 impl LightTable {
-    /// What the lights of a scene can meet.
+    /// What the lights of a scene can meet. It takes a few steps for each lamp, and for the shapes around the whole scene.
     pub fn reach(&self, geometry: &Tlas) -> Reach {
         let everything = geometry.bounds();
         let is_outermost =
             |bounds: &Aabb| bounds.min.cmple(everything.min).any() || bounds.max.cmpge(everything.max).any();
         let lamps: Vec<(u32, Aabb)> = (self.lamps.iter())
-            .filter_map(|&lamp| Some((lamp, geometry.bounds_of(lamp)?)).filter(|(_, bounds)| is_outermost(bounds)))
+            .filter(|(_, bounds)| is_outermost(bounds))
+            .copied()
             .collect();
-        let count = geometry.instances().len() + geometry.placements().len();
         let mut lit = everything;
-        if !lamps.is_empty() && count <= MOST_SHAPES {
-            let others = (0..count as u32).filter(|item| lamps.binary_search_by_key(item, |lamp| lamp.0).is_err());
-            let others = others.filter_map(|item| geometry.bounds_of(item));
-            let others = others.fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+        if !lamps.is_empty() {
+            let numbers: Vec<u32> = lamps.iter().map(|lamp| lamp.0).collect();
+            let others = geometry.bounds_without(&numbers);
             if !others.is_empty() {
                 // Nearer lamps aim at nothing, and are lit as the others are.
                 let sphere = SceneSphere::around(&others);

@@ -85,7 +85,6 @@ pub(super) struct Tracer<'a> {
     view: &'a View,
     settings: PathSettings,
     techniques: Techniques,
-    reach: Reach,
     /// The photons of all rounds that have some of the samples.
     rounds: Vec<(u32, Merging, Arc<PhotonMap>)>,
     /// The start of the last sample's path from a light.
@@ -121,7 +120,6 @@ impl<'a> Tracer<'a> {
                 merging: techniques.merging.filter(|_| scene.materials.has_delta_lobe()),
                 ..techniques
             },
-            reach: scene.lights.reach(&scene.geometry),
             rounds: Vec::new(),
             start: None,
             light: Vec::new(),
@@ -180,7 +178,7 @@ impl<'a> Tracer<'a> {
             camera_paths: self.techniques.camera_paths,
             ways,
             photons: None,
-            reach: &self.reach,
+            reach: &self.scene.reach,
             camera_sampler,
             light_sampler,
             radiance: Rgb::ZERO,
@@ -230,7 +228,7 @@ struct Sample<'a, 'b> {
     camera_paths: bool,
     ways: Ways,
     photons: Option<&'b PhotonMap>,
-    reach: &'b Reach,
+    reach: &'a Reach,
     camera_sampler: Sampler,
     light_sampler: Sampler,
     radiance: Rgb,

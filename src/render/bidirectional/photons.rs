@@ -72,7 +72,7 @@ impl<'a> Tracer<'a> {
         MergeArea {
             radius_squared: radius_in_pixels * radius_in_pixels * area_of_pixel * shrunk,
             eye,
-            largest: (LARGEST_RADIUS * self.reach.lit.radius).powi(2) * shrunk,
+            largest: (LARGEST_RADIUS * self.scene.reach.lit.radius).powi(2) * shrunk,
         }
     }
 

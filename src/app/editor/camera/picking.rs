@@ -373,6 +373,7 @@ pub(crate) mod tests {
             materials: Arc::default(),
             textures: Arc::default(),
             lights: Arc::default(),
+            reach: Default::default(),
         }
     }
 

@@ -167,10 +167,12 @@ impl MaterialBall {
             .map(WeightedSource::from)
             .into();
         let textures = Arc::new(textures);
+        let lights = LightTable::build(&lights, &geometry, &textures);
         Some(Self {
             scene: RenderScene {
                 media: Arc::new(media),
-                lights: Arc::new(LightTable::build(&lights, &geometry, &textures)),
+                reach: lights.reach(&geometry),
+                lights: Arc::new(lights),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(surfaces),
                 materials: Arc::new(materials),

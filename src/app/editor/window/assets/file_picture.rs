@@ -24,6 +24,7 @@ use crate::engine::yield_to_all;
 use crate::files::Access;
 use crate::geometry::mesh::MeshData;
 use crate::light::LightTable;
+use crate::light::emission::Reach;
 use crate::material::{Material, MaterialId, MaterialTable};
 use crate::math::Aabb;
 use crate::medium::MediumInterface;
@@ -244,6 +245,7 @@ fn clay(meshes: Vec<Placed>, bounds: &Aabb) -> Option<ColorImage> {
     let scene = RenderScene {
         media: Arc::default(),
         lights: Arc::new(LightTable::build(&[], &geometry, &textures)),
+        reach: Reach::default(),
         geometry: Arc::new(geometry),
         surfaces: Arc::new(surfaces),
         materials: Arc::new(MaterialTable::new(vec![Material::Plain(grey)]).ok()?),
