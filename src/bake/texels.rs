@@ -86,12 +86,18 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel:
         }
     }
     let bands = size.y.div_ceil(BAND);
+    let in_bands: Vec<Vec<Vec<[u32; 2]>>> = of_page
+        .par_iter()
+        .map(|surfaces| triangles_in_bands(surfaces, size, cancel))
+        .collect();
     let found: Vec<Vec<(Texel, Spread)>> = (0..pages * bands)
         .into_par_iter()
         .map(|number| {
-            let rows = number % bands * BAND;
+            let (page, band) = ((number / bands) as usize, number % bands);
+            let rows = band * BAND;
             Band {
-                surfaces: &of_page[(number / bands) as usize],
+                surfaces: &of_page[page],
+                triangles: &in_bands[page][band as usize],
                 first: UVec2::new(0, rows),
                 end: UVec2::new(size.x, size.y.min(rows + BAND)),
                 cancel,
@@ -117,10 +123,32 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel:
     all
 }
 
+/// The numbers of the surface and of each triangle that has an area in the lightmap and may touch the rows of a band, band by band. They keep their order,
+/// because of triangles that are equally near to a texel it has the first one.
+fn triangles_in_bands(surfaces: &[&BakeSurface], size: UVec2, cancel: &AtomicBool) -> Vec<Vec<[u32; 2]>> {
+    let mut bands = vec![Vec::new(); size.y.div_ceil(BAND) as usize];
+    for (index, surface) in (0..).zip(surfaces) {
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
+        for (number, corners) in (0..).zip(&surface.triangles) {
+            let at = corners.map(|corner| surface.coordinates[corner as usize]);
+            let [first, end] = touched(at, [UVec2::ZERO, size]);
+            if area(at).abs() > 0.0 && first.cmplt(end).all() {
+                let rows = (first.y / BAND) as usize..=((end.y - 1) / BAND) as usize;
+                bands[rows].iter_mut().for_each(|band| band.push([index, number]));
+            }
+        }
+    }
+    bands
+}
+
 /// Rows of a lightmap. What is found in them does not depend on the other rows.
 struct Band<'a> {
     /// The surfaces of the lightmap.
     surfaces: &'a [&'a BakeSurface],
+    /// The numbers of the surface and of each triangle that may touch the rows.
+    triangles: &'a [[u32; 2]],
     /// The first texel, and the end of them.
     first: UVec2,
     end: UVec2,
@@ -149,32 +177,23 @@ impl Triangle<'_> {
 }
 
 impl<'a> Band<'a> {
-    /// The triangles that have an area and may touch the rows, or the first of them if the work is cancelled.
+    /// The triangles that have an area in the world, or the first of them if the work is cancelled.
     fn triangles(&self) -> impl Iterator<Item = Triangle<'a>> {
-        let of_surface = move |(index, &surface): (u32, &&'a BakeSurface)| {
-            (0..)
-                .zip(&surface.triangles)
-                .map(move |(number, corners)| (surface, [index, number], corners))
-        };
-        let all = (0..).zip(self.surfaces).flat_map(of_surface);
-        let (first, end, cancel) = (self.first, self.end, self.cancel);
-        all.take_while(|_| !cancel.load(Ordering::Relaxed))
-            .filter_map(move |(surface, number, corners)| {
-                let at = corners.map(|corner| surface.coordinates[corner as usize]);
-                let touched = touched(at, [first, end]);
-                let has_area = area(at).abs() > 0.0;
-                if !has_area || touched[0].cmpge(touched[1]).any() {
-                    return None;
-                }
-                let up = normal(corners.map(|corner| surface.positions[corner as usize]));
-                (up != Vec3::ZERO).then_some(Triangle {
-                    surface,
-                    number,
-                    at,
-                    up,
-                    touched,
-                })
+        let (surfaces, rows, cancel) = (self.surfaces, [self.first, self.end], self.cancel);
+        let numbers = self.triangles.iter().take_while(|_| !cancel.load(Ordering::Relaxed));
+        numbers.filter_map(move |&number| {
+            let surface = surfaces[number[0] as usize];
+            let corners = surface.triangles[number[1] as usize];
+            let at = corners.map(|corner| surface.coordinates[corner as usize]);
+            let up = normal(corners.map(|corner| surface.positions[corner as usize]));
+            (up != Vec3::ZERO).then_some(Triangle {
+                surface,
+                number,
+                at,
+                up,
+                touched: touched(at, rows),
             })
+        })
     }
 
     fn index_of(&self, place: UVec2) -> usize {
