@@ -108,6 +108,7 @@ const PICTURE_BYTES: u64 = 128;
 const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
 /// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
 const LEAST_HEIGHT: f64 = 2e-6;
+
 /// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends after `cancel` is set: soon while charts are flattened and packed, and
 /// at the end of a mesh while it is cut.
 pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicBool) -> Result<Layout, UnwrapError> {

@@ -82,8 +82,9 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     }
 }
 
-/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the samples and the seed. `seconds` is for
-/// pictures that depend on the time that they took, so that the same render gives the same file.
+/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the samples and the seed. `scene` is
+/// the file of the scene, and None for a scene without one. `seconds` are those of rendering, for pictures that depend on the time that they took: with None the
+/// same render gives the same file.
 pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option<&Path>, seconds: Option<f64>) {
     let status = world.resource::<RenderStatus>();
     let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));

@@ -128,7 +128,7 @@ impl RenderStatus {
         by_samples.max(by_time).max(by_noise).clamp(0.0, 1.0)
     }
 
-    /// The limit of noise, if there is one that the picture has not reached.
+    /// The limit of noise, if there is one that the picture has not reached: also while it is under way.
     pub fn missed_noise(&self) -> Option<f32> {
         let is_missed = |limit: &f32| self.noise.is_none_or(|noise| noise > *limit);
         // A picture that is all black reaches it without a noise.

@@ -262,7 +262,7 @@ fn encode_pfm(image: &ImageRgb, stored: StoredColors) -> Vec<u8> {
 }
 
 /// The nearest colour that RGBE stores: the encoder truncates mantissas, which would darken the picture by half a unit of eight bits. What is not
-/// above 0 or no number becomes 0, and what is beyond the exponents of the format becomes the largest colour, or black.
+/// above 0, or is no number, becomes 0, and what is beyond the exponents of the format becomes the largest colour, or black.
 fn nearest_in_rgbe(color: Rgb) -> Rgb {
     const LARGEST: f32 = 1e38;
     /// Below it the format stores black (Ward, "Real pixels", in Graphics Gems II).

@@ -109,7 +109,7 @@ impl StoredColors {
 /// The last parts of the names of three channels that are one colour or vector.
 const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 
-/// The same of two channels: ways in the picture and texture coordinates.
+/// The same of two channels: motion in pixels and texture coordinates.
 const PAIRS: [[&str; 2]; 2] = [["X", "Y"], ["U", "V"]];
 
 impl LayeredImage {

@@ -124,7 +124,7 @@ fn far_lamps_are_found_beside_any_number_of_shapes() {
     assert_alike(spheres(&plain, &[lamp]).reach.lit, around(&plain));
 }
 
-/// The bounds of some shapes are those of a list without the others, bit by bit.
+/// The bounds of the shapes that are not left out are, bit by bit, those of a list of these shapes alone.
 #[test]
 fn bounds_without_shapes_are_those_of_the_others() {
     let mut random = Random::new(8);

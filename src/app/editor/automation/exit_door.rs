@@ -39,7 +39,7 @@ impl ExitDoor {
         }
     }
 
-    /// The samples per pixel that it waits for.
+    /// The samples per pixel that it waits for: exactly so many once it samples, and at least so many before.
     pub(super) fn wanted_samples(&self) -> u32 {
         match self.step {
             Step::Sampling(samples) => samples,

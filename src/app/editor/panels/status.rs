@@ -198,7 +198,7 @@ fn noise(model: &StatusModel) -> Option<Part> {
     };
     let more = match missed {
         Some(_) => format!(
-            "{stopped_by} in Render has ended the picture before Limit noise: raise it, and the picture goes on."
+            "{stopped_by} in Render has ended the picture before Limit noise: raise {stopped_by}, and the picture goes on."
         ),
         None => "Limit noise in Render stops at a value.".to_owned(),
     };
