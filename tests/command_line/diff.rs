@@ -122,12 +122,12 @@ fn layers_of_data_have_figures_of_data() {
         (
             "Normal",
             "-0.500000 0.750000 0.750000 against -0.500000 0.250000 0.750000",
-            "8.33333",
+            "8.333334e-2",
         ),
         (
             "normal",
             "-0.500000 0.750000 0.750000 against -0.500000 0.250000 0.750000",
-            "8.33333",
+            "8.333334e-2",
         ),
         ("Normal.Y", "0.750000 against 0.250000", "2.500000e-1"),
         ("depth", "5.500000 against 5.000000", "2.500000e-1"),
@@ -178,7 +178,50 @@ fn layers_of_data_have_figures_of_data() {
     for matte in ["CryptoObject00", "CryptoObject00.R", "crypto-object", "cryptomatte"] {
         fails(&["--layer", matte], 2, "is a cryptomatte");
     }
-    fails(&["--layer", "light-groups"], 2, "no layer `light-groups`");
+    fails(&["--layer", "light-groups"], 2, "no layer or channel `light-groups`");
+    fails(&["--layer", "all"], 2, "`all` means several");
+    let output = diff(&a, &b, &["--layer", "motion", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON alone");
+    assert_eq!(figures["component_means"], serde_json::json!([[1.0, 0.5], [1.0, 0.0]]));
+    assert_eq!(
+        (&figures["mse"], &figures["greatest_difference"]),
+        (&0.125.into(), &0.5.into())
+    );
+    assert!(
+        figures.get("flip").is_none() && figures.get("means").is_none(),
+        "{figures}"
+    );
+}
+
+#[test]
+fn layers_of_two_kinds_are_not_compared() {
+    let shop = Workshop::new();
+    let write = |name: &str, add: fn(&mut LayeredImage)| {
+        let mut image = LayeredImage::new(16, 16);
+        image.add_rgb("", &[Vec3::ONE; 256]);
+        add(&mut image);
+        let path = shop.path(name);
+        write_exr(&path, &image, ExrCompression::Zip).expect("a writable folder");
+        path
+    };
+    let light = write("light.exr", |image| image.add_rgb("Thing", &[Vec3::ONE; 256]));
+    let vector = write("vector.exr", |image| image.add_xyz("Thing", &[Vec3::ONE; 256]));
+    let number = write("number.exr", |image| image.add_float("Thing.Y", vec![1.0; 256]));
+    for (one, other, words) in [
+        (&light, &vector, "has a layer of light with 3 components"),
+        (&vector, &number, "has data with 1 component"),
+        (&number, &light, "has data with 1 component"),
+    ] {
+        let output = diff(one, other, &["--layer", "Thing"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        for path in [one, other] {
+            assert!(said.contains(&path.display().to_string()), "{said}");
+        }
+        assert!(said.contains(words), "{said}");
+        assert_eq!(diff(one, one, &["--layer", "Thing"]).status.code(), Some(0));
+    }
 }
 
 #[test]
@@ -205,7 +248,7 @@ fn what_cannot_be_compared_is_said() {
     says(
         &a,
         &["--layer", "Albedo"],
-        &["no layer `Albedo`", "`Normal`", "`Variance`"],
+        &["no layer or channel `Albedo`", "`Normal`", "`Variance`"],
     );
     says(&a, &["-o", "a.xyz"], &["a.xyz", ".exr"]);
     let nowhere = shop.path("no-folder/page.html");

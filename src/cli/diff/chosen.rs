@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::cli::report::counted;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Channel, LayeredImage, is_cryptomatte, split_name};
@@ -15,6 +16,17 @@ pub struct Chosen {
     pub is_light: bool,
 }
 
+impl Chosen {
+    /// What it is, in words.
+    pub fn what(&self) -> String {
+        let kind = match self.is_light {
+            true => "a layer of light",
+            false => "data",
+        };
+        format!("{kind} with {}", counted(self.components, "component"))
+    }
+}
+
 /// What `name` means in a picture: a layer as the file calls it (`Depth`) or as `--aov` does (`depth`), a channel (`Depth.Z`), or with an empty name the
 /// picture itself. The error names the layers.
 pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, String> {
@@ -23,6 +35,9 @@ pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, S
         None => name,
     };
     let is_matte = |name: &str| is_cryptomatte(name) || is_cryptomatte(split_name(name).0);
+    if name == "all" {
+        return Err("`--layer` compares one layer, and `all` means several".to_owned());
+    }
     if is_matte(in_file) || Layers::from_name(name).is_ok_and(|layers| layers.contains(Layer::CryptoObject)) {
         return Err(format!(
             "`{name}` is a cryptomatte, whose numbers stand for names and have no differences: compare the layer `object-id` or `material-id`"
@@ -61,6 +76,6 @@ fn no_layer(image: &LayeredImage, layer: &str, path: &Path) -> String {
     };
     match layer {
         "" => format!("{path} has no colours of its own; `--layer` names a layer, and {known}"),
-        _ => format!("{path} has no layer `{layer}` of colours, a vector or one number; {known}"),
+        _ => format!("{path} has no layer or channel `{layer}`; {known}"),
     }
 }

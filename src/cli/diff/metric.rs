@@ -44,20 +44,17 @@ impl Metric {
 
     /// None if the pictures do not tell.
     fn value(self, figures: &Figures) -> Option<f32> {
-        if self == Self::Mse {
-            return Some(figures.mse);
-        }
-        let light = figures.light.as_ref()?;
+        let light = figures.light.as_ref();
         match self {
-            // Two black pictures have the same mean.
-            Self::Mean if light.means == [0.0, 0.0] => Some(0.0),
-            Self::Mean => Some(light.mean_ratio.map_or(f32::INFINITY, |ratio| (ratio - 1.0).abs())),
             Self::Mse => Some(figures.mse),
-            Self::RelMse => Some(light.relmse),
-            Self::Flip => Some(light.flip),
-            Self::Z => light.z.map(|z| z.rms),
-            Self::Psnr => Some(light.psnr.unwrap_or(f32::INFINITY)),
-            Self::Ssim => light.ssim,
+            // Two black pictures have the same mean.
+            Self::Mean if light?.means == [0.0, 0.0] => Some(0.0),
+            Self::Mean => Some(light?.mean_ratio.map_or(f32::INFINITY, |ratio| (ratio - 1.0).abs())),
+            Self::RelMse => Some(light?.relmse),
+            Self::Flip => Some(light?.flip),
+            Self::Z => light?.z.map(|z| z.rms),
+            Self::Psnr => Some(light?.psnr.unwrap_or(f32::INFINITY)),
+            Self::Ssim => light?.ssim,
         }
     }
 }

@@ -44,7 +44,7 @@ pub struct Variance {
 }
 
 impl Pair {
-    /// An error if a file cannot be read, the layer is missing, or the sizes differ.
+    /// An error if a file cannot be read, the layer is missing or of another kind in one of them, or the sizes differ.
     pub fn read(paths: [&Path; 2], layer: &str) -> Result<Self, String> {
         let [picture, reference] = paths.map(load);
         let (loaded, against) = (picture?, reference?);
@@ -59,7 +59,17 @@ impl Pair {
         }
         let chosen = choose(&loaded.image, layer, paths[0])?;
         let other = choose(&against.image, layer, paths[1])?;
-        let is_light = chosen.is_light && other.is_light;
+        // A picture may be grey and the other one coloured.
+        if !layer.is_empty() && (chosen.components, chosen.is_light) != (other.components, other.is_light) {
+            return Err(format!(
+                "{} has {} of the name `{layer}`, and {} has {}: they are not the same",
+                paths[0].display(),
+                chosen.what(),
+                paths[1].display(),
+                other.what()
+            ));
+        }
+        let is_light = chosen.is_light;
         let components = chosen.components.max(other.components);
         let (mut picture, mut reference) = (chosen.image, other.image);
         let not_finite = [&mut picture, &mut reference].map(blacken);
