@@ -28,7 +28,6 @@ use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
 use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
 use sunroom::files::{check_writable, record_reads};
-use sunroom::render::denoise::DenoiseError;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::Hidden;
 use sunroom::scene::{OpenScene, SceneStatus, read};
@@ -42,8 +41,11 @@ use self::progress::BakeProgress;
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{INTERRUPTED, TERMINATED};
 use super::render::cancel_on_interrupt;
-use super::report::{self, Failure, counted};
+use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};
+
+/// How a bake does without a denoiser.
+pub const BAKES_WITHOUT: &str = "--no-denoise bakes without it";
 
 /// The end of the last share at most: a point of a volume has eight times as many samples.
 const MOST_SAMPLES_OF_SHARES: u32 = u32::MAX / 8;
@@ -59,7 +61,7 @@ pub fn run(args: BakeArgs) -> ExitCode {
 
 fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let Some(samples) = &args.samples else {
-        check_denoiser(!args.no_denoise)?;
+        check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
         return within_folder(&args.output, || bake_whole(args));
     };
     check_samples(samples, args.spp)?;
@@ -84,17 +86,6 @@ pub fn check_samples(samples: &Range<u32>, spp: Option<u32>) -> Result<(), Failu
         true => Err(Failure::Usage(format!(
             "samples of shares end at {MOST_SAMPLES_OF_SHARES} at most, and these at {}",
             samples.end
-        ))),
-        false => Ok(()),
-    }
-}
-
-/// Refuses to remove noise where the program has no denoiser.
-pub fn check_denoiser(denoise: bool) -> Result<(), Failure> {
-    match denoise && !cfg!(feature = "denoise") {
-        true => Err(Failure::Usage(format!(
-            "{}; --no-denoise bakes without it",
-            DenoiseError::NotBuilt
         ))),
         false => Ok(()),
     }

@@ -58,9 +58,9 @@ impl Ending {
         self.pixels > 0 && self.pixels_without_samples == 0
     }
 
-    /// Whether the user has broken the render off.
-    pub fn is_interrupted(&self) -> bool {
-        matches!(self.broken_off_by, Some(Reason::Interrupt))
+    /// Whether the render ended before one of its limits was reached in every pixel: by the user, by the time, or by a fault.
+    pub fn is_broken_off(&self) -> bool {
+        self.broken_off_by.is_some()
     }
 
     /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
@@ -116,6 +116,14 @@ impl fmt::Display for Reason {
     }
 }
 
+/// A noise that is above its limit, with as many digits as show that: four behind the point at least.
+pub fn above(noise: f32, limit: f32) -> String {
+    let is_above = |text: &String| text.parse::<f32>().is_ok_and(|shown| shown > limit);
+    // No f32 has more digits.
+    let mut texts = (4..150).map(|digits| format!("{noise:.digits$}"));
+    texts.find(is_above).unwrap_or_else(|| noise.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use sunroom::render::film::Film;
@@ -166,5 +174,20 @@ mod tests {
                 .map(|ending| format!("{:?}", ending.exit_code()));
             assert_eq!(code.ok().as_ref(), expected, "{what}");
         }
+    }
+
+    #[test]
+    fn a_noise_above_its_limit_is_shown_above_it() {
+        for (noise, limit, shown) in [
+            (0.03, 0.005, "0.0300"),
+            (0.005_000_1, 0.005, "0.0050001"),
+            (0.005_04, 0.005_03, "0.00504"),
+            (f32::INFINITY, 0.005, "inf"),
+        ] {
+            assert_eq!(above(noise, limit), shown);
+        }
+        let limit = 0.005f32;
+        let text = above(limit.next_up(), limit);
+        assert!(text.parse::<f32>().is_ok_and(|shown| shown > limit), "{text}");
     }
 }

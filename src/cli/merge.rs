@@ -11,7 +11,7 @@ use sunroom::engine::PictureNames;
 use sunroom::layer::Layer;
 use sunroom::memory;
 use sunroom::render::camera::Camera;
-use sunroom::render::denoise::{DenoiseError, denoise_film};
+use sunroom::render::denoise::denoise_film;
 use sunroom::render::film::Film;
 use sunroom::render::image_io::{ExrCompression, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
@@ -23,7 +23,7 @@ use super::args::{MemoryArgs, ThreadArgs};
 use super::bake::Shares;
 use super::outputs;
 use super::picture_args::{DisplayArgs, FileArgs};
-use super::report::{self, Failure};
+use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser};
 
 #[derive(Args)]
 pub struct MergeArgs {
@@ -81,9 +81,7 @@ fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
         return shares.merge();
     }
     outputs::check_pictures(&args.output)?;
-    if args.denoise && !cfg!(feature = "denoise") {
-        return Err(DenoiseError::NotBuilt.into());
-    }
+    check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let mut parts = Vec::new();
     for path in &args.parts {
         let name = path.display().to_string();

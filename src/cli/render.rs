@@ -14,6 +14,7 @@ use clap::ValueEnum;
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::signals::{is_terminated, note_show, note_termination};
+use sunroom::color::Rgb;
 use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus};
 use sunroom::engine::{
     choose_integrator, describe_picture, layered_picture, load_to_completion, open_shutter, render_watched,
@@ -21,7 +22,7 @@ use sunroom::engine::{
 use sunroom::files::record_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::auto::{Method, pays_for_pilot};
-use sunroom::render::denoise::{DenoiseError, denoise_film};
+use sunroom::render::denoise::denoise_film;
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::LayeredImage;
 use sunroom::render::view::{Shown, View};
@@ -36,10 +37,10 @@ pub use self::overrides::apply_overrides;
 use self::args::Accel;
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
-use super::ending::{Ending, INTERRUPTED, TERMINATED};
+use super::ending::{Ending, INTERRUPTED, TERMINATED, above};
 use super::named_outputs::{check_compression, default_output};
 use super::progress::{InSequence, Progress};
-use super::report::Failure;
+use super::report::{Failure, RENDERS_WITHOUT, check_denoiser};
 use super::sequence::{TurningCamera, frame_path};
 use super::share::{self, Settings};
 use super::stats::{Auto, Bvh, Guide, Stats, StatsFormat, milliseconds, peak_memory_bytes};
@@ -62,9 +63,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     outputs::check_pictures(&first_outputs)?;
     args.shares.check(&args.output)?;
     check_together(args)?;
-    if args.denoise && !cfg!(feature = "denoise") {
-        return Err(DenoiseError::NotBuilt.into());
-    }
+    check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;
     note_show();
@@ -365,9 +364,10 @@ fn picture(
             "warning: {count} samples were not finite and counted as black"
         ));
     }
-    if let (Some(limit), false) = (status.missed_noise(), args.quiet || ending.is_interrupted()) {
+    if let (Some(limit), false) = (status.missed_noise(), args.quiet || ending.is_broken_off()) {
         let noise = match status.noise {
-            Some(noise) => format!("the noise is {noise:.4}"),
+            Some(noise) => format!("the noise is {}", above(noise, limit)),
+            None if image.pixels.iter().all(|&pixel| pixel == Rgb::ZERO) => "the picture is all black".to_owned(),
             None => "the noise is not known of so few samples".to_owned(),
         };
         report::line(format_args!(

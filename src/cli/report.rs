@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sunroom::document::Diagnostics;
+use sunroom::render::denoise::DenoiseError;
 
 /// Exit code for a command line that is wrong; clap uses it as well.
 pub const WRONG_USAGE: u8 = 2;
@@ -38,6 +39,17 @@ impl Failure {
             Self::Usage(message) => wrong_usage(message),
             Self::Fault(cause) => error(cause),
         }
+    }
+}
+
+/// How pictures do without a denoiser.
+pub const RENDERS_WITHOUT: &str = "leave --denoise out";
+
+/// Refuses to remove noise where the program has no denoiser. `otherwise` says how the command does without it.
+pub fn check_denoiser(denoise: bool, otherwise: &str) -> Result<(), Failure> {
+    match denoise && !cfg!(feature = "denoise") {
+        true => Err(Failure::Usage(format!("{}; {otherwise}", DenoiseError::NotBuilt))),
+        false => Ok(()),
     }
 }
 

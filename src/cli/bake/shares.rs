@@ -9,8 +9,8 @@ use sunroom::bake::merging::merge;
 use sunroom::render::part::FileDigest;
 use sunroom::scene::export::ExportError;
 
-use super::{check_denoiser, report_invalid, within_folder};
-use crate::cli::report::{self, Failure};
+use super::{BAKES_WITHOUT, report_invalid, within_folder};
+use crate::cli::report::{self, Failure, check_denoiser};
 
 /// What `sunroom merge` is asked for.
 pub struct Shares<'a> {
@@ -26,7 +26,7 @@ pub struct Shares<'a> {
 
 impl Shares<'_> {
     pub fn merge(&self) -> Result<ExitCode, Failure> {
-        check_denoiser(self.denoise)?;
+        check_denoiser(self.denoise, BAKES_WITHOUT)?;
         let [folder] = self.outputs else {
             return Err(Failure::Usage(
                 "the shares of a bake make one folder: give one `-o`".to_owned(),

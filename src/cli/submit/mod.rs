@@ -16,7 +16,6 @@ use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
 use sunroom::engine::{Limits, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
-use sunroom::render::denoise::DenoiseError;
 use sunroom::render::part;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
@@ -27,10 +26,10 @@ pub use self::args::SubmitArgs;
 use self::args::System;
 use self::plan::{Plan, Whole};
 use self::work::Work;
-use super::bake::check_denoiser;
+use super::bake::BAKES_WITHOUT;
 use super::check::report_scene;
 use super::outputs;
-use super::report::{self, Failure, counted};
+use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser, counted};
 
 /// The folder of the scene and its files in a job.
 const FILES: &str = "files";
@@ -75,10 +74,8 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
         );
         return Err(Failure::Usage(message));
     }
-    check_denoiser(args.bake && !args.no_denoise)?;
-    if args.denoise && !cfg!(feature = "denoise") {
-        return Err(DenoiseError::NotBuilt.into());
-    }
+    check_denoiser(args.bake && !args.no_denoise, BAKES_WITHOUT)?;
+    check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let work = Work::of(args)?;
     let Some(job) = gather(args, &work)? else {
         return Ok(ExitCode::FAILURE);
