@@ -251,8 +251,24 @@ fn limits_of_the_window_are_kept_with_the_camera() {
         let film = world.get::<Film>(eye).expect("it has a film");
         (film.sample_count, film.noise_target, film.adaptive)
     };
+    // What the picture ends by: the film counts where the window says nothing.
+    let effective = |world: &World| {
+        let (samples, noise, adaptive) = limits(world);
+        let control = world.resource::<RenderControl>();
+        (
+            control.target_samples.unwrap_or(samples),
+            control.noise_target.or(noise).filter(|noise| *noise > 0.0),
+            control.adaptive.unwrap_or(adaptive),
+        )
+    };
+    let refusal = |world: &mut World| {
+        let Ok(Some(Step::Do(command))) = parse::line(world, "keep-limits") else {
+            panic!("it is a command");
+        };
+        apply(world, command).expect_err("there is nothing to keep").to_string()
+    };
     let before = limits(&world);
-    assert!(!say(&mut world, "keep-limits"), "there is nothing to keep");
+    assert_eq!(refusal(&mut world), "The camera has these limits already.");
     for line in ["samples 96", "limit-noise 0.25", "adaptive on"] {
         assert!(say(&mut world, line), "{line}");
     }
@@ -263,13 +279,18 @@ fn limits_of_the_window_are_kept_with_the_camera() {
     let document = write::to_document(&gather::describe(&mut world), Path::new("/scene.xml"));
     let text = sunroom::document::to_xml(&document).expect("it can be written");
     assert!(text.contains("noise_target") && text.contains("value=\"96\""), "{text}");
-    // The film counts from now on.
-    assert_eq!(world.resource::<RenderControl>().target_samples, None);
+    assert_eq!(refusal(&mut world), "The camera has these limits already.");
     say(&mut world, "undo");
-    assert_eq!(limits(&world), before);
+    assert_eq!((limits(&world), effective(&world)), (before, (96, Some(0.25), true)));
     say(&mut world, "redo");
+    assert_eq!(effective(&world), limits(&world));
     assert!(say(&mut world, "limit-noise none") && say(&mut world, "keep-limits"));
-    assert_eq!(limits(&world), (96, None, true));
+    assert_eq!(
+        (limits(&world), effective(&world)),
+        ((96, None, true), (96, None, true))
+    );
+    world.insert_resource(ActiveSensor(None));
+    assert_eq!(refusal(&mut world), "There is no camera.");
 }
 
 #[test]
