@@ -77,14 +77,20 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     let words = words(text)?;
     let (verb, arguments) = words.split_first().ok_or("expected a command")?;
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    // The state that a switch of the menus is to have.
+    let wanted = match arguments[..] {
+        ["on"] => Some(true),
+        ["off"] => Some(false),
+        _ => None,
+    };
     if let Some(action) = actions::find(verb)
-        && let Some(wanted) = wanted_state(&arguments)
+        && (arguments.is_empty() || wanted.is_some())
     {
         let selection = world.resource::<Selection>().clone();
         let context = context(world, &selection);
         if wanted.is_some() {
             match action.switch(&context) {
-                None => return Err(format!("`{verb}` takes no words behind it").into()),
+                None => return Err(no_words_behind(verb)),
                 is_on if is_on == wanted => return Ok(None),
                 _ => {}
             }
@@ -104,14 +110,8 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
         })
 }
 
-/// The state that a line wants a switch of the menus to have: none in particular without a word. None for other words.
-fn wanted_state(arguments: &[&str]) -> Option<Option<bool>> {
-    match arguments {
-        [] => Some(None),
-        ["on"] => Some(Some(true)),
-        ["off"] => Some(Some(false)),
-        _ => None,
-    }
+fn no_words_behind(verb: &str) -> ScriptError {
+    format!("`{verb}` takes no words behind it").into()
 }
 
 fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
@@ -376,7 +376,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
         _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words").into()),
-        _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it").into()),
+        _ if actions::find(verb).is_some() => return Err(no_words_behind(verb)),
         _ => {
             let actions = actions::ACTIONS.iter().map(|action| action.name);
             return Err(unknown(
