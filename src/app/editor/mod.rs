@@ -60,8 +60,11 @@ impl Plugin for EditorPlugin {
             Ok(Some(monkey)) => Some(automation::monkey::settings_folder(monkey)),
             _ => session::preferences::folder(options.is_attended()),
         };
-        let (preferences_file, preferences) = PreferencesFile::open(folder.as_deref());
-        let preferences_file = preferences_file.kept_if(options.is_attended() || options.monkey.is_some());
+        let open = match options.is_attended() || options.monkey.is_some() {
+            true => PreferencesFile::open,
+            false => PreferencesFile::open_only_read,
+        };
+        let (preferences_file, preferences) = open(folder.as_deref());
         let mut settings = ViewSettings::default();
         settings.navigation.set_speed(preferences.speed);
         settings.gizmo.steps = preferences.steps;

@@ -56,9 +56,18 @@ pub(super) fn window_place(folder: &Path) -> Option<WindowPlace> {
 impl PreferencesFile {
     /// Reads the file in this folder; without one, the preferences are the defaults.
     pub fn open(folder: Option<&Path>) -> (Self, Preferences) {
+        Self::open_as(folder, false)
+    }
+
+    /// The same for a window without a user: the file is never written, nor set aside.
+    pub fn open_only_read(folder: Option<&Path>) -> (Self, Preferences) {
+        Self::open_as(folder, true)
+    }
+
+    fn open_as(folder: Option<&Path>, is_only_read: bool) -> (Self, Preferences) {
         let mut file = Self {
             path: folder.map(|folder| folder.join(FILE)),
-            is_only_read: false,
+            is_only_read,
             written: Preferences::default(),
             writing: None,
             looked_at: Instant::now(),
@@ -75,18 +84,15 @@ impl PreferencesFile {
         };
         match read.map(Preferences::within_range) {
             Ok(preferences) => file.written = preferences,
+            Err(reason) if is_only_read => {
+                let said =
+                    |path: &PathBuf| format!("{}: {reason}. The preferences are as in the beginning.", path.display());
+                file.problem = file.path.as_ref().map(said);
+            }
             Err(reason) => file.set_aside(&reason),
         }
         let preferences = file.written.clone();
         (file, preferences)
-    }
-
-    /// The same, which is written only if there is a user.
-    pub fn kept_if(self, is_attended: bool) -> Self {
-        Self {
-            is_only_read: !is_attended,
-            ..self
-        }
     }
 
     fn set_aside(&mut self, reason: &str) {
@@ -353,8 +359,7 @@ mod tests {
         let path = written(folder.path(), r#"{"speed": 2.5}"#);
         let before = std::fs::read(&path).expect("it is there");
         for is_attended in [false, true] {
-            let (file, preferences) = PreferencesFile::open(Some(folder.path()));
-            let mut file = file.kept_if(is_attended);
+            let (mut file, preferences) = PreferencesFile::open_as(Some(folder.path()), !is_attended);
             assert_eq!(preferences.speed, 2.5);
             file.store(Preferences {
                 denoising: !preferences.denoising,
@@ -363,6 +368,23 @@ mod tests {
             let after = std::fs::read(&path).expect("it is there");
             assert_eq!(after != before, is_attended);
         }
+    }
+
+    #[test]
+    fn windows_without_a_user_leave_a_broken_file_where_it_is() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let text = r#"{"speed": "fast"}"#;
+        let path = written(folder.path(), text);
+        let (mut file, preferences) = PreferencesFile::open_only_read(Some(folder.path()));
+        assert_eq!(preferences, Preferences::default());
+        let problem = file.problem.clone().expect("it is said");
+        assert!(problem.contains(FILE) && problem.contains("fast"), "{problem}");
+        file.store(Preferences {
+            speed: 2.0,
+            ..preferences
+        });
+        assert_eq!(std::fs::read_to_string(&path).expect("it is there"), text);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
     }
 
     #[test]
