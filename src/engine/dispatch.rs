@@ -99,7 +99,7 @@ pub(super) fn dispatch_job(
         new.failure = reserved.err().map(|shortage| shortage.to_string());
         if let Some(saved) = demand.resumed.0.take()
             && saved.is_of(&demand.extracted.scene, demand.extracted.view.as_ref())
-            && let Err(error) = new.resume(&saved.job, saved.film, control.region, film.bypass_change_detection())
+            && let Err(error) = new.resume(&saved.job, saved.film, film.bypass_change_detection())
         {
             new.failure = Some(error.to_string());
         }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::math::{Rect, UVec2};
+use bevy::math::{Rect, UVec2, Vec2};
 
 use super::Job;
 use crate::engine::film::RenderFilm;
@@ -23,6 +23,10 @@ impl Job {
             .into_iter()
             .for_each(|count| to.u64(count));
         to.f64(self.seconds());
+        to.u32(u32::from(self.region.is_some()));
+        if let Some(Rect { min, max }) = self.region {
+            [min.x, min.y, max.x, max.y].into_iter().for_each(|side| to.f32(side));
+        }
         let ((noise, is_adaptive), end) = self.round;
         write_optional(noise, &mut to);
         to.u32(u32::from(is_adaptive));
@@ -42,16 +46,9 @@ impl Job {
         to.0
     }
 
-    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run yet. `region` is the one that was rendered
-    /// then: the round under way and the judged noise are of it.
-    pub fn resume(
-        &mut self,
-        state: &[u8],
-        saved: Film,
-        region: Option<Rect>,
-        film: &mut RenderFilm,
-    ) -> Result<(), Damaged> {
-        self.set_region(region, film);
+    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run yet. The region is the one that was rendered
+    /// then, of which are the round under way, the judged noise and the replicas. [`Damaged`] if the state ends too early, or says what cannot be.
+    pub fn resume(&mut self, state: &[u8], saved: Film, film: &mut RenderFilm) -> Result<(), Damaged> {
         let mut from = Reader(state);
         for done in &mut self.done {
             *done = from.u32()?;
@@ -61,6 +58,8 @@ impl Job {
         }
         (self.rays, self.samples, self.invalid) = (from.u64()?, from.u64()?, from.u64()?);
         self.ran = Duration::try_from_secs_f64(from.f64()?).map_err(|_| Damaged)?;
+        let region = read_region(&mut from)?;
+        self.set_region(region, film);
         let (noise, is_adaptive) = (read_optional(&mut from)?, from.flag()?);
         self.round = ((noise, is_adaptive), from.u32()?);
         self.judged = match from.flag()? {
@@ -100,6 +99,23 @@ impl Job {
         self.correct_noise(correction, film);
         self.note_noise();
         Ok(())
+    }
+}
+
+fn read_region(from: &mut Reader) -> Result<Option<Rect>, Damaged> {
+    if !from.flag()? {
+        return Ok(None);
+    }
+    let mut sides = [0.0; 4];
+    from.f32s(&mut sides)?;
+    let [left, top, right, bottom] = sides;
+    let region = Rect {
+        min: Vec2::new(left, top),
+        max: Vec2::new(right, bottom),
+    };
+    match region.min.is_finite() && region.max.is_finite() {
+        true => Ok(Some(region)),
+        false => Err(Damaged),
     }
 }
 
@@ -236,7 +252,7 @@ mod tests {
                     .expect("it was just written");
             }
             let state = self.job.write();
-            let resumed = new.job.resume(&state, saved, self.job.region, &mut new.film);
+            let resumed = new.job.resume(&state, saved, &mut new.film);
             resumed.expect("it was just written");
             new
         }
@@ -286,6 +302,33 @@ mod tests {
                 assert!(picture.tiles() == whole.tiles(), "{what}: the films differ");
             }
         }
+    }
+
+    #[test]
+    fn another_region_after_a_checkpoint_leads_to_the_same_picture() {
+        let (scene, view) = scene_and_view();
+        let stop = |right: f32| {
+            let control = RenderControl {
+                region: Some(Rect::new(0.0, 0.0, right, 0.8)),
+                ..RenderControl::default()
+            };
+            let (samples, noise, is_adaptive) = (1000, Some(0.12), false);
+            let limits = FilmLimits {
+                samples,
+                noise,
+                is_adaptive,
+            };
+            StopCondition::new(&control, limits)
+        };
+        let mut picture = Picture::new(&scene, &view);
+        picture.render(&stop(0.5), usize::MAX);
+        let mut resumed = picture.resumed();
+        assert_eq!(resumed.job.region, picture.job.region);
+        for picture in [&mut picture, &mut resumed] {
+            assert!(picture.job.judged.is_some() && picture.job.replicas.is_some());
+            picture.render(&stop(1.0), usize::MAX);
+        }
+        assert!(picture.tiles() == resumed.tiles(), "the films differ");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::render::film::Film;
 use crate::render::tile::Tile;
 
 /// The version of the format of the state.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 const MAGIC: &[u8; 8] = b"SUNROOM+";
 /// The checksum, the length of the state, and [`MAGIC`].
 const TAIL: u64 = 4 + 8 + 8;
