@@ -11,7 +11,9 @@ use crate::statistics::{assert_all_plausible, sphere_integral};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 use sunroom::color::{Rgb, luminance};
-use sunroom::shading::{Bsdf, DielectricModel, Principled, PrincipledThin, SamplingRates, eta_from_specular, fresnel};
+use sunroom::shading::{
+    Bsdf, BsdfSample, DielectricModel, Onward, Principled, PrincipledThin, SamplingRates, eta_from_specular, fresnel,
+};
 
 fn cases() -> Vec<Single> {
     let principled = principled_cases()
@@ -387,6 +389,43 @@ fn figures_agree_with_mitsuba() {
         if !name.contains("glass and sheen") {
             let error = (case.pdf(wo, wi) / numbers[9] - 1.0).abs();
             assert!(error < tolerance, "{name} {wo} {wi}: density off by {error}");
+        }
+    }
+}
+
+/// Views go on as paths do: metals are mirrors on their front and black behind it, where what is glass in them is passed.
+#[test]
+fn views_go_on_where_paths_do() {
+    for (metallic, spec_trans, front, back) in [
+        (1.0, 0.0, Some(Onward::Mirrored(GOLD)), None),
+        // Metal leaves nothing to glass.
+        (1.0, 1.0, Some(Onward::Mirrored(GOLD)), None),
+        (
+            0.5,
+            0.5,
+            Some(Onward::Mirrored(0.5 * GOLD)),
+            Some(Onward::Straight(0.25 * GOLD.map(f32::sqrt))),
+        ),
+        (
+            0.0,
+            1.0,
+            Some(Onward::Straight(GOLD.map(f32::sqrt))),
+            Some(Onward::Straight(GOLD.map(f32::sqrt))),
+        ),
+    ] {
+        let principled = Principled {
+            base_color: GOLD,
+            metallic,
+            spec_trans,
+            ..PRINCIPLED
+        };
+        let case = Single::new("metal and glass", Bsdf::Principled(principled));
+        for wo in [direction(2.0, 0.5), direction(35.0, 4.0), direction(80.0, 1.0)] {
+            assert_eq!(case.bsdf.onward(wo), front, "{metallic} {spec_trans}");
+            assert_eq!(case.bsdf.onward(-wo), back, "{metallic} {spec_trans}");
+            let is_seen = |sample: BsdfSample| sample.weight != Rgb::ZERO;
+            let goes_on = (0..256).any(|index| case.sample(-wo, index).is_some_and(is_seen));
+            assert_eq!(goes_on, back.is_some(), "{metallic} {spec_trans} from {wo}");
         }
     }
 }

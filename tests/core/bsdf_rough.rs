@@ -13,7 +13,7 @@ use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{
     Bsdf, Compensation, ConductorSpecular, DielectricModel, Microfacet,
     MicrofacetKind::{self, Beckmann, Ggx},
-    RoughConductor, RoughDielectric, ShadingTables, fresnel, ior,
+    Onward, RoughConductor, RoughDielectric, ShadingTables, fresnel, ior,
 };
 
 fn rough_conductor(material: &str, kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> RoughConductor {
@@ -423,5 +423,21 @@ fn figures_agree_with_mitsuba() {
     ];
     for (bsdf, figure) in figures {
         assert_figure(&Single::new(&format!("{bsdf:?}"), bsdf), figure, 1e-4, 4e-3);
+    }
+}
+
+/// Views go on only where paths do: the backs of metals are black.
+#[test]
+fn views_go_on_at_rough_metals_from_the_front_alone() {
+    for alpha in [0.03, 0.4, 1.0] {
+        let rough = rough_conductor("Au", Ggx, alpha, alpha);
+        let case = Single::new("rough gold", Bsdf::RoughConductor(rough));
+        for degrees in [2.0, 35.0, 80.0] {
+            let wo = direction(degrees, 1.0);
+            let share = rough.specular.reflectance(wo.z);
+            assert_eq!(case.bsdf.onward(wo), Some(Onward::Mirrored(share)));
+            assert!((0..64).all(|index| case.sample(-wo, index).is_none_or(|sample| sample.weight == Rgb::ZERO)));
+            assert_eq!(case.bsdf.onward(-wo), None);
+        }
     }
 }

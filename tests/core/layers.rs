@@ -12,7 +12,9 @@ use sunroom::math::Ray;
 use sunroom::render::camera::{Camera, ThinLens};
 use sunroom::render::film::Film;
 use sunroom::render::filter::{FilterKernel, PixelFilter};
-use sunroom::render::layers::LayerPixels;
+use sunroom::render::image_io::ImageRgb;
+use sunroom::render::layered_image::{is_cryptomatte, split_name};
+use sunroom::render::layers::{LayerNames, LayerPixels, layered_image};
 use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
@@ -324,6 +326,60 @@ fn direct_light_is_that_of_short_paths() {
         &with_direct,
     );
     assert!(layer(Layer::Indirect).iter().any(|light| light.min_element() > 0.01));
+}
+
+#[test]
+fn channels_of_pictures_have_the_names_of_their_layers() {
+    let (scene, light_groups) = room();
+    let groups = ["key", "fill", "back"].map(str::to_owned);
+    let look = View {
+        light_groups,
+        ..with_layers(all(), look(2, Strategy::Mis))
+    };
+    let film = render(&scene, &look, 2);
+    let name = |number: u32| number.to_string();
+    let names = LayerNames {
+        object: &name,
+        material: &name,
+        light_groups: &groups,
+    };
+    let pixels = film.radiance();
+    let picture = ImageRgb {
+        width: film.width(),
+        height: film.height(),
+        pixels: pixels.clone(),
+    };
+    let image = layered_image(&picture, &film, &look.camera, &names, Some(&pixels));
+    let of_layer = |layer: Layer| -> Vec<String> {
+        let name = layer.name_in_pictures();
+        let layers = match layer {
+            Layer::Alpha => return vec![name.to_owned()],
+            Layer::LightGroups => groups.iter().map(|group| format!("{name}.{group}")).collect(),
+            _ => vec![name.to_owned()],
+        };
+        let channels = layer.channels_in_pictures();
+        let named = |name: &String| channels.iter().map(|channel| format!("{name}.{channel}")).collect();
+        layers.iter().flat_map(|name| -> Vec<String> { named(name) }).collect()
+    };
+    let mut expected: Vec<String> = ["R", "G", "B"].map(str::to_owned).to_vec();
+    expected.extend(Layer::ALL.into_iter().flat_map(of_layer));
+    let (mattes, mut found): (Vec<String>, Vec<String>) = image
+        .channels
+        .iter()
+        .map(|channel| channel.name.clone())
+        .partition(|name| is_cryptomatte(split_name(name).0));
+    expected.sort();
+    found.sort();
+    assert_eq!(found, expected);
+    for layer in Layer::ALL
+        .into_iter()
+        .filter(|layer| layer.channels_in_pictures().is_empty())
+    {
+        assert!(
+            mattes.iter().any(|name| name.starts_with(layer.name_in_pictures())),
+            "{layer:?}"
+        );
+    }
 }
 
 #[test]

@@ -77,10 +77,11 @@ pub fn layered_image(
 
 /// The name of the only channel of a layer.
 fn number_name(layer: Layer) -> String {
-    match layer {
-        // It is a channel of the picture itself.
-        Layer::Alpha => layer.name_in_pictures().to_owned(),
-        _ => full_name(layer.name_in_pictures(), layer.channels_in_pictures()[0]),
+    let name = layer.name_in_pictures();
+    match layer.channels_in_pictures() {
+        // Alpha is a channel of the picture itself.
+        [channel, ..] if layer != Layer::Alpha => full_name(name, channel),
+        _ => name.to_owned(),
     }
 }
 
