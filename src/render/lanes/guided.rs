@@ -15,7 +15,7 @@ pub(super) struct Guided<'a> {
     cells: [u32; LANES],
     axes: BinLanes,
     lobes: DiffuseLobeLanes,
-    /// The parts of the directions of these that are from the histograms.
+    /// The parts of the directions of the lobes that are from the histograms, from 0 to 1.
     parts: Lanes,
 }
 
@@ -27,7 +27,8 @@ impl<'a> Guided<'a> {
         let places = field.places(position, &axes).to_array();
         // Looked up for all lanes, since those that were not asked for have a place as well: it takes less than to go from bit to bit.
         let cells = places.map(|place| field.cell_at(place));
-        let lanes = asked & !WordLanes::new(cells).simd_eq(WordLanes::ZERO).to_bitmask();
+        let has_lobe = lobes.share.simd_gt(Lanes::ZERO).to_bitmask();
+        let lanes = asked & has_lobe & !WordLanes::new(cells).simd_eq(WordLanes::ZERO).to_bitmask();
         (lanes != 0).then_some(Self {
             field,
             lanes,
@@ -52,10 +53,11 @@ impl<'a> Guided<'a> {
         let counts = std::array::from_fn(|lane| self.field.cell(self.cells[lane]).count(bins[lane]) as f32);
         let pdf = Lanes::new(counts) * density * Lanes::splat(1.0 / UNITS as f32);
         let cosine = self.lobes.normal.dot(wi).fast_max(Lanes::ZERO) * Lanes::splat(FRAC_1_PI);
-        let part = self.parts * self.lobes.share;
-        // The lobe is at most the whole model, which rounding may hide at the horizon.
-        let least = part.mul_neg_add(bsdf_pdf, bsdf_pdf);
-        let mixed = (pdf - cosine).mul_add(part, bsdf_pdf).fast_max(least);
+        // The lobe has no more than the density of the whole model, which rounding may hide at the horizon.
+        let least = self.parts.mul_neg_add(bsdf_pdf, bsdf_pdf);
+        let mixed = (pdf - cosine)
+            .mul_add(self.parts * self.lobes.share, bsdf_pdf)
+            .fast_max(least);
         (lanes_of(self.lanes) & bsdf_pdf.simd_gt(Lanes::ZERO)).select(mixed, bsdf_pdf)
     }
 
@@ -105,5 +107,49 @@ impl<'a> Guided<'a> {
         sample.returned &= !here;
         sample.choose(here, mixed);
         sample
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::render::guide::PhotonArrival;
+
+    /// A guide for a floor whose light comes from one side.
+    fn field() -> Field {
+        let arrival = |number: u32| PhotonArrival {
+            position: Vec3::new((number % 97) as f32, 0.0, (number % 89) as f32),
+            normal: Vec3::Y,
+            wi: Vec3::new(1.0, 0.4 + 1e-3 * (number % 7) as f32, 0.1).normalize(),
+            power: 1.0,
+        };
+        Field::learn(&(0..1 << 14).map(arrival).collect::<Vec<_>>()).expect("a guide")
+    }
+
+    #[test]
+    fn densities_of_a_lobe_are_its_probability_in_all() {
+        const ROWS: usize = 400;
+        let field = field();
+        for share in [1.0, 0.8, 0.3, 0.01] {
+            let lobes = DiffuseLobeLanes {
+                normal: Vec3Lanes::splat(Vec3::Y),
+                start: Lanes::splat(1.0 - share),
+                share: Lanes::splat(share),
+            };
+            let place = Vec3Lanes::splat(Vec3::new(30.0, 0.0, 40.0));
+            let guided = Guided::of(&field, 1, place, lobes).expect("a histogram");
+            let mut sum = 0.0;
+            for (row, column) in (0..ROWS).flat_map(|row| (0..2 * ROWS).map(move |column| (row, column))) {
+                let y = (row as f32 + 0.5) / ROWS as f32;
+                let (sin, cos) = (std::f32::consts::PI * (column as f32 + 0.5) / ROWS as f32).sin_cos();
+                let across = (1.0 - y * y).sqrt();
+                let wi = Vec3Lanes::splat(Vec3::new(across * cos, y, across * sin));
+                let density = guided.mixed(wi, Lanes::splat(share * y * FRAC_1_PI)).as_array()[0];
+                sum += f64::from(density) * std::f64::consts::TAU / (2 * ROWS * ROWS) as f64;
+            }
+            assert!((sum / f64::from(share) - 1.0).abs() < 0.01, "{share}: {sum}");
+        }
     }
 }
