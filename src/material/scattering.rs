@@ -346,11 +346,12 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// The normal of the only model on the side that is seen, if that has a diffuse lobe.
-    pub fn diffuse_normal(&self) -> Option<Vec3> {
+    /// The normal of the only model on the side that is seen, and the probability of its diffuse lobe, from 0 to 1; None where there is none.
+    pub fn diffuse_lobe(&self) -> Option<(Vec3, f32)> {
         match (&self.parts[..], self.null_share) {
-            ([part], 0.0) if part.bsdf.diffuse_lobe(self.tables, part.wo).share > 0.0 => {
-                Some(part.orientation.to_world(Vec3::Z))
+            ([part], 0.0) => {
+                let share = part.bsdf.diffuse_lobe(self.tables, part.wo).share;
+                (share > 0.0).then(|| (part.orientation.to_world(Vec3::Z), share))
             }
             _ => None,
         }

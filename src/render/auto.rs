@@ -13,16 +13,20 @@
 //! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
 //! is a function of the scene and of what the camera sees, on any number of threads.
 
+mod choice;
+
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use glam::UVec2;
 
+pub use self::choice::{Choice, Method};
+use self::choice::{WORTHWHILE, method};
 use super::bidirectional::{self, Find, Techniques};
 use super::guide::Guide;
 use super::lanes::{self, Job};
 use super::scene::RenderScene;
-use super::view::{Integrator, PathSettings, Shown, Strategy, View};
+use super::view::{Integrator, Shown, Strategy, View};
 use crate::color::luminance;
 use crate::sampling::SequenceKind;
 use crate::sampling::hash::pcg3d;
@@ -59,78 +63,12 @@ const COMMON: f32 = 16.0;
 const BRIGHTEST: f32 = 1024.0;
 /// Places are taken to be as bright as this share of the picture's mean at least.
 const DARK: f32 = 0.05;
-/// The gain from which on bidirectional path tracing is chosen, and beyond which, one way or the other, the first stage is enough.
-const WORTHWHILE: f64 = 1.5;
+/// Beyond this factor of the gain from which on bidirectional path tracing is chosen, one way or the other, the first stage is enough.
 const CLEAR: f64 = 4.0;
-/// The gain from which on guided paths are chosen. It is told too low where they pay: well spread samples complete each other the more, the more of them go the same way.
-const WORTHWHILE_OF_GUIDE: f64 = 1.15;
 /// Gains are told down to this, and up to its reciprocal.
 const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
 const SEED: u32 = 0x5eed_a070;
-
-/// What `auto` can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Path tracing.
-    Path,
-    /// Path tracing with a guide.
-    GuidedPath,
-    /// Bidirectional path tracing.
-    Bidirectional,
-}
-
-/// The choice for a scene and a view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
-    /// The method that pays for the scene.
-    pub method: Method,
-    /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same cost. None if there was no pilot.
-    pub gain: Option<f32>,
-    /// The same of guided paths. None if they were not tried.
-    pub gain_of_guide: Option<f32>,
-    /// The share of the light that path tracing never finds, from 0 to 1.
-    pub missed: f32,
-}
-
-impl Choice {
-    /// Path tracing, without a pilot.
-    pub const UNTRIED: Self = Self {
-        method: Method::Path,
-        gain: None,
-        gain_of_guide: None,
-        missed: 0.0,
-    };
-
-    /// The same choice, but that paths are guided in any case if that `is_asked` for.
-    pub fn or_guided(self, is_asked: bool) -> Self {
-        match (is_asked, self.method) {
-            (true, Method::Path) => Self {
-                method: Method::GuidedPath,
-                ..self
-            },
-            _ => self,
-        }
-    }
-
-    /// The name of what was chosen: that of the integrator in files, or `guided path`. `has_media`: whether there are media, which only path tracing knows.
-    pub fn name(&self, has_media: bool) -> &'static str {
-        match (self.method, has_media) {
-            (Method::Bidirectional, _) => "bdpt",
-            (_, true) => "volpath",
-            (Method::GuidedPath, false) => "guided path",
-            (Method::Path, false) => "path",
-        }
-    }
-
-    /// The chosen integrator with these settings.
-    pub fn integrator(&self, settings: PathSettings) -> Integrator {
-        match self.method {
-            Method::Bidirectional => Integrator::Bidirectional(settings),
-            Method::Path | Method::GuidedPath => Integrator::Path(settings),
-        }
-    }
-}
 
 /// What the pilot of a picture may do. It depends on the number of samples alone, and where it is equal, so is the choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -238,14 +176,8 @@ pub fn choose(
         add(&mut parts, second);
         found = judge(&parts, size).unwrap_or(found);
     }
-    let of_guide = gain_of_guide.unwrap_or(1.0);
-    let method = match () {
-        _ if of_guide >= WORTHWHILE_OF_GUIDE && of_guide > found.gain => Method::GuidedPath,
-        _ if found.gain >= WORTHWHILE => Method::Bidirectional,
-        _ => Method::Path,
-    };
     Some(Choice {
-        method,
+        method: method(found.gain, gain_of_guide),
         gain: Some(found.gain as f32),
         gain_of_guide: gain_of_guide.map(|gain| gain as f32),
         missed: found.missed,

@@ -165,6 +165,40 @@ fn what_cannot_be_guided_is_as_without_a_guide() {
 }
 
 #[test]
+fn glass_and_metal_of_principled_models_are_not_guided() {
+    let (glass, metal) = (
+        Principled {
+            spec_trans: 1.0,
+            ..PRINCIPLED
+        },
+        Principled {
+            metallic: 1.0,
+            ..PRINCIPLED
+        },
+    );
+    for model in [glass, metal] {
+        let mut scene = SceneBuilder::default();
+        let floor = placed(
+            Vec3::ONE,
+            Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2),
+            Vec3::NEG_Y,
+        );
+        scene.add(Primitive::Rectangle, floor, Bsdf::Principled(model), None);
+        let ball = placed(Vec3::splat(0.4), Quat::IDENTITY, Vec3::new(0.0, -0.5, 0.0));
+        scene.add(Primitive::Sphere, ball, Bsdf::Principled(model), None);
+        let lamp = placed(
+            Vec3::splat(0.3),
+            Quat::from_rotation_x(std::f32::consts::FRAC_PI_2),
+            Vec3::new(0.0, 0.9, 0.0),
+        );
+        scene.add(Primitive::Rectangle, lamp, diffuse(0.0), Some(Rgb::splat(8.0)));
+        let scene = scene.build();
+        let pictures = [&look(8), &guided(&look(8))].map(|view| render(&scene, view, 16));
+        assert!(pictures[0].radiance() == pictures[1].radiance(), "{model:?}");
+    }
+}
+
+#[test]
 fn what_is_below_coats_is_guided() {
     let (scene, free) = (coated_cove(), look(6));
     let [plain, led] = [&free, &guided(&free)].map(|view| render(&scene, view, 8192));

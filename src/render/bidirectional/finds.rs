@@ -50,12 +50,13 @@ impl Sample<'_, '_> {
 }
 
 impl Guidance<'_> {
-    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Coats are left out, whose directions nothing guides.
+    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Below a coat it is an estimate, as if all of the model had the density of the cosine:
+    /// the direction that the path has come from is not known here.
     pub fn ratio(&self, vertex: &Vertex, wi: Vec3) -> f32 {
         let of_guide = || {
-            let normal = vertex.scattering.diffuse_normal()?;
+            let (normal, share) = vertex.scattering.diffuse_lobe()?;
             let (density, part) = self.0?.density(vertex.point.position, normal, wi)?;
-            Some((density, part, normal.dot(wi).max(0.0) * FRAC_1_PI))
+            Some((density, share * part, normal.dot(wi).max(0.0) * FRAC_1_PI))
         };
         match of_guide() {
             Some((density, part, of_cosine)) if of_cosine > 0.0 => 1.0 - part + part * density / of_cosine,

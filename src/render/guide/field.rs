@@ -224,7 +224,7 @@ impl Field {
         self.index.get(place as usize).copied().unwrap_or(0)
     }
 
-    /// The density per solid angle of a direction from the histogram of a place, and the part of a lobe that is from there; None where there is none.
+    /// The density per solid angle of a direction from the histogram of a place, and the part of a diffuse lobe that is from there, from 0 to 1; None where there is none.
     pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<(f32, f32)> {
         let axes = BinLanes::of(Vec3Lanes::splat(normal));
         let place = self.places(Vec3Lanes::splat(position), &axes).as_array()[0];

@@ -47,7 +47,9 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
 pub(super) struct DiffuseLobeLanes {
     /// The normals in the world.
     pub normal: Vec3Lanes,
+    /// The first of the numbers that choose the lobes, from 0 to 1.
     pub start: Lanes,
+    /// The probabilities of the lobes, from 0 to 1.
     pub share: Lanes,
 }
 
