@@ -22,6 +22,7 @@ use sunroom::bake::files;
 use sunroom::bake::job::{BakeEnding, BakeJob, BakeSettings, BakeSource};
 use sunroom::bake::limits::BakeLimits;
 use sunroom::bake::manifest::BakedLight;
+use sunroom::bake::part::is_part;
 use sunroom::bake::probes::ProbeSettings;
 use sunroom::bake::progress::about_invalid;
 use sunroom::bake::unwrap::UnwrapSettings;
@@ -62,7 +63,10 @@ pub fn run(args: BakeArgs) -> ExitCode {
 fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let Some(samples) = &args.samples else {
         check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
-        return within_folder(&args.output, || bake_whole(args));
+        return within_folder(&args.output, || {
+            args.checkpoints.check("bake", is_part)?;
+            bake_whole(args)
+        });
     };
     check_samples(samples, args.spp)?;
     let name = args.output.display();
@@ -72,6 +76,7 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
         )));
     }
     check_writable(&args.output).map_err(|error| format!("cannot write {name}: {error}"))?;
+    args.checkpoints.check("bake", is_part)?;
     bake_share(args, [samples.start, samples.end])
 }
 

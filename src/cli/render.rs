@@ -63,6 +63,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     outputs::check_pictures(&first_outputs)?;
     args.shares.check(&args.output)?;
     check_together(args)?;
+    args.checkpoints.check("picture", share::is_checkpoint_of_picture)?;
     check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;

@@ -10,11 +10,11 @@ use sunroom::app::checkpoint::Piece;
 use sunroom::app::origin::{self, origin};
 use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
 use sunroom::render::film::Film;
-use sunroom::render::part::{Crop, Origin, PartFile};
+use sunroom::render::part::{Crop, Origin, PartError, PartFile};
 use sunroom::render::passes::{chunk_of, is_cut};
 use sunroom::scene::{ActiveSensor, Film as SensorFilm};
 
-use super::outputs::{is_exr, is_stdout};
+use super::outputs::{self, is_exr, is_stdout};
 use super::parse;
 use super::report::{self, Failure};
 
@@ -49,6 +49,32 @@ impl CheckpointArgs {
     pub fn are_given(&self) -> bool {
         self.checkpoint.is_some() || self.resume.is_some()
     }
+
+    /// Refuses a file of checkpoints that cannot be written, or that has something else than a checkpoint, which would be lost. `is_checkpoint` tells whether a
+    /// file is a checkpoint of such a `work` (a picture, a bake), be it of another scene.
+    pub fn check(&self, work: &str, is_checkpoint: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+        let Some(path) = &self.checkpoint else {
+            return Ok(());
+        };
+        outputs::check_text(path)?;
+        let has_content = path.metadata().is_ok_and(|about| about.len() > 0);
+        match has_content && !is_checkpoint(path) {
+            true => Err(format!(
+                "{} is there already and is no checkpoint of a {work}: it is not replaced; name another file by --checkpoint",
+                path.display()
+            )
+            .into()),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Whether a file is a checkpoint or a part of a picture, also of another version, or a damaged one that still has its end.
+pub fn is_checkpoint_of_picture(path: &Path) -> bool {
+    matches!(
+        PartFile::open(path),
+        Ok(_) | Err(PartError::Format | PartError::Damaged(_))
+    )
 }
 
 /// What the samples of a picture depend on beside the scene and the view, by name.

@@ -4,6 +4,7 @@ mod auto;
 mod bake;
 mod bake_shares;
 mod bench;
+mod checkpoints;
 mod commands;
 mod diff;
 mod foreign_files;

@@ -1,0 +1,85 @@
+//! Files that `--checkpoint` must not replace, and files that are no checkpoint to go on with.
+
+use crate::workshop::{Workshop, sunroom};
+
+const SCENE: &str = r#"<scene version="3.0.0">
+  <sensor type="perspective">
+    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/></film>
+  </sensor>
+  <shape type="rectangle"><transform name="to_world"><translate z="-3"/></transform></shape>
+  <emitter type="constant"/>
+</scene>
+"#;
+
+fn shop() -> Workshop {
+    let shop = Workshop::new();
+    shop.scene(SCENE);
+    shop
+}
+
+/// Runs a command line, whose words have no spaces, and returns its messages.
+#[track_caller]
+fn said(shop: &Workshop, words: &str, code: i32) -> String {
+    let mut command = sunroom();
+    command.current_dir(shop.folder()).args(words.split(' '));
+    let output = command.output().expect("the program starts");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{words}: {message}");
+    message
+}
+
+const RENDER: &str = "render scene.xml -q --spp 2 -o a.exr";
+const BAKE: &str = "bake scene.xml -q --spp 1 --no-denoise --no-probes --atlas-size 64 -o level";
+const SHARE: &str = "bake scene.xml -q --samples 0..1 --no-probes --atlas-size 64 -o a.bake";
+
+#[test]
+fn only_checkpoints_are_replaced_by_checkpoints() {
+    let shop = shop();
+    let read = |name: &str| std::fs::read(shop.path(name)).expect("it is there");
+    shop.write("other.xml", SCENE);
+    said(&shop, &format!("{RENDER} --checkpoint c.exr"), 0);
+    said(&shop, &format!("{BAKE} --checkpoint c.bake"), 0);
+    std::fs::remove_dir_all(shop.path("level")).expect("removed");
+    std::fs::rename(shop.path("a.exr"), shop.path("plain.exr")).expect("renamed");
+    for (command, names) in [
+        (RENDER, ["scene.xml", "other.xml", "plain.exr", "c.bake"]),
+        (BAKE, ["scene.xml", "other.xml", "plain.exr", "c.exr"]),
+        (SHARE, ["scene.xml", "other.xml", "plain.exr", "c.exr"]),
+    ] {
+        for name in names {
+            let before = read(name);
+            let message = said(&shop, &format!("{command} --checkpoint {name}"), 1);
+            let work = if command == RENDER { "picture" } else { "bake" };
+            let words = format!("{name} is there already and is no checkpoint of a {work}: it is not replaced");
+            assert!(message.contains(&words), "{message}");
+            assert!(read(name) == before, "{command}: {name}");
+        }
+    }
+    for output in ["a.exr", "a.bake", "level"] {
+        assert!(!shop.path(output).exists(), "{output} was written");
+    }
+
+    // An empty file has nothing to lose, and a checkpoint of another picture is an old one.
+    shop.write("empty", "");
+    said(&shop, &format!("{RENDER} --checkpoint empty"), 0);
+    said(&shop, &format!("{RENDER} --seed 7 --checkpoint c.exr"), 0);
+    assert!(read("empty") != read("c.exr"));
+    said(&shop, &format!("{RENDER} --seed 7 --resume c.exr"), 0);
+    said(&shop, &format!("{BAKE} --seed 7 --checkpoint c.bake"), 0);
+    said(&shop, &format!("{BAKE} --seed 7 --resume c.bake"), 0);
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_told_before_anything_is_rendered() {
+    let shop = shop();
+    for command in [RENDER, BAKE, SHARE] {
+        let message = said(&shop, &format!("{command} --checkpoint none/c"), 1);
+        assert!(
+            message.contains("cannot write none/c: there is no folder none"),
+            "{message}"
+        );
+    }
+    for output in ["a.exr", "a.bake", "level"] {
+        assert!(!shop.path(output).exists(), "{output} was written");
+    }
+}
