@@ -65,12 +65,17 @@ impl Drop for OutputFolder {
     }
 }
 
+/// Whether a file of this name in the folder of a bake is one that a bake may replace.
+pub fn is_name_of_bake(name: &str) -> bool {
+    name == LEVEL || name == MANIFEST || OURS.iter().any(|ours| name.starts_with(ours))
+}
+
 /// The files in the folder that a bake may replace.
 pub fn replaceable(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let is_ours = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name == LEVEL || name == MANIFEST || OURS.iter().any(|ours| name.starts_with(ours))
+        let name = path.file_name().unwrap_or_default();
+        is_name_of_bake(&name.to_string_lossy())
     };
     entries.map(|entry| entry.path()).filter(is_ours).collect()
 }

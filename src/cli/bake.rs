@@ -41,6 +41,7 @@ use self::progress::BakeProgress;
 
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{INTERRUPTED, TERMINATED};
+use super::outputs::is_same_file;
 use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};
@@ -64,7 +65,8 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let Some(samples) = &args.samples else {
         check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
         return within_folder(&args.output, || {
-            args.checkpoints.check("bake", is_part)?;
+            args.checkpoints
+                .check("bake", |path| is_file_of_level(&args.output, path), is_part)?;
             bake_whole(args)
         });
     };
@@ -76,8 +78,15 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
         )));
     }
     check_writable(&args.output).map_err(|error| format!("cannot write {name}: {error}"))?;
-    args.checkpoints.check("bake", is_part)?;
+    args.checkpoints
+        .check("bake", |path| is_same_file(&args.output, path), is_part)?;
     bake_share(args, [samples.start, samples.end])
+}
+
+/// Whether a bake into the folder may replace this file, be it there or not.
+fn is_file_of_level(folder: &Path, path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    files::is_name_of_bake(&name.to_string_lossy()) && is_same_file(&folder.join(name), path)
 }
 
 /// Refuses ranges of samples that cannot be shares of a bake of `spp` samples, if that number is known.

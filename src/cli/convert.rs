@@ -16,6 +16,7 @@ use sunroom::scene::volume_check::check_volumes;
 use sunroom::scene::write::{self, Extensions};
 
 use super::args::{MemoryArgs, SceneArgs, TrustArgs};
+use super::outputs::is_same_file;
 use super::report;
 
 #[derive(Args)]
@@ -65,7 +66,7 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         return ExitCode::FAILURE;
     }
     // It would lose what only the old file has: comments, includes, `$name`s.
-    if same_file(&args.scene.scene, &args.output) {
+    if is_same_file(&args.scene.scene, &args.output) {
         return report::error("this would replace the scene it is made from; give another name");
     }
     if is_export(&args.output) {
@@ -101,9 +102,4 @@ fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> E
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    let places = [a, b].map(std::fs::canonicalize);
-    matches!(places, [Ok(a), Ok(b)] if a == b)
 }

@@ -3,6 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use sunroom::document::paths::settle;
 use sunroom::files::check_writable;
 use sunroom::render::image_io::{
     FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
@@ -16,8 +17,29 @@ pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Tries the outputs of a picture before it is rendered. A disk that becomes full cannot be foreseen.
+/// Whether both names are of one file, be it there or not. Links are followed.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| settle(path));
+    place(a) == place(b)
+}
+
+/// Whether the outputs have this file among them.
+pub fn has_file(outputs: &[PathBuf], path: &Path) -> bool {
+    outputs
+        .iter()
+        .any(|output| !is_stdout(output) && is_same_file(output, path))
+}
+
+/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot be foreseen.
 pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
+    for (number, path) in outputs.iter().enumerate() {
+        if outputs[..number].iter().any(|before| is_same_file(before, path)) {
+            return Err(Failure::Usage(format!(
+                "{}: this output is named twice",
+                path.display()
+            )));
+        }
+    }
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
         FileFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))?;
         check_writable(path).map_err(|source| ImageIoError::Write {

@@ -39,6 +39,7 @@ use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::display_server;
 use super::ending::{Ending, INTERRUPTED, TERMINATED, above};
 use super::named_outputs::{check_compression, default_output};
+use super::outputs::has_file;
 use super::progress::{InSequence, Progress};
 use super::report::{Failure, RENDERS_WITHOUT, check_denoiser};
 use super::sequence::{TurningCamera, frame_path};
@@ -63,7 +64,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     outputs::check_pictures(&first_outputs)?;
     args.shares.check(&args.output)?;
     check_together(args)?;
-    args.checkpoints.check("picture", share::is_checkpoint_of_picture)?;
+    args.checkpoints.check(
+        "picture",
+        |path| has_file(&first_outputs, path),
+        share::is_checkpoint_of_picture,
+    )?;
     check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;

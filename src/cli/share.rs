@@ -50,12 +50,23 @@ impl CheckpointArgs {
         self.checkpoint.is_some() || self.resume.is_some()
     }
 
-    /// Refuses a file of checkpoints that cannot be written, or that has something else than a checkpoint, which would be lost. `is_checkpoint` tells whether a
-    /// file is a checkpoint of such a `work` (a picture, a bake), be it of another scene.
-    pub fn check(&self, work: &str, is_checkpoint: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+    /// Refuses a file of checkpoints that is an output as well, that cannot be written, or that has something else than a checkpoint, which would be lost.
+    /// `is_checkpoint` tells whether a file is a checkpoint of such a `work` (a picture, a bake), be it of another scene.
+    pub fn check(
+        &self,
+        work: &str,
+        is_output: impl Fn(&Path) -> bool,
+        is_checkpoint: impl Fn(&Path) -> bool,
+    ) -> Result<(), Failure> {
         let Some(path) = &self.checkpoint else {
             return Ok(());
         };
+        if is_output(path) {
+            return Err(Failure::Usage(format!(
+                "{}: the checkpoint and an output cannot be the same file; name another one by --checkpoint",
+                path.display()
+            )));
+        }
         outputs::check_text(path)?;
         let has_content = path.metadata().is_ok_and(|about| about.len() > 0);
         match has_content && !is_checkpoint(path) {

@@ -83,3 +83,29 @@ fn a_checkpoint_that_cannot_be_written_is_told_before_anything_is_rendered() {
         assert!(!shop.path(output).exists(), "{output} was written");
     }
 }
+
+#[test]
+fn two_results_never_go_to_one_file() {
+    let shop = shop();
+    std::fs::create_dir(shop.path("level")).expect("a folder");
+    let twice = "a.exr: this output is named twice";
+    let both = "the checkpoint and an output cannot be the same file";
+    for (words, expected) in [
+        (format!("{RENDER} -o b.png -o ./a.exr"), twice),
+        (format!("{RENDER} -o level/../a.exr"), twice),
+        ("merge c.exr -o a.exr -o a.exr".to_owned(), twice),
+        (format!("{RENDER} --checkpoint a.exr"), both),
+        (format!("{RENDER} --frames 3 --checkpoint a-0003.exr"), both),
+        (format!("{SHARE} --checkpoint level/../a.bake"), both),
+        (format!("{BAKE} --checkpoint level/level.glb"), both),
+        (format!("{BAKE} --checkpoint level/lightmap-0.png"), both),
+    ] {
+        let message = said(&shop, &words, 2);
+        assert!(message.contains(expected), "{words}: {message}");
+    }
+    for output in ["a.exr", "b.png", "a.bake", "level/level.glb"] {
+        assert!(!shop.path(output).exists(), "{output} was written");
+    }
+    // A name of its own in the folder of the level is none of the bake's files.
+    said(&shop, &format!("{BAKE} --checkpoint level/c.bake"), 0);
+}
