@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use clap::Args;
 use sunroom::app::checkpoint::Piece;
 use sunroom::app::origin::{self, origin};
+use sunroom::bake::part::is_part;
 use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
 use sunroom::render::film::Film;
 use sunroom::render::part::{Crop, Origin, PartError, PartFile};
@@ -80,6 +81,22 @@ impl CheckpointArgs {
     }
 }
 
+/// Opens a checkpoint or a part of a picture. The error names the file.
+fn open_checkpoint(path: &Path) -> Result<PartFile, String> {
+    let name = path.display();
+    PartFile::open(path).map_err(|error| match error {
+        PartError::NoState if is_part(path) => {
+            format!("{name}: it is a checkpoint or share of a bake, and a picture cannot go on with it")
+        }
+        PartError::NoState => {
+            format!(
+                "{name}: it is damaged or no checkpoint: the exact sums, which are the end of a checkpoint, are missing"
+            )
+        }
+        error => format!("{name}: {error}"),
+    })
+}
+
 /// Whether a file is a checkpoint or a part of a picture, also of another version, or a damaged one that still has its end.
 pub fn is_checkpoint_of_picture(path: &Path) -> bool {
     matches!(
@@ -141,7 +158,7 @@ pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bo
     let Some(path) = checkpoints.resume.as_ref().filter(|path| path.exists()) else {
         return Ok(false);
     };
-    let file = PartFile::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let file = open_checkpoint(path)?;
     Ok(origin::take_choice(world, &file.header().origin))
 }
 
@@ -218,7 +235,7 @@ impl Share {
     /// Lets the picture go on with what a checkpoint has.
     fn take_up(&self, world: &mut World, path: &Path, force: bool) -> Result<(), Failure> {
         let name = path.display();
-        let file = PartFile::open(path).map_err(|error| format!("{name}: {error}"))?;
+        let file = open_checkpoint(path)?;
         accept_origin(path, "picture", &self.piece.origin, &file.header().origin, force)?;
         let taken = self.piece.take_up(world, &file);
         let samples = taken.map_err(|error| format!("{name}: {error}"))?;

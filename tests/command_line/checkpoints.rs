@@ -109,3 +109,22 @@ fn two_results_never_go_to_one_file() {
     // A name of its own in the folder of the level is none of the bake's files.
     said(&shop, &format!("{BAKE} --checkpoint level/c.bake"), 0);
 }
+
+#[test]
+fn what_is_no_checkpoint_to_go_on_with_is_told() {
+    let shop = shop();
+    said(&shop, &format!("{RENDER} --checkpoint c.exr"), 0);
+    said(&shop, &format!("{BAKE} --checkpoint c.bake"), 0);
+    let whole = std::fs::read(shop.path("c.exr")).expect("a checkpoint");
+    shop.write("cut.exr", &whole[..whole.len() / 2]);
+    shop.write("short.exr", &whole[..9]);
+    for (name, words) in [
+        ("cut.exr", "it is damaged or no checkpoint"),
+        ("short.exr", "it is damaged or no checkpoint"),
+        ("a.exr", "it is damaged or no checkpoint"),
+        ("c.bake", "it is a checkpoint or share of a bake"),
+    ] {
+        let message = said(&shop, &format!("{RENDER} --resume {name}"), 1);
+        assert!(message.contains(&format!("{name}: {words}")), "{message}");
+    }
+}
