@@ -7,12 +7,15 @@
 //!
 //! The samples of a texel are spread over the part of it that the surface covers, see [`super::spread`].
 
+mod plane;
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
+use self::plane::{area, clamped, nearest_point, touched, weights};
 use super::spread::{Corners, Spread};
 use crate::render::irradiance::Receiver;
 
@@ -301,11 +304,6 @@ fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) 
     Spread::new(texel.receiver.position + along[0] * way.x + along[1] * way.y, along)
 }
 
-/// Twice the signed area.
-fn area([a, b, c]: [Vec2; 3]) -> f32 {
-    (b - a).perp_dot(c - a)
-}
-
 /// The unit normal of a triangle; zero if it has no area.
 fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a)
@@ -332,56 +330,6 @@ fn cover(triangle: &Triangle, mut found: impl FnMut(UVec2, f32, Vec3)) {
         };
         found(place, distance, weights(corners, inside));
     }
-}
-
-/// The first texel that a triangle may touch and the end of them, among those from `first` to `end`.
-fn touched(corners: [Vec2; 3], [first, end]: [UVec2; 2]) -> [UVec2; 2] {
-    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
-    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
-    if !(low.is_finite() && high.is_finite()) {
-        return [UVec2::ZERO; 2];
-    }
-    // Casts saturate: what is outside of the page is left out.
-    let low = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
-    let high = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2();
-    [low.max(first), high.min(end)]
-}
-
-/// The point of a triangle that is nearest to `point`.
-fn nearest_point(corners: [Vec2; 3], point: Vec2) -> Vec2 {
-    let weights = weights(corners, point);
-    if weights.min_element() >= 0.0 {
-        return point;
-    }
-    let [a, b, c] = corners;
-    let on_edge = |(a, b): (Vec2, Vec2)| {
-        let edge = b - a;
-        let along = (point - a).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE);
-        a + edge * along.clamp(0.0, 1.0)
-    };
-    let edges = [(a, b), (b, c), (c, a)].map(on_edge);
-    let nearer = |a: Vec2, b: Vec2| {
-        if b.distance_squared(point) < a.distance_squared(point) {
-            b
-        } else {
-            a
-        }
-    };
-    nearer(nearer(edges[0], edges[1]), edges[2])
-}
-
-/// The weights of the corners at `point`.
-fn weights([a, b, c]: [Vec2; 3], point: Vec2) -> Vec3 {
-    let whole = area([a, b, c]);
-    let of_b = area([a, point, c]) / whole;
-    let of_c = area([a, b, point]) / whole;
-    Vec3::new(1.0 - of_b - of_c, of_b, of_c)
-}
-
-/// A triangle that is thin in the lightmap may have weights a little outside.
-fn clamped(weights: Vec3) -> Vec3 {
-    let weights = weights.clamp(Vec3::ZERO, Vec3::ONE);
-    weights / weights.element_sum()
 }
 
 /// The place of a texel in the world.
