@@ -83,10 +83,7 @@ impl Single<'_> {
 
     /// Its diffuse lobe as [`Bsdf::diffuse_lobe`], and the normal of that in the world.
     pub fn diffuse_lobe(&self) -> (DiffuseLobe, Vec3) {
-        (
-            self.part.bsdf.diffuse_lobe(self.tables, self.part.wo),
-            self.part.orientation.to_world(Vec3::Z),
-        )
+        self.part.diffuse_lobe(self.tables)
     }
 
     /// Evaluates as [`Scattering::eval_and_pdf`].
@@ -118,6 +115,11 @@ fn only(wo: Vec3, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample
 }
 
 impl Part<'_> {
+    fn diffuse_lobe(&self, tables: &ShadingTables) -> (DiffuseLobe, Vec3) {
+        let normal = self.orientation.to_world(Vec3::Z);
+        (self.bsdf.diffuse_lobe(tables, self.wo), normal)
+    }
+
     fn factor(&self, wi: Vec3) -> f32 {
         self.bump.map_or(1.0, |bump| bump.factor(wi))
     }
@@ -346,13 +348,10 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// The normal of the only model on the side that is seen, and the probability of its diffuse lobe, from 0 to 1; None where there is none.
-    pub fn diffuse_lobe(&self) -> Option<(Vec3, f32)> {
+    /// [`Single::diffuse_lobe`] of the only model; None where there are several, and where the lobe is empty.
+    pub fn diffuse_lobe(&self) -> Option<(DiffuseLobe, Vec3)> {
         match (&self.parts[..], self.null_share) {
-            ([part], 0.0) => {
-                let share = part.bsdf.diffuse_lobe(self.tables, part.wo).share;
-                (share > 0.0).then(|| (part.orientation.to_world(Vec3::Z), share))
-            }
+            ([part], 0.0) => Some(part.diffuse_lobe(self.tables)).filter(|(lobe, _)| lobe.share > 0.0),
             _ => None,
         }
     }

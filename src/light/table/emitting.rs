@@ -38,7 +38,7 @@ impl LightTable {
             let numbers: Vec<u32> = lamps.iter().map(|lamp| lamp.0).collect();
             let others = geometry.bounds_without(&numbers);
             if !others.is_empty() {
-                // Nearer lamps aim at nothing, and are lit as the others are.
+                // A lamp that is nearer sends its paths everywhere, and counts as a shape that is lit.
                 let sphere = SceneSphere::around(&others);
                 let is_near = |lamp: &Aabb| {
                     let nearest = sphere.center.clamp(lamp.min, lamp.max);

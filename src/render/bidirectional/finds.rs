@@ -54,9 +54,9 @@ impl Guidance<'_> {
     /// the direction that the path has come from is not known here.
     pub fn ratio(&self, vertex: &Vertex, wi: Vec3) -> f32 {
         let of_guide = || {
-            let (normal, share) = vertex.scattering.diffuse_lobe()?;
+            let (lobe, normal) = vertex.scattering.diffuse_lobe()?;
             let (density, part) = self.0?.density(vertex.point.position, normal, wi)?;
-            Some((density, share * part, normal.dot(wi).max(0.0) * FRAC_1_PI))
+            Some((density, lobe.share * part, normal.dot(wi).max(0.0) * FRAC_1_PI))
         };
         match of_guide() {
             Some((density, part, of_cosine)) if of_cosine > 0.0 => 1.0 - part + part * density / of_cosine,

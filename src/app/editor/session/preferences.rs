@@ -29,7 +29,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 pub struct PreferencesFile {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
-    /// They are not written: without a user nobody has chosen anything.
+    /// They are not written, because no user has chosen anything.
     is_only_read: bool,
     written: Preferences,
     /// They are being written: other files that are written at the time may keep the disk busy.
