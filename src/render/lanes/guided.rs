@@ -76,13 +76,14 @@ impl<'a> Guided<'a> {
         self.axes.direction(Lanes::new(bins), x, u[1])
     }
 
-    /// Replaces the samples `sample` of the bsdf, in world space, of the lanes `here` by those of the mixture with their histograms, where `u_lobe` has chosen the lobes of the bsdf. `eval_and_pdf` gives the values and
-    /// densities of the bsdf for directions in the world.
+    /// Replaces the samples `sample` of the bsdf, in world space, of the lanes `here` by those of the mixture with their histograms, where `u_lobe`
+    /// has chosen the lobes of the bsdf. `eval_and_pdf` gives the values and densities of the bsdf for directions in the world, in the lanes of its
+    /// second argument, which have a direction.
     #[inline(always)]
     pub fn sample(
         &self,
         here: u32,
-        eval_and_pdf: impl Fn(Vec3Lanes) -> (Vec3Lanes, Lanes),
+        eval_and_pdf: impl Fn(Vec3Lanes, u32) -> (Vec3Lanes, Lanes),
         u_lobe: Lanes,
         u: [Lanes; 2],
         mut sample: BsdfSampleLanes,
@@ -93,7 +94,7 @@ impl<'a> Guided<'a> {
         // The bsdf may have returned no direction, and none is there then: `sample.wi` is what other lanes have left.
         let is_there = by_guide | sample.returned;
         let wi = Vec3Lanes::select(by_guide, self.directions(u), sample.wi);
-        let (value, bsdf_pdf) = eval_and_pdf(wi);
+        let (value, bsdf_pdf) = eval_and_pdf(wi, is_there.to_bitmask());
         let pdf = self.mixed(wi, bsdf_pdf);
         let mixed = BsdfSampleLanes {
             wi,

@@ -332,11 +332,11 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let Surfaces { frame, wo, .. } = *surfaces;
         let u_lobe = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
         let others = surfaces.other & here;
-        let eval_and_pdf = |wi: Vec3Lanes| {
+        let eval_and_pdf = |wi: Vec3Lanes, is_there: u32| {
             let (value, pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(wi));
-            match others {
+            match others & is_there {
                 0 => (value, pdf),
-                _ => self.vertices.eval_others(others, wi, value, pdf),
+                asked => self.vertices.eval_others(asked, wi, value, pdf),
             }
         };
         guided.sample(here, eval_and_pdf, u_lobe, u, sample)
