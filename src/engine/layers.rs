@@ -15,7 +15,7 @@ use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::image_io::{FileOptions, ImageRgb};
 use crate::render::layered_image::{Attribute, LayeredImage, StoredColors};
-use crate::render::layers::{LayerNames, layered_image};
+use crate::render::layers::{LayerNames, layered_image, picture_of_camera};
 use crate::render::tonemap::Display;
 use crate::scene::{ActiveSensor, ComponentFormat, DocumentOrder, FilmStorage, PixelFormat, SamplerSettings, SceneId};
 
@@ -78,6 +78,14 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     let film = &world.resource::<RenderFilm>().film;
     match &world.resource::<PackedScene>().view {
         Some(view) => PictureNames::of(world).layered(picture, film, &view.camera, denoised),
+        None => LayeredImage::from(picture),
+    }
+}
+
+/// The picture without layers, with the place of the view's camera.
+pub fn single_picture(world: &World, picture: &ImageRgb) -> LayeredImage {
+    match &world.resource::<PackedScene>().view {
+        Some(view) => picture_of_camera(picture, &view.camera),
         None => LayeredImage::from(picture),
     }
 }

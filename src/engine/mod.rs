@@ -50,7 +50,7 @@ pub use blocking::{
 pub use choosing::set_choice;
 pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
-pub use layers::{PictureNames, describe_picture, file_options, layered_picture};
+pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};
 pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
 pub(crate) use pack::medium::pack_medium_without_files;

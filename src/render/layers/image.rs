@@ -26,8 +26,18 @@ pub struct LayerNames<'a> {
 /// The longest part of a name that names a light group, in bytes.
 const LONGEST_NAME: usize = 200;
 
-/// The picture with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the picture itself, and those of layers, such as `Albedo.R`,
-/// `Normal.X` or `LightGroup.lamp.R`. The attributes `worldToCamera` and `worldToNDC` say where the camera is. `camera` is that of the view; `denoised` is the layer of that name.
+/// The picture without layers. The attributes `worldToCamera` and `worldToNDC` say where the camera of the view is.
+pub fn picture_of_camera(picture: &ImageRgb, camera: &Camera) -> LayeredImage {
+    let mut image = LayeredImage::from(picture);
+    // OpenEXR has row vectors: the rows are the columns here.
+    let matrix = |matrix: Mat4| Attribute::Matrix(matrix.to_cols_array());
+    image.set_attribute("worldToCamera", matrix(camera.right_up_forward_from_world()));
+    image.set_attribute("worldToNDC", matrix(camera.film_from_world()));
+    image
+}
+
+/// The picture of [`picture_of_camera`] with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the picture itself, and those of layers, such as `Albedo.R`,
+/// `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the view; `denoised` is the layer of that name.
 pub fn layered_image(
     picture: &ImageRgb,
     film: &Film,
@@ -35,11 +45,7 @@ pub fn layered_image(
     names: &LayerNames,
     denoised: Option<&[Rgb]>,
 ) -> LayeredImage {
-    let mut image = LayeredImage::from(picture);
-    // OpenEXR has row vectors: the rows are the columns here.
-    let matrix = |matrix: Mat4| Attribute::Matrix(matrix.to_cols_array());
-    image.set_attribute("worldToCamera", matrix(camera.right_up_forward_from_world()));
-    image.set_attribute("worldToNDC", matrix(camera.film_from_world()));
+    let mut image = picture_of_camera(picture, camera);
     for layer in film.layers().layers.iter() {
         let name = layer.name_in_pictures();
         match layer {

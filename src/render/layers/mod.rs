@@ -10,7 +10,7 @@ mod notes;
 mod read;
 mod sums;
 
-pub use self::image::{LayerNames, layered_image};
+pub use self::image::{LayerNames, layered_image, picture_of_camera};
 pub use self::matte::{Matte, MatteEntry};
 pub use self::read::LayerPixels;
 pub use self::sums::{FilmLayers, LayerSums};

@@ -16,11 +16,10 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::noisy_beside;
 use crate::document;
-use crate::engine::{RenderState, RenderStatus, file_options};
+use crate::engine::{RenderState, RenderStatus, file_options, single_picture};
 use crate::render::image_io::{
     FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
-use crate::render::layered_image::LayeredImage;
 use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{
     self, ActiveSensor, Film, FilmStorage, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState,
@@ -173,7 +172,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
         // Both are one picture: saving it again replaces both, and the dialog asks about both.
         let path = noisy_beside(path);
-        let mut noisy = LayeredImage::from(&noisy);
+        let mut noisy = single_picture(world, &noisy);
         finished::describe(world, &mut noisy);
         let options = file_options(film_storage(world), display.tone());
         write_layered(&path, &noisy, &options).map_err(CommandError::file)?;

@@ -174,6 +174,12 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
         assert_eq!(attribute("sunroom:spp"), Some(Attribute::Int(6)));
         assert_eq!(attribute("sunroom:seed"), Some(Attribute::Int(7)));
         assert_eq!(attribute("sunroom:seconds"), None);
+        for matrix in ["worldToCamera", "worldToNDC"] {
+            assert!(
+                matches!(attribute(matrix), Some(Attribute::Matrix(_))),
+                "{name}: {matrix}"
+            );
+        }
     }
     // Saving it again replaces both files, and adds none.
     std::fs::write(folder.path().join("sky-noisy.exr"), "older").expect("can be written");
