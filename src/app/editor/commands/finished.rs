@@ -8,12 +8,15 @@ use super::view;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::picture::awaited_image::{AwaitedImage, Before};
 use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot};
 use crate::app::editor::picture::denoiser::{Denoised, Denoiser};
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{PackedScene, RenderFilm, RenderState, RenderStatus, describe_picture, layered_picture};
+use crate::engine::{
+    PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, describe_picture, layered_picture,
+};
 use crate::layer::Layer;
 use crate::metrics::errors;
 use crate::render::denoise::denoise_film;
@@ -67,8 +70,18 @@ pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
 pub fn describe(world: &World, picture: &mut LayeredImage) {
     let scene = world.get_resource::<SceneStatus>();
     let scene = scene.and_then(|scene| scene.path.as_deref());
-    let status = world.resource::<RenderStatus>();
-    describe_picture(picture, world, scene, status.time_limit.map(|_| status.seconds));
+    let seconds = is_limited_in_time(world).then(|| world.resource::<RenderStatus>().seconds);
+    describe_picture(picture, world, scene, seconds);
+}
+
+/// Whether the number of samples depends on the time. The full film that is traced for an image has no limit of time itself, but gets the samples that the
+/// window had by then.
+fn is_limited_in_time(world: &World) -> bool {
+    let follows_window = world
+        .get_resource::<AwaitedImage>()
+        .is_some_and(|image| image.before == Before::Smaller { exact_samples: None });
+    let is_limited = world.resource::<RenderStatus>().time_limit.is_some();
+    is_limited || follows_window && world.resource::<RenderControl>().time_limit.is_some()
 }
 
 /// The picture with the snapshot wiped over it, or their difference, if that is shown.

@@ -15,6 +15,8 @@ use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
 use crate::files::{LARGEST_NOTE, read};
 use crate::memory;
 use crate::render::film;
+use crate::render::image_io::exr::decode_exr;
+use crate::render::layered_image::Attribute;
 use crate::scene::{self, EmitterKind, ScenePlugin};
 
 /// A sky, and a film of 120 x 80 pixels that is shown in 60 x 60.
@@ -105,6 +107,23 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     assert!(again.exists());
     apply(app.world_mut(), Command::StopFull).expect("it is stopped");
     update_until(&mut app, |world| size(world) == (60, 40));
+}
+
+/// It has the samples that the window had in its time, and is traced without a limit of time itself.
+#[test]
+fn an_image_of_a_window_with_a_limit_of_time_says_its_seconds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.exr");
+    let mut app = app();
+    app.world_mut().resource_mut::<RenderControl>().time_limit = Some(1e6);
+    begin_to_save(&mut app, &path);
+    update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
+    let saved = decode_exr(&read(&path, LARGEST_NOTE).expect("a file")).expect("an EXR file");
+    let seconds = saved.attribute("sunroom:seconds");
+    assert!(
+        matches!(seconds, Some(Attribute::Float(seconds)) if *seconds > 0.0),
+        "{seconds:?}"
+    );
 }
 
 /// The samples may have taken a night.
