@@ -279,6 +279,7 @@ pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, As
     // The least and the greatest number there are say nothing to people.
     let expected = match (*range.start(), *range.end()) {
         (f32::MIN_POSITIVE, f32::MAX) => "more than 0".to_owned(),
+        (f32::MIN_POSITIVE, end) => format!("more than 0, up to {end}"),
         (start, f32::MAX) => format!("at least {start}"),
         (start, end) => format!("{start} to {end}"),
     };

@@ -5,7 +5,7 @@ use bevy::prelude::World;
 use super::assign::within;
 use super::error::ScriptError;
 use super::names::count;
-use super::rendering::{limit, switch};
+use super::rendering::{positive, switch};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
@@ -71,12 +71,6 @@ pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptEr
     let mut choices = world
         .get_resource::<BakePlan>()
         .map_or_else(BakeChoices::default, |plan| plan.choices);
-    let positive = |text: &str, most: f32| -> Result<Option<f32>, ScriptError> {
-        let limit = limit(text)?;
-        Ok(limit
-            .map(|limit| within(limit, &(f32::MIN_POSITIVE..=most)))
-            .transpose()?)
-    };
     for word in words {
         match word.split_once('=') {
             Some(("texels-per-unit", text)) => choices.texels_per_unit = positive(text, f32::MAX)?,

@@ -311,8 +311,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 display.white_balance = WhiteBalance { temperature, tint }
             })
         }
-        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds)?),
-        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::limit(noise)?),
+        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds, 0.0..=f32::MAX)?),
+        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::positive(noise, 1.0)?),
         ("adaptive", [word]) => Command::SetAdaptive(rendering::switch(word)?),
         ("resolution", [name]) => Command::SetResolution(rendering::resolution(name)?),
         ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),

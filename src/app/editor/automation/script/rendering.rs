@@ -1,5 +1,7 @@
 //! The words of scripts about rendering and the finished picture.
 
+use std::ops::RangeInclusive;
+
 use bevy::prelude::*;
 
 use super::assign::within;
@@ -35,12 +37,17 @@ pub fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
     Ok(known.0)
 }
 
-/// Parses a limit; None is no limit.
-pub fn limit(text: &str) -> Result<Option<f32>, ScriptError> {
+/// Parses a limit within the range; None is no limit.
+pub fn limit(text: &str, range: RangeInclusive<f32>) -> Result<Option<f32>, ScriptError> {
     match text {
         "none" => Ok(None),
-        number => Ok(Some(within(parse_float(number)?, &(0.0..=f32::MAX))?)),
+        number => Ok(Some(within(parse_float(number)?, &range)?)),
     }
+}
+
+/// Parses a limit above 0; None is no limit.
+pub fn positive(text: &str, most: f32) -> Result<Option<f32>, ScriptError> {
+    limit(text, f32::MIN_POSITIVE..=most)
 }
 
 pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
