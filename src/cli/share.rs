@@ -245,6 +245,14 @@ impl Share {
     }
 }
 
+/// The end of a message about a checkpoint that cannot be written: it says that an earlier one stays, if there is one.
+pub fn earlier_stays(path: &Path) -> &'static str {
+    match path.metadata().is_ok_and(|about| about.len() > 0) {
+        true => "; the checkpoint before it stays",
+        false => "",
+    }
+}
+
 /// Whether a file to resume is not there yet and will be written as the checkpoint, so that the `work` (a picture, a bake) begins. That is said.
 pub fn is_begun(checkpoints: &CheckpointArgs, path: &Path, work: &str) -> bool {
     let is_begun = checkpoints.checkpoint.as_deref() == Some(path) && !path.exists();

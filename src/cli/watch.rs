@@ -12,7 +12,7 @@ use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::LayeredImage;
 
 use super::progress::Progress;
-use super::share::Share;
+use super::share::{Share, earlier_stays};
 use super::stats::{memory_bytes, peak_memory_bytes};
 use super::{outputs, report};
 
@@ -87,7 +87,7 @@ impl Watch<'_> {
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. One that fails is reported, and the last one stays. Returns whether there is one.
+    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there is one.
     pub fn save(&mut self, world: &World) -> bool {
         let (Some((path, _)), Some(share)) = (self.checkpoint, self.share) else {
             return false;
@@ -115,7 +115,7 @@ impl Watch<'_> {
                 true
             }
             Err(error) => {
-                report::line(format_args!("warning: {error}; the checkpoint before it stays"));
+                report::line(format_args!("warning: {error}{}", earlier_stays(path)));
                 false
             }
         }

@@ -799,4 +799,19 @@ fn a_full_disk_leaves_the_old_checkpoint() {
     );
     succeeds(&shop, &["render", "scene.xml", "-q", "-o", "whole.exr", "--spp", "64"]);
     same(&shop, "b.exr", "whole.exr");
+    // Nothing is said to stay where there is no earlier one.
+    let script = format!(
+        "mount -t tmpfs -o size=64k none full && '{}' render scene.xml -q -o c.exr --spp 16 --checkpoint full/c.exr --every 1ms",
+        env!("CARGO_BIN_EXE_sunroom")
+    );
+    let output = Command::new("unshare")
+        .args(["-m", "sh", "-c", &script])
+        .current_dir(shop.folder())
+        .output();
+    let output = output.expect("unshare is there");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("warning: cannot write full/c.exr") && !message.contains("before it"),
+        "{message}"
+    );
 }

@@ -10,7 +10,7 @@ use sunroom::render::part::Origin;
 
 use super::args::BakeArgs;
 use crate::cli::report::{self, Failure};
-use crate::cli::share::{accept_origin, is_begun, warn_of_more};
+use crate::cli::share::{accept_origin, earlier_stays, is_begun, warn_of_more};
 
 /// Keeps the light of a job in files.
 pub struct Keeper<'a> {
@@ -73,7 +73,7 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. One that fails is reported, and the last one stays. Returns whether there is one.
+    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there is one.
     pub fn save(&mut self, job: &BakeJob) -> bool {
         let Some((path, _)) = self.checkpoint else {
             return false;
@@ -86,8 +86,9 @@ impl<'a> Keeper<'a> {
         match result {
             Ok(()) => self.saved = Some(job.rays()),
             Err(error) => report::line(format_args!(
-                "warning: cannot write {}: {error}; the checkpoint before it stays",
-                path.display()
+                "warning: cannot write {}: {error}{}",
+                path.display(),
+                earlier_stays(path)
             )),
         }
         self.saved == Some(job.rays())
