@@ -225,6 +225,33 @@ fn layers_of_two_kinds_are_not_compared() {
 }
 
 #[test]
+fn a_grey_picture_is_compared_with_a_coloured_one_and_named() {
+    let shop = Workshop::new();
+    let write = |name: &str, add: fn(&mut LayeredImage)| {
+        let mut image = LayeredImage::new(16, 16);
+        add(&mut image);
+        let path = shop.path(name);
+        write_exr(&path, &image, ExrCompression::Zip).expect("a writable folder");
+        path
+    };
+    let grey = write("grey.exr", |image| image.add_float("Y", vec![1.0; 256]));
+    let coloured = write("coloured.exr", |image| image.add_rgb("", &[Vec3::ONE; 256]));
+    for (one, other) in [(&grey, &coloured), (&coloured, &grey)] {
+        let output = diff(one, other, &["--json"]);
+        assert_eq!(output.status.code(), Some(0));
+        let said = stderr(&output);
+        let words = format!(
+            "note: {} is grey and {} has colours",
+            grey.display(),
+            coloured.display()
+        );
+        assert!(said.contains(&words), "{said}");
+        assert!(stdout(&output).contains("\"mse\": 0.0"), "{}", stdout(&output));
+        assert_eq!(stderr(&diff(one, one, &[])), "");
+    }
+}
+
+#[test]
 fn what_cannot_be_compared_is_said() {
     let shop = Workshop::new();
     let a = gradient(&shop, "a.exr", 1.0);

@@ -78,6 +78,12 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
         FileFormat::from_path(path)?;
     }
     let pair = Pair::read([&args.picture, &args.reference], &args.layer)?;
+    if let Some(grey) = pair.grey {
+        let [grey, coloured] = [grey, 1 - grey].map(|index| pair.paths[index].display());
+        report::line(format_args!(
+            "note: {grey} is grey and {coloured} has colours: the grey counts as red, green and blue"
+        ));
+    }
     if pair.seen.is_none() && args.flip_map.is_some() {
         let layer = &args.layer;
         return Err(

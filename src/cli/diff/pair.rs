@@ -24,6 +24,8 @@ pub struct Pair {
     pub variances: [Option<Variance>; 2],
     /// How many numbers a pixel has, 1 to 3.
     pub components: usize,
+    /// The one of the pair that is grey, if the other one is coloured.
+    pub grey: Option<usize>,
     /// How the pictures differ for a viewer; None of data.
     pub seen: Option<Seen>,
 }
@@ -71,6 +73,11 @@ impl Pair {
         }
         let is_light = chosen.is_light;
         let components = chosen.components.max(other.components);
+        let grey = match (chosen.components, other.components) {
+            (1, 2..) => Some(0),
+            (2.., 1) => Some(1),
+            _ => None,
+        };
         let (mut picture, mut reference) = (chosen.image, other.image);
         let not_finite = [&mut picture, &mut reference].map(blacken);
         let variances = match layer {
@@ -87,6 +94,7 @@ impl Pair {
             not_finite,
             variances,
             components,
+            grey,
             seen,
         })
     }
