@@ -55,7 +55,7 @@ pub struct DefineArgs {
 #[derive(Args)]
 pub struct ThreadArgs {
     /// Threads that trace rays; a negative number leaves that many cores free
-    #[arg(short, long, allow_negative_numbers = true)]
+    #[arg(short, long)]
     pub threads: Option<i32>,
 }
 

@@ -82,7 +82,7 @@ pub fn run() -> ExitCode {
     if let Some(message) = no_command() {
         return report::wrong_usage(message);
     }
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(parse::with_negative_values(std::env::args_os())) {
         Ok(cli) => cli,
         Err(error) => {
             let _ = error.print();

@@ -1,5 +1,6 @@
 //! Values of command-line arguments; errors are sentences for the user.
 
+use std::ffi::OsString;
 use std::ops::{Range, RangeInclusive};
 use std::time::Duration;
 
@@ -7,6 +8,33 @@ use sunroom::layer::Layers;
 use sunroom::render::part::Crop;
 use sunroom::render::white_balance::WhiteBalance;
 use sunroom::scene::IntegratorSettings;
+
+/// The arguments, in which a word such as `-1` or `-5s` is the value of the option before it. No option begins with a digit, so that the word can be
+/// nothing else, and the option itself says which values it takes.
+pub fn with_negative_values(arguments: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let is_negative = |word: &str| {
+        let number = word.strip_prefix('-').map(|word| word.trim_start_matches('.'));
+        number.is_some_and(|number| number.starts_with(|first: char| first.is_ascii_digit()))
+    };
+    let is_option = |word: &str| word.len() > 1 && word.starts_with('-') && !word.contains('=') && !is_negative(word);
+    let mut joined: Vec<OsString> = Vec::new();
+    let mut is_over = false;
+    for argument in arguments {
+        let option = joined.last_mut().filter(|last| last.to_str().is_some_and(is_option));
+        match option {
+            Some(option) if !is_over && argument.to_str().is_some_and(is_negative) => {
+                let is_long = option.to_str().is_some_and(|option| option.starts_with("--"));
+                option.push(if is_long { "=" } else { "" });
+                option.push(argument);
+            }
+            _ => {
+                is_over |= argument == "--";
+                joined.push(argument);
+            }
+        }
+    }
+    joined
+}
 
 /// `NAME=VALUE`
 pub fn define(text: &str) -> Result<(String, String), String> {
@@ -154,6 +182,24 @@ pub fn address(text: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn negative_numbers_are_values_of_the_options_before_them() {
+        let joined = |line: &str| {
+            let words = with_negative_values(line.split(' ').map(OsString::from));
+            words.join(" ".as_ref()).into_string().expect("it is text")
+        };
+        for (line, expected) in [
+            ("render a.xml --exposure -1 -q", "render a.xml --exposure=-1 -q"),
+            ("render --frames -3..5 -t -2", "render --frames=-3..5 -t-2"),
+            ("render --time -5s --noise -.5", "render --time=-5s --noise=-.5"),
+            ("render -3.xml --spp=4 -1", "render -3.xml --spp=4 -1"),
+            ("submit a.xml -- --spp -1", "submit a.xml -- --spp -1"),
+            ("merge -- -1 -2", "merge -- -1 -2"),
+        ] {
+            assert_eq!(joined(line), expected);
+        }
+    }
 
     #[test]
     fn addresses_have_a_host_and_a_port() {

@@ -14,7 +14,7 @@ use super::parse;
 #[derive(Args)]
 pub struct DisplayArgs {
     /// Exposure of PNG and JPEG files in stops [default: 0]
-    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV")]
     exposure: Option<f32>,
     /// Tone map of PNG and JPEG files [default: clip]
     #[arg(long, value_parser = named(&ToneMap::ALL, ToneMap::name))]

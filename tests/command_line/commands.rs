@@ -384,6 +384,23 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
     for noise in ["0", "-0.1", "quiet", "inf"] {
         assert_code(&render(&scene, &shop.path("a.png"), &["--noise", noise]), 2);
     }
+    // What a negative number cannot be is said by the option itself.
+    for (option, value, words) in [
+        ("--noise", "-1%", "expected a noise above 0"),
+        ("--time", "-5s", "expected a time above zero"),
+        ("--frames", "-3", "expected a frame such as 17"),
+        ("-s", "-4", "-4 is not in 1.."),
+    ] {
+        let refused = render(&scene, &shop.path("a.png"), &[option, value]);
+        assert_code(&refused, 2);
+        let said = stderr(&refused);
+        assert!(
+            said.contains(words) && !said.contains("tip:"),
+            "{option} {value}: {said}"
+        );
+    }
+    let options = ["--exposure", "-1", "--max-depth", "-1", "-t", "-1", "--spp", "1"];
+    assert_code(&render(&scene, &shop.path("dark.png"), &options), 0);
 
     let no_format = render(&scene, &shop.path("a.docx"), &[]);
     assert_code(&no_format, 2);

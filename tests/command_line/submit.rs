@@ -447,6 +447,7 @@ fn what_cannot_be_a_job_is_refused() {
         "{message}"
     );
     assert!(more(&["--crops", "2x0"]).contains("expected COLUMNSxROWS"));
+    assert!(more(&["--", "--spp", "-1"]).contains("the options after `--`: invalid value '-1'"));
     let absolute = SCENE.replace("../meshes", &shop.path("meshes").display().to_string());
     shop.write("scenes/absolute.xml", absolute);
     let text = refused(&[&["submit", "scenes/absolute.xml"][..], &SLURM].concat(), 1);

@@ -21,7 +21,7 @@ pub struct BakeArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Texels per unit of length [default: as many as fit in one lightmap, if all shapes do]
-    #[arg(long, value_name = "N", value_parser = parse::density, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = parse::density)]
     pub texels_per_unit: Option<f32>,
     /// Width of a lightmap in texels, and its largest height
     #[arg(long, value_name = "N", default_value_t = UnwrapSettings::default().atlas_size, value_parser = atlas_size())]
@@ -52,7 +52,7 @@ pub struct BakeArgs {
     pub probe_size: u32,
     /// Distance between neighbouring points of light of the irradiance volume, in the scene's units of length. It is for the volume around the whole level, which
     /// is made where the scene has none of its own [default: such that there are about 4096 points]
-    #[arg(long, value_name = "LENGTH", value_parser = parse::density, allow_negative_numbers = true, conflicts_with = "no_probes")]
+    #[arg(long, value_name = "LENGTH", value_parser = parse::density, conflicts_with = "no_probes")]
     pub probe_spacing: Option<f32>,
     /// Keep the noise instead of removing it with Open Image Denoise
     #[arg(long)]

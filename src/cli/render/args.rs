@@ -75,7 +75,7 @@ pub struct RenderArgs {
     #[arg(long)]
     pub seed: Option<u32>,
     /// Longest path in segments, -1 for any [default: the scene's]
-    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
+    #[arg(long, value_parser = clap::value_parser!(i32).range(-1..))]
     pub max_depth: Option<i32>,
     /// Remove the noise with Open Image Denoise
     #[arg(long)]

@@ -14,6 +14,7 @@ use sunroom::scene::{ActiveSensor, Film};
 
 use super::args::{SubmitArgs, System};
 use crate::cli::bake::{self, BakeArgs};
+use crate::cli::parse::with_negative_values;
 use crate::cli::render::{RenderArgs, apply_overrides};
 use crate::cli::report::{self, Failure};
 
@@ -105,7 +106,7 @@ pub fn options(args: &SubmitArgs) -> Vec<String> {
 }
 
 fn parse<T: clap::Args>(words: Vec<OsString>) -> Result<T, Failure> {
-    let parsed = Options::try_parse_from(words).map_err(|error| {
+    let parsed = Options::try_parse_from(with_negative_values(words)).map_err(|error| {
         // The rest of the message is the usage of another command.
         let text = error.to_string();
         let text = text.split("\n\n").next().unwrap_or_default();
