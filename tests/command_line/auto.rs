@@ -58,6 +58,42 @@ fn a_clamp_says_what_it_removes() {
 }
 
 #[test]
+fn guides_without_effect_are_told() {
+    let shop = Workshop::new();
+    let fog = r#"<scene version="3.0.0"><sensor type="perspective"><medium type="homogeneous"/></sensor></scene>"#;
+    let fog = shop.write("fog.xml", fog).display().to_string();
+    let guided = |scene: &str, options: &[&str]| {
+        let options = [&["--guided", "--size", "8x8", "--spp", "1"], options].concat();
+        let run = render(&shop, scene, "a.exr", &options);
+        String::from_utf8_lossy(&run.stderr).into_owned()
+    };
+    for (scene, options, reason) in [
+        (EASY, &["--integrator", "bdpt"][..], "on `bdpt`"),
+        (
+            EASY,
+            &["--strategy", "bsdf"],
+            "with the strategy `bsdf`, only with `mis`",
+        ),
+        (
+            EASY,
+            &["--integrator", "auto", "--strategy", "light"],
+            "with the strategy `light`",
+        ),
+        (EASY, &["--max-depth", "2"], "on paths of at most 2 segments"),
+        (&fog, &["--integrator", "auto"], "on `auto` where there are media"),
+    ] {
+        let said = guided(scene, options);
+        let words = format!("warning: --guided has no effect {reason}");
+        assert!(
+            said.matches("warning:").count() == 1 && said.contains(&words),
+            "{options:?}: {said}"
+        );
+    }
+    let said = guided(EASY, &["--strategy", "mis", "--max-depth", "3"]);
+    assert!(!said.contains("warning"), "{said}");
+}
+
+#[test]
 fn guided_paths_are_the_same_in_shares_and_on_any_number_of_threads() {
     const COVE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/hard/cove.xml");
     let shop = Workshop::new();

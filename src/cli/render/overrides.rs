@@ -29,16 +29,17 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     integrator.schlick |= args.schlick;
     integrator.clamp_percentile = args.clamp.or(integrator.clamp_percentile);
     integrator.guided |= args.guided;
-    if args.guided && !integrator.plugin.is_guidable() {
-        let name = integrator.plugin.name();
-        report::line(format_args!("warning: --guided has no effect on `{name}`"));
-    }
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
     match args.strategy {
         Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
         Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
         Some(StrategyName::Mis) => integrator.strategy = Strategy::Mis,
         None => {}
+    }
+    if args.guided
+        && let Some(reason) = why_unguided(&integrator, has_media)
+    {
+        report::line(format_args!("warning: --guided has no effect {reason}"));
     }
     let mut sampler = world.resource_mut::<SamplerSettings>();
     if let Some(seed) = args.seed {
@@ -95,4 +96,21 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
         world.resource_mut::<RenderControl>().film_size_override = Some(size);
     }
     Ok(())
+}
+
+/// Where the paths of these settings are not guided, as the end of a sentence; None if they are, or if only `auto` can say.
+fn why_unguided(integrator: &IntegratorSettings, has_media: bool) -> Option<String> {
+    let name = integrator.plugin.name();
+    let strategy = match integrator.strategy {
+        Strategy::Bsdf => Some("bsdf"),
+        Strategy::Light => Some("light"),
+        Strategy::Mis => None,
+    };
+    match (integrator.max_depth, strategy) {
+        _ if !integrator.plugin.is_guidable() => Some(format!("on `{name}`")),
+        _ if has_media && integrator.plugin.traces_media() => Some(format!("on `{name}` where there are media")),
+        (_, Some(strategy)) => Some(format!("with the strategy `{strategy}`, only with `mis`")),
+        (Some(..=2), _) => Some("on paths of at most 2 segments, which have direct light alone".to_owned()),
+        _ => None,
+    }
 }
