@@ -2,12 +2,19 @@
 
 use super::{Layer, Layers};
 
-/// A name that is that of no layer.
+/// A name that is that of no layer; an empty one where a list has none between two commas.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no layer `{name}`; the layers are {}", layer_names().join(", "))]
+#[error("{}; the layers are {}", complaint(name), layer_names().join(", "))]
 pub struct UnknownLayer {
     /// The name.
     pub name: String,
+}
+
+fn complaint(name: &str) -> String {
+    match name {
+        "" => "the name of a layer is empty".to_owned(),
+        name => format!("there is no layer `{name}`"),
+    }
 }
 
 /// Names of several layers at once.
@@ -33,8 +40,9 @@ impl Layers {
 
     /// The layers of names that are separated by commas; spaces around them do not matter.
     pub fn parse(names: &str) -> Result<Self, UnknownLayer> {
-        let names = names.split(',').map(str::trim).filter(|name| !name.is_empty());
         names
+            .split(',')
+            .map(str::trim)
             .map(Self::from_name)
             .try_fold(Self::default(), |all, one| Ok(all.and(one?)))
     }
@@ -207,9 +215,15 @@ mod tests {
     #[test]
     fn lists_of_names() {
         let some = Layers::of(&[Layer::Depth, Layer::CryptoObject, Layer::CryptoMaterial]);
-        assert_eq!(Layers::parse("depth, cryptomatte,"), Ok(some));
+        assert_eq!(Layers::parse("depth, cryptomatte"), Ok(some));
         assert_eq!(Layers::parse("all").map(|all| all.iter().count()), Ok(Layer::ALL.len()));
-        assert_eq!(Layers::parse(""), Ok(Layers::default()));
+        for list in ["", "depth,", ",depth", "normal,,depth"] {
+            let error = Layers::parse(list).expect_err(list).to_string();
+            assert!(
+                error.starts_with("the name of a layer is empty; the layers are alpha"),
+                "{error}"
+            );
+        }
         let error = Layers::parse("depth,z").expect_err("no such layer").to_string();
         assert!(error.contains("`z`") && error.contains("crypto-object"), "{error}");
     }

@@ -323,6 +323,12 @@ fn layers_need_exr_files_and_known_names() {
         text.contains("there is no layer `dept`; the layers are alpha, albedo"),
         "{text}"
     );
+    for empty in ["", "normal,,depth"] {
+        let output = render(&scene, &shop.path("a.exr"), &["--aov", empty]);
+        assert_code(&output, 2);
+        let text = stderr(&output);
+        assert!(text.contains("the name of a layer is empty; the layers are"), "{text}");
+    }
 }
 
 #[test]
