@@ -426,6 +426,33 @@ fn a_job_is_measured() {
 }
 
 #[test]
+fn fewer_ranges_than_are_asked_for_are_told() {
+    let shop = shop();
+    let said = |shares: &str| {
+        let submit = [
+            "submit",
+            "scenes/still life.xml",
+            "--to",
+            "slurm",
+            "-o",
+            "job",
+            "--dry-run",
+            "--spp",
+            "64",
+        ];
+        let output = run(&shop, &[&submit[..], &["--shares", shares]].concat());
+        succeeds(&output);
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let note = said("100");
+    assert!(
+        note.contains("note: --shares 100 makes 8 ranges") && note.contains("64 of them are 8 groups"),
+        "{note}"
+    );
+    assert!(!said("4").contains("note:"));
+}
+
+#[test]
 fn what_cannot_be_a_job_is_refused() {
     let shop = shop();
     shop.write("full/file", "");

@@ -17,6 +17,7 @@ use sunroom::document::{Document, Value};
 use sunroom::engine::{Limits, load_to_completion};
 use sunroom::files::{self, record_reads, recorded_reads};
 use sunroom::render::part;
+use sunroom::render::passes::chunks_in;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::{OpenScene, SceneStatus, Trust};
@@ -91,6 +92,16 @@ fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
         None => Plan::of_times(whole, work.seconds(args, job.spp)?, args.task_time.as_secs_f64()),
     };
     let plan = plan.map_err(Failure::Usage)?;
+    if let Some(asked) = args.shares
+        && plan.ranges() < asked as usize
+    {
+        report::line(format_args!(
+            "note: --shares {asked} makes {}: samples are summed up in fixed groups, {} of them are {}, and ranges begin and end with groups",
+            counted(plan.ranges(), "range"),
+            job.spp,
+            counted(chunks_in(0..job.spp), "group")
+        ));
+    }
     let scripts = scripts(args, &work, &plan, &job);
     let mut text = String::new();
     for member in &job.members {
