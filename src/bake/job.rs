@@ -344,6 +344,7 @@ impl BakeJob {
                 spent,
                 gathered: Some(Gathered {
                     samples: light.samples(),
+                    mean_samples: light.mean_samples(),
                     target: match target {
                         u32::MAX => target,
                         _ => target - light.first,

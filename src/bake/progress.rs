@@ -51,6 +51,8 @@ pub struct Progress {
 pub struct Gathered {
     /// Samples that every texel has.
     pub samples: u32,
+    /// The mean number of samples of a texel: in the middle of a round some have more than others.
+    pub mean_samples: f64,
     /// Samples that are asked for; [`u32::MAX`] is no limit.
     pub target: u32,
     /// The noise, if it is known.

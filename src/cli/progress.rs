@@ -167,7 +167,7 @@ impl Progress {
         let done = self.done(status);
         Shown {
             done,
-            samples: status.samples,
+            samples: status.samples.saturating_sub(status.first),
             seconds: status.seconds,
             message: self.message(done, status),
         }
@@ -189,9 +189,11 @@ impl Progress {
 }
 
 fn message(status: &RenderStatus, time: Option<Duration>) -> String {
+    // A share counts the samples of the whole picture, and its own are of interest.
+    let [samples, target] = [status.samples, status.target].map(|samples| samples.saturating_sub(status.first));
     let samples = match time.is_some() || status.target == u32::MAX {
-        true => format!("{} spp", status.samples),
-        false => format!("{}/{} spp", status.samples, status.target),
+        true => format!("{samples} spp"),
+        false => format!("{samples}/{target} spp"),
     };
     let noise = match (status.noise, status.noise_target) {
         (Some(noise), Some(target)) => format!("  noise {noise:.4}/{target}"),

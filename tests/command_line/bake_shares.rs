@@ -154,6 +154,36 @@ fn shares_make_the_bits_of_one_bake_on_any_number_of_threads() {
 }
 
 #[test]
+fn the_progress_of_a_share_tells_the_samples_that_it_has() {
+    let shop = shop();
+    let box_of_cornell = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box.xml");
+    // One round, which many blocks of texels are through with while others wait.
+    let options = [
+        "--texels-per-unit",
+        "20",
+        "--no-probes",
+        "--samples",
+        "8..16",
+        "-t",
+        "1",
+    ];
+    let words = [&["bake", box_of_cornell, "-o", "share.bake"][..], &options].concat();
+    let told = said(&command(&shop, &words).output().expect("the program starts"), 0);
+    let lines: Vec<[u32; 2]> = told
+        .lines()
+        .filter_map(|line| {
+            let (percent, rest) = line.split_once(" %  ")?;
+            let (samples, _) = rest.split_once("/8 spp")?;
+            Some([percent.trim(), samples].map(|number| number.parse().expect("a number")))
+        })
+        .collect();
+    assert!(lines.len() > 1 && lines.ends_with(&[[100, 8]]), "{told}");
+    for [percent, samples] in lines {
+        assert!((8 * percent / 100).abs_diff(samples) <= 1, "{told}");
+    }
+}
+
+#[test]
 fn shares_that_cannot_be_are_refused() {
     let shop = shop();
     let fails = |more: &[&str], words: &str| {

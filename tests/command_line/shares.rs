@@ -481,6 +481,15 @@ fn figures_of_a_share_count_its_own_samples() {
     assert_eq!(stats["spp"], 32);
 }
 
+#[test]
+fn the_progress_of_a_share_counts_its_own_samples() {
+    let shop = shop();
+    let output = run(&shop, &["render", "scene.xml", "-o", "a.exr", "--samples", "16..48"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("32/32 spp"), "{said}");
+    assert!(!said.contains("/48 spp"), "{said}");
+}
+
 /// 15 groups of samples are kept, each as large as the sums of the picture.
 #[test]
 fn the_groups_of_a_share_count_in_the_memory_budget() {

@@ -86,9 +86,11 @@ impl BakeProgress {
 
     fn message(&self, stage: Stage, gathered: &Gathered) -> String {
         let is_of_lightmaps = stage == Stage::Lightmaps;
+        // A share may be a single round, of which no texel has all samples until near its end.
+        let samples = gathered.mean_samples as u32;
         let samples = match gathered.target == u32::MAX || is_of_lightmaps && self.time.is_some() {
-            true => format!("{} spp", gathered.samples),
-            false => format!("{}/{} spp", gathered.samples, gathered.target),
+            true => format!("{samples} spp"),
+            false => format!("{samples}/{} spp", gathered.target),
         };
         let noise = match (gathered.noise, self.noise) {
             (Some(noise), Some(target)) if is_of_lightmaps => format!("  noise {noise:.4}/{target}"),
