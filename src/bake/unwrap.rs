@@ -138,7 +138,7 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
     let page = f64::from(atlas_size).powi(2);
     let needed = texels_per_unit.map_or(page, |density| area * f64::from(density).powi(2));
     if needed > MOST_TEXELS {
-        return Err(too_many(needed as u64, meshes));
+        return Err(too_many(needed, meshes));
     }
     // The least that is needed, before the work begins.
     let mut reserved = memory::reserve(TEXEL_BYTES * needed as u64)?;
@@ -163,7 +163,7 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
             let alone = |mesh: usize| generate(&inputs[mesh..=mesh]).err();
             too_large(meshes, settings, alone)
         }
-        uvunwrap::Error::AtlasTooLarge { texels } => too_many(texels, meshes),
+        uvunwrap::Error::AtlasTooLarge { texels } => too_many(texels as f64, meshes),
         other => UnwrapError::Other(other.to_string()),
     })?;
     let mut meshes: Vec<LayoutMesh> = atlas.meshes.into_iter().map(LayoutMesh::of).collect();
@@ -183,7 +183,7 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
 }
 
 /// The error that the level needs so many texels.
-fn too_many(texels: u64, meshes: &[UnwrapMesh]) -> UnwrapError {
+fn too_many(texels: f64, meshes: &[UnwrapMesh]) -> UnwrapError {
     let largest = meshes.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
     UnwrapError::TooMany {
         texels,
@@ -398,10 +398,19 @@ mod tests {
         unwrap(&meshes, &with_density(texels_per_unit)).expect("the error says with what it has room");
         assert_eq!(texels_per_unit, 2.5);
         let too_many = error(&[named("small", 1.0), named("large", 1e6)], with_density(1.0));
-        let UnwrapError::TooMany { largest, .. } = too_many else {
+        let UnwrapError::TooMany { largest, .. } = &too_many else {
             panic!("{too_many}")
         };
         assert_eq!(largest, "large");
+        let sides = 1e6_f64.powi(2) + 1.0;
+        assert!(
+            too_many
+                .to_string()
+                .starts_with(&format!("the level needs {sides} texels, ")),
+            "{too_many}"
+        );
+        let beyond = error(&[named("large", 1e6)], with_density(1e9)).to_string();
+        assert!(beyond.starts_with("the level needs about 1.0e30 texels, "), "{beyond}");
         let mut broken = square(1.0);
         broken.positions[2].x = f32::NAN;
         assert_eq!(

@@ -419,7 +419,7 @@ fn what_cannot_be_baked_is_said() {
         1,
         "texels per unit",
     );
-    fails(&["--texels-per-unit", "1e30"], 1, "are possible");
+    fails(&["--texels-per-unit", "1e30"], 1, "e61 texels, of which");
     fails(&["--texels-per-unit", "1e-30"], 1, "large enough for a texel");
     fails(&["--atlas-size", "8"], 2, "--atlas-size");
     fails(&["--spp", "0"], 2, "--spp");

@@ -35,13 +35,23 @@ pub enum UnwrapError {
     )]
     TooManyPieces { name: String, size: u32 },
     #[error(
-        "the level needs {texels} texels, of which `{largest}` has the most, and at most {} are possible: take fewer texels per unit, or a smaller lightmap scale for this shape", MOST_TEXELS as u64
+        "the level needs {} texels, of which `{largest}` has the most, and at most {} are possible: take fewer texels per unit, or a smaller lightmap scale for this shape",
+        number(*texels),
+        number(MOST_TEXELS)
     )]
-    TooMany { texels: u64, largest: String },
+    TooMany { texels: f64, largest: String },
     #[error("the lightmaps need {0}; fewer texels per unit or smaller lightmaps need less")]
     Memory(#[from] Shortage),
     #[error("the shapes cannot be laid out: {0}")]
     Other(String),
     #[error("interrupted")]
     Cancelled,
+}
+
+/// A whole number; one with so many digits that nobody reads them is rounded to two, such as 4.2e24.
+fn number(number: f64) -> String {
+    match number < 1e15 {
+        true => format!("{number:.0}"),
+        false => format!("about {number:.1e}"),
+    }
 }
