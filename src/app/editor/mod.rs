@@ -340,7 +340,7 @@ impl Plugin for EditorPlugin {
                     );
                 }
                 Err(error) => {
-                    terminal::line(format_args!("error: {}: {error}", path.display()));
+                    terminal::line(format_args!("error: {error}"));
                     app.add_systems(Startup, |mut exit: MessageWriter<AppExit>| {
                         exit.write(AppExit::error());
                     });

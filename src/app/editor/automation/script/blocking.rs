@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::error::ScriptError;
+use super::names::named;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, Plane};
 use crate::app::editor::command::blocking::faces::{Face, pushed};
@@ -45,10 +46,12 @@ pub(super) fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[
     Ok(Command::Build(Box::new(block)))
 }
 
-pub(super) fn push(world: &World, entity: Entity, face: &str, distance: &str) -> Result<Command, ScriptError> {
-    let (shape, pose) = parts(world, entity)?;
+pub(super) fn push(world: &mut World, name: &str, face: &str, distance: &str) -> Result<Command, ScriptError> {
     let face = Face::of_name(face).ok_or("expected a face: +x, -x, +y, -y, +z or -z")?;
-    let (kind, pose) = pushed(&shape.kind, pose, face, parse_float(distance)?).ok_or("it has no such face to push")?;
+    let distance = parse_float(distance)?;
+    let entity = named(world, name)?;
+    let (shape, pose) = parts(world, entity)?;
+    let (kind, pose) = pushed(&shape.kind, pose, face, distance).ok_or("it has no such face to push")?;
     Ok(Command::Reshape(
         entity,
         Shape { kind, ..shape.clone() },
@@ -58,12 +61,29 @@ pub(super) fn push(world: &World, entity: Entity, face: &str, distance: &str) ->
 }
 
 pub(super) fn cut(
-    world: &World,
-    entity: Entity,
+    world: &mut World,
+    wall: &str,
     kind: &str,
     from: &str,
     options: &[&str],
 ) -> Result<Command, ScriptError> {
+    let usual = match kind {
+        "door" => Opening::DOOR,
+        "window" => Opening::WINDOW,
+        "french-window" => Opening::FRENCH_WINDOW,
+        other => return Err(format!("expected door, window or french-window, found `{other}`").into()),
+    };
+    let from = parse_float(from)?;
+    let mut lengths = Vec::new();
+    for option in options {
+        let (name, number) = option.split_once('=').unwrap_or((option, ""));
+        let number = parse_float(number)?;
+        if name != "sill" && !(["width", "height"].contains(&name) && number > 0.0) {
+            return Err(format!("expected sill=, width= or height= with a length, found `{option}`").into());
+        }
+        lengths.push((name, number));
+    }
+    let entity = named(world, wall)?;
     let (shape, pose) = parts(world, entity)?;
     let up = world.resource::<ViewSettings>().navigation.up;
     let (wall, pose) = wall_of(&shape.kind, pose, up).ok_or("it is neither a wall nor an upright box")?;
@@ -71,22 +91,15 @@ pub(super) fn cut(
         Solid::Wall { height, .. } => height,
         _ => HEIGHT,
     };
-    let mut opening = match kind {
-        "door" => Opening::DOOR,
-        "window" => Opening::WINDOW,
-        "french-window" => Opening::FRENCH_WINDOW,
-        other => return Err(format!("expected door, window or french-window, found `{other}`").into()),
-    }
-    .in_wall(height);
-    opening.from = parse_float(from)?;
-    for option in options {
-        let (name, number) = option.split_once('=').unwrap_or((option, ""));
-        let number = parse_float(number)?;
+    let mut opening = Opening {
+        from,
+        ..usual.in_wall(height)
+    };
+    for (name, length) in lengths {
         match name {
-            "sill" => opening.sill = number,
-            "width" if number > 0.0 => opening.width = number,
-            "height" if number > 0.0 => opening.height = number,
-            _ => return Err(format!("expected sill=, width= or height= with a length, found `{option}`").into()),
+            "sill" => opening.sill = length,
+            "width" => opening.width = length,
+            _ => opening.height = length,
         }
     }
     let (kind, pose) = Cut { wall, pose, opening }.done();

@@ -1,11 +1,28 @@
-//! [`ScriptError`] says why a script ends early.
+//! [`ScriptError`] says why a script ends early, and [`ScriptNotBegun`] why it does not begin.
 
 use std::borrow::Cow;
+use std::path::PathBuf;
 
 use super::assign::AssignError;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::picture::awaited_image::ImageNotSaved;
 use crate::document::value::ValueError;
+use crate::files::FileError;
+
+/// Says why a script is not begun.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
+pub enum ScriptNotBegun {
+    #[error("{}: {error}", path.display())]
+    File { path: PathBuf, error: FileError },
+    /// The line has a fault that no scene could mend. `line` counts from 1.
+    #[error("{}:{line}: {error}", path.display())]
+    Line {
+        path: PathBuf,
+        line: usize,
+        error: ScriptError,
+    },
+}
 
 /// Says why a line of a script is not carried out, without the place of the line.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +31,9 @@ pub enum ScriptError {
     /// A word of the line names nothing, or is in the wrong place.
     #[error("{0}")]
     Words(Cow<'static, str>),
+    /// The line could be done in another scene, or with other things selected.
+    #[error("{0}")]
+    OfScene(Box<ScriptError>),
     #[error(transparent)]
     Value(#[from] ValueError),
     #[error(transparent)]
@@ -36,6 +56,22 @@ pub enum ScriptError {
     Scene,
     #[error("{0}: no samples can be waited for")]
     Wait(&'static str),
+}
+
+impl ScriptError {
+    /// The same as an error that depends on the scene.
+    pub(super) fn of_scene(self) -> Self {
+        Self::OfScene(Box::new(self))
+    }
+
+    /// Whether the line could be done in another scene.
+    pub(super) fn depends_on_scene(&self) -> bool {
+        match self {
+            Self::OfScene(_) => true,
+            Self::Usage { error, .. } => error.depends_on_scene(),
+            _ => false,
+        }
+    }
 }
 
 impl From<&'static str> for ScriptError {

@@ -23,9 +23,10 @@ pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> R
 
 /// `medium-of THING [interior|exterior|around]`
 pub fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<Command, ScriptError> {
+    let side = side.map_or(Ok(MediumSide::Interior), side_of)?;
     Ok(Command::GiveMedium {
         thing: named(world, thing)?,
-        side: side.map_or(Ok(MediumSide::Interior), side_of)?,
+        side,
     })
 }
 

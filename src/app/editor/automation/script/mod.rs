@@ -1,6 +1,7 @@
 //! Replays a script: a file of named commands, one a line, which are applied one after the other as a user would.
 //!
-//! A line begins when everything that the one before asked for is loaded and in the picture. The first that fails ends the run. After
+//! No line is done if one has a fault that no scene could mend, such as a misspelt verb. A line begins when everything that the one before asked for is
+//! loaded and in the picture. The first that fails ends the run. After
 //! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
 //! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
 
@@ -31,6 +32,7 @@ use super::screenshot::{WindowWait, save_window};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::commands;
+use crate::app::editor::commands::bare_world::bare_world;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning};
@@ -38,10 +40,10 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::words::figures::counted;
 use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
-use crate::files::{self, FileError, LARGEST_NOTE};
+use crate::files::{self, LARGEST_NOTE};
 use crate::scene::{SceneState, SceneStatus};
 use baking::BakeWait;
-use error::ScriptError;
+use error::{ScriptError, ScriptNotBegun};
 use parse::{Step, Wait};
 
 /// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
@@ -72,11 +74,20 @@ pub(crate) struct Script {
 }
 
 impl Script {
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = files::read_text(path, LARGEST_NOTE)?;
+    /// Reads a script. An error if a line has a fault that no scene could mend: then none is done.
+    pub fn read(path: &Path) -> Result<Self, ScriptNotBegun> {
+        let path = path.to_owned();
+        let text = match files::read_text(&path, LARGEST_NOTE) {
+            Ok(text) => text,
+            Err(error) => return Err(ScriptNotBegun::File { path, error }),
+        };
+        let lines: VecDeque<(usize, String)> = (1..).zip(text.lines().map(str::to_owned)).collect();
+        if let Some((line, error)) = first_fault(&lines) {
+            return Err(ScriptNotBegun::Line { path, line, error });
+        }
         Ok(Self {
-            path: path.to_owned(),
-            lines: (1..).zip(text.lines().map(str::to_owned)).collect(),
+            path,
+            lines,
             frames: 0,
             step: None,
             wait: None,
@@ -119,6 +130,16 @@ impl Script {
             _ => format!("at {place}: the picture has {samples} per pixel"),
         }
     }
+}
+
+/// The first line with a fault that no scene could mend, and its number.
+fn first_fault(lines: &VecDeque<(usize, String)>) -> Option<(usize, ScriptError)> {
+    // No scene is in this world, so that what depends on one is an error that says so.
+    let mut world = bare_world();
+    lines.iter().find_map(|(number, line)| {
+        let error = parse::line(&mut world, line).err()?;
+        (!error.depends_on_scene()).then_some((*number, error))
+    })
 }
 
 /// Does the next line when its time has come.
@@ -332,6 +353,56 @@ mod tests {
         said(&script, ": the picture has 48 samples per pixel");
         script.bake = Some(BakeWait::End);
         said(&script, "waits for a bake");
+    }
+
+    #[test]
+    fn lines_that_no_scene_makes_right_are_found_before_the_first_is_done() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("script.txt");
+        let refusal = |line: &str| {
+            std::fs::write(&path, format!("# Begins well.\nadd cube name=box at=0,0,0\n{line}\n")).expect("a file");
+            Script::read(&path).err().map(|error| error.to_string())
+        };
+        // The third to fifth would be wrong in this scene, and the sixth with nothing selected.
+        for line in [
+            "",
+            "wait 4",
+            "move lamp 1,0,0",
+            "set box radius 2",
+            "look-through eye",
+            "delete",
+            "denoise on",
+        ] {
+            assert_eq!(refusal(line), None, "{line}");
+        }
+        for (line, words) in [
+            ("moove box 1,0,0", "did you mean `move`"),
+            ("move box 1,0", "usage: move NAME X,Y,Z"),
+            ("push box top 1", "expected a face"),
+            ("cut door box 1 depth=2", "expected sill=, width= or height="),
+            ("make box difuse", "did you mean `diffuse`"),
+            ("lock maybe box", "expected `on` or `off`"),
+            ("limit-noise 0", "more than 0, up to 1"),
+            ("select \"box", "not closed"),
+        ] {
+            let message = refusal(line).expect(line);
+            assert!(
+                message.contains("script.txt:3: ") && message.contains(words),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_scripts_of_the_project_are_begun() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        for name in [
+            "tests/scripts/room.txt",
+            "docs/tutorial/room.txt",
+            "docs/tutorial/flat.txt",
+        ] {
+            Script::read(&root.join(name)).expect(name);
+        }
     }
 
     #[test]

@@ -12,7 +12,8 @@ pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item 
     format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one could be changed unnoticed.
+/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one could be changed unnoticed. Errors depend
+/// on the scene: values that are written in the line are better parsed before.
 pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
     let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
@@ -34,11 +35,12 @@ pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError
         several => return Err(ambiguous(name, several.len())),
     }
     let names = crate::scene::insert::names(world);
-    Err(unknown("thing", name, names.iter().map(String::as_str)))
+    Err(unknown("thing", name, names.iter().map(String::as_str)).of_scene())
 }
 
 fn ambiguous(name: &str, count: usize) -> ScriptError {
-    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own").into()
+    let message = format!("there are {count} things called \"{name}\": give the one that is meant an id of its own");
+    ScriptError::from(message).of_scene()
 }
 
 pub(super) fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, ScriptError> {

@@ -96,7 +96,8 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
             }
         }
         let command = (action.command)(&context);
-        let command = command.ok_or_else(|| format!("`{verb}`: nothing is selected"))?;
+        let nothing = || ScriptError::from(format!("`{verb}`: nothing is selected")).of_scene();
+        let command = command.ok_or_else(nothing)?;
         return Ok(Some(Step::Do(command)));
     }
     let step = verb_step(world, verb, &arguments);
@@ -172,14 +173,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("pick", [place]) => Command::Pick(parse_place(place)?, Extend::Replace),
         ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
         ("draw", [kind, from, to, options @ ..]) => blocking::draw(world, kind, [from, to], options)?,
-        ("push", [name, face, distance]) => {
-            let shape = named(world, name)?;
-            blocking::push(world, shape, face, distance)?
-        }
-        ("cut", [kind, wall, from, options @ ..]) => {
-            let wall = named(world, wall)?;
-            blocking::cut(world, wall, kind, from, options)?
-        }
+        ("push", [name, face, distance]) => blocking::push(world, name, face, distance)?,
+        ("cut", [kind, wall, from, options @ ..]) => blocking::cut(world, wall, kind, from, options)?,
         ("move", [name, by]) => {
             let by = parse_vec3(by)?;
             transformed(world, name, |pose| Affine3A::from_translation(by) * pose)?
@@ -216,13 +211,13 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             shape: named(world, shape)?,
         },
         ("make", [name, plugin]) => {
-            let thing = named(world, name)?;
-            let entity = material_of(world, thing).ok_or("it has no material")?;
             let material = Material::of_plugin(plugin);
             let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
             if *material.info().nested.start() > 0 {
                 return Err(format!("a {plugin} has others inside: paste it as XML").into());
             }
+            let thing = named(world, name)?;
+            let entity = material_of(world, thing).ok_or("it has no material")?;
             let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);
             let wrapper = (is_two_sided && can_wrap("twosided", &material)).then_some("twosided");
             let tree = MaterialTree::from(material);
@@ -234,14 +229,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 }),
             }
         }
-        ("wrap", [name, plugin]) => {
-            let thing = named(world, name)?;
-            layers::wrap(world, thing, plugin)?
-        }
-        ("unwrap", [name, which @ ..]) if which.len() <= 1 => {
-            let thing = named(world, name)?;
-            layers::unwrap(world, thing, which.first().copied())?
-        }
+        ("wrap", [name, plugin]) => layers::wrap(world, name, plugin)?,
+        ("unwrap", [name, which @ ..]) if which.len() <= 1 => layers::unwrap(world, name, which.first().copied())?,
         ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
             shapes: all_named(world, shapes)?,
             material: Some(named(world, material)?),
@@ -269,7 +258,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
         ("hide-thing", names) if !names.is_empty() => Command::Hide(all_named(world, names)?, true),
         ("lock", [switch, names @ ..]) if !names.is_empty() => {
-            Command::Lock(all_named(world, names)?, rendering::switch(switch)?)
+            let is_on = rendering::switch(switch)?;
+            Command::Lock(all_named(world, names)?, is_on)
         }
         ("put-into", [folder, names @ ..]) if !names.is_empty() => Command::PutInto {
             things: all_named(world, names)?,
@@ -343,10 +333,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("show-alone", names) if !names.is_empty() => Command::Isolate(all_named(world, names)?),
         ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
         ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
-        ("mix", [light, gain @ ..]) => {
-            let light = named(world, light)?;
-            rendering::mix(world.resource::<LightMix>(), light, gain)?
-        }
+        ("mix", [light, gain @ ..]) => rendering::mix(world, light, gain)?,
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
         ("tutorial-step", ["off"]) => Command::Shell(ShellCommand::ShowTutorial(None)),

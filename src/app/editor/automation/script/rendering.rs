@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::assign::within;
 use super::error::ScriptError;
+use super::names::named;
 use super::placing::axis_of;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
@@ -77,13 +78,14 @@ fn place(text: &str) -> Result<Vec2, ScriptError> {
 }
 
 /// The mix with another gain of a light: strength, and colour if it is not white. Solo and mute stay.
-pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, ScriptError> {
+pub fn mix(world: &mut World, light: &str, gain: &[&str]) -> Result<Command, ScriptError> {
     let (strength, color) = match gain {
         [strength] => (parse_float(strength)?, Rgb::ONE),
         [strength, color] => (parse_float(strength)?, parse_rgb(color)?),
         _ => return Err("expected a strength and perhaps a colour".into()),
     };
-    let mut mix = mix.clone();
+    let light = named(world, light)?;
+    let mut mix = world.resource::<LightMix>().clone();
     let channel = Channel {
         strength,
         color,

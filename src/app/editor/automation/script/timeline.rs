@@ -59,17 +59,17 @@ pub fn remove(world: &mut World, name: &str, path: Option<&str>, edit: KeyEdit) 
 
 /// `move-key NAME PROPERTY FROM TO`
 pub fn shift(world: &mut World, name: &str, path: &str, times: [&str; 2]) -> Result<Command, ScriptError> {
-    let thing = named(world, name)?;
     let [from, to] = times.map(precise);
     let edit = KeyEdit::Move { from: from?, to: to? };
+    let thing = named(world, name)?;
     Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit))
 }
 
 /// `interpolate NAME PROPERTY linear|ease|step`
 pub fn interpolate(world: &mut World, name: &str, path: &str, way: &str) -> Result<Command, ScriptError> {
-    let thing = named(world, name)?;
     let known = Interpolation::ALL.into_iter().find(|known| known.name() == way);
     let known = known.ok_or_else(|| unknown("interpolation", way, Interpolation::ALL.map(Interpolation::name)))?;
+    let thing = named(world, name)?;
     Ok(Command::Key(
         vec![(thing, KeyPath::new(path))],
         KeyEdit::Interpolate(known),
