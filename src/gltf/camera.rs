@@ -6,7 +6,8 @@ use glam::{Mat4, Vec3};
 
 use super::GltfError;
 use super::motion::Placement;
-use super::scene::{Builder, object, with, with_child, with_float, with_world};
+use super::objects::{object, with, with_child, with_float, with_world};
+use super::scene::Builder;
 use super::schema::Camera;
 use crate::document::{Category, Object, TransformOp, Value};
 

@@ -1,7 +1,8 @@
 //! A glTF file taken apart into files that other programs of the scene format read: meshes as PLY, pictures as PNG, JPEG or EXR.
 
+use super::objects::{object, with};
 use super::picture::Picture;
-use super::scene::{Imported, References, object, with};
+use super::scene::{Imported, References};
 use super::{Gltf, GltfError, ReadFile};
 use crate::document::{Category, Object, Value};
 use crate::geometry::mesh::MeshData;

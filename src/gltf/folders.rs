@@ -7,7 +7,8 @@ use glam::{Affine3A, Mat4};
 
 use super::motion::Placement;
 use super::nodes::PlacedNodes;
-use super::scene::{Builder, object, with_float, with_world};
+use super::objects::{object, with_float, with_world};
+use super::scene::Builder;
 use super::{Gltf, GltfError};
 use crate::document::{Category, Object};
 use crate::math::is_invertible;

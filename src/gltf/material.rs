@@ -8,8 +8,9 @@ use glam::{Affine2, Mat4, Vec2, Vec3};
 
 use super::Gltf;
 use super::mesh::VERTEX_COLOR;
+use super::objects::{object, with, with_child, with_color, with_float};
 use super::picture::{Made, Picture};
-use super::scene::{Builder, object, with, with_child, with_color, with_float};
+use super::scene::Builder;
 use super::schema::{Material, Pbr, Primitive, TextureInfo, Transmission};
 use crate::document::{Category, Object, TransformOp, Value};
 

@@ -14,6 +14,7 @@ mod material;
 mod mesh;
 mod motion;
 mod nodes;
+mod objects;
 mod passed_over;
 mod picture;
 mod placed;

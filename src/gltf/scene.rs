@@ -12,11 +12,12 @@ use glam::{Affine3A, Mat4, Vec3};
 use super::mesh::VERTEX_COLOR;
 use super::motion::{Allowance, Placement, is_sound};
 use super::nodes::PlacedNodes;
+use super::objects::*;
 use super::picture::Picture;
 use super::schema::{Light, Node, Primitive};
 use super::{Gltf, GltfError, is_supported};
 use crate::document::write::check_finite;
-use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
 use crate::math::{Aabb, is_invertible};
 
@@ -477,35 +478,4 @@ fn check_numbers(object: &Object) -> Result<(), GltfError> {
         })?;
     }
     object.objects().try_for_each(check_numbers)
-}
-
-pub(super) fn object(category: Category, plugin: &str) -> Object {
-    Object::new(category, plugin)
-}
-
-pub(super) fn with(mut object: Object, name: &str, value: Value) -> Object {
-    object.properties.push(Property::new(name, value, Span::default()));
-    object
-}
-
-pub(super) fn with_float(object: Object, name: &str, number: f32) -> Object {
-    with(object, name, Value::Float(number))
-}
-
-pub(super) fn with_color(object: Object, name: &str, color: Vec3) -> Object {
-    with(object, name, Value::Rgb(color))
-}
-
-pub(super) fn with_child(mut object: Object, child: Object) -> Object {
-    object.children.push(child.into());
-    object
-}
-
-/// With the pose of a node, before which a turn is done.
-pub(super) fn with_world(mut object: Object, placement: &Placement, turn: Mat4) -> Object {
-    if placement.moves() || placement.world * turn != Mat4::IDENTITY {
-        let value = |world: Mat4| Value::Transform(vec![TransformOp::Matrix(world * turn)]);
-        object.properties.push(placement.property("to_world", value));
-    }
-    object
 }

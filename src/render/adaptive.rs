@@ -11,6 +11,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::adaptive_shares::{Candidate, LEAST, rounded, shares};
 use super::bytes::{Damaged, Reader, Writer};
 use super::film::Film;
 use super::layers::Layers;
@@ -26,9 +27,6 @@ use crate::sampling::hash::pcg3d;
 pub const FIRST: u32 = 64;
 /// A pilot takes this share of the samples so far.
 const PILOT_SHARE: u32 = 32;
-/// The least and the most samples of a block, as shares of the mean number.
-const LEAST: f64 = 0.25;
-const MOST: f64 = 8.0;
 /// The gain in variance at equal cost that is worth the pilots.
 const WORTHWHILE: f64 = 1.1;
 /// How far pilots may be followed: the powers of the samples that would be best if each block's noise were known and samples were independent.
@@ -146,15 +144,6 @@ pub struct Pilots {
     powers: Option<[f64; 2]>,
     /// The number of pilots so far.
     count: u32,
-}
-
-/// A block's way through a round.
-struct Candidate {
-    place: usize,
-    /// The noise by pilots, smoothed.
-    noise: f64,
-    cost: f64,
-    least: f64,
 }
 
 impl Pilots {
@@ -377,115 +366,9 @@ impl Pilots {
     }
 }
 
-/// A number of samples that suits nets: powers of two and those half way between, or an eighth of a round that is none of doubling.
-fn rounded(samples: f64, from: u32, to: u32) -> u32 {
-    if to == 2 * from && from.is_power_of_two() {
-        let below = samples.log2().floor().exp2();
-        let share = samples / below;
-        // The geometric means of 1, 1.5 and 2.
-        let share = if share < 1.225 {
-            1.0
-        } else if share < 1.732 {
-            1.5
-        } else {
-            2.0
-        };
-        (below * share) as u32
-    } else {
-        let step = f64::from(((to - from) / 8).max(1));
-        ((samples / step).round() * step) as u32
-    }
-}
-
-/// The samples of each block that cost as much in all as `mean` of every block: the power `power` of what would be best for independent samples, which is the
-/// root of noise over cost, but at least `least`. `round` gives the numbers that are possible.
-fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
-    let weights: Vec<f64> = blocks
-        .iter()
-        .map(|block| {
-            let ratio = block.noise / block.cost.max(1.0);
-            if power == 0.0 { 1.0 } else { ratio.powf(0.5 * power) }
-        })
-        .collect();
-    let at = |factor: f64| -> Vec<f64> {
-        let samples = |(block, weight): (&Candidate, &f64)| {
-            let wanted = (factor * weight).clamp(LEAST * mean, MOST * mean);
-            round(wanted).max(block.least)
-        };
-        blocks.iter().zip(&weights).map(samples).collect()
-    };
-    let budget: f64 = mean * blocks.iter().map(|block| block.cost).sum::<f64>();
-    let cost = |samples: &[f64]| -> f64 {
-        blocks
-            .iter()
-            .zip(samples)
-            .map(|(block, samples)| block.cost * samples)
-            .sum()
-    };
-    let typical = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
-    if !(typical > 0.0 && typical.is_finite()) {
-        return vec![mean; blocks.len()];
-    }
-    let (mut low, mut high) = (0.0, 1e3 * mean / typical);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if cost(&at(middle)) <= budget {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    at(low)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn candidates(noise: &[f64], cost: f64) -> Vec<Candidate> {
-        let block = |(place, &noise): (usize, &f64)| Candidate {
-            place,
-            noise,
-            cost,
-            least: 0.0,
-        };
-        noise.iter().enumerate().map(block).collect()
-    }
-
-    #[test]
-    fn numbers_suit_nets() {
-        let doubling = [60.0, 70.0, 90.0, 120.0, 900.0].map(|samples| rounded(samples, 64, 128));
-        assert_eq!(doubling, [64, 64, 96, 128, 1024]);
-        assert_eq!([101.0, 110.0].map(|samples| rounded(samples, 80, 96)), [102, 110]);
-    }
-
-    #[test]
-    fn samples_follow_the_root_of_noise_over_cost_and_cost_as_much() {
-        let shares_of =
-            |noise: &[f64], power: f64| shares(&candidates(noise, 3.0), power, 100.0, std::convert::identity);
-        let found = shares_of(&[1.0, 4.0, 4.0, 9.0], 1.0);
-        for (samples, expected) in found.iter().zip([50.0, 100.0, 100.0, 150.0]) {
-            assert!((samples / expected - 1.0).abs() < 1e-3, "{found:?}");
-        }
-        let uniform = shares_of(&[1.0, 4.0, 4.0, 9.0], 0.0);
-        assert!(
-            uniform.iter().all(|samples| (samples / 100.0 - 1.0).abs() < 1e-3),
-            "{uniform:?}"
-        );
-        // Neither without noise nor with very much of it.
-        let far = shares_of(&[0.0, 1.0, 1.0, 1e12], 1.0);
-        assert!(
-            far[0] == 25.0 && far[3] <= 800.0 && far.iter().sum::<f64>() <= 400.01,
-            "{far:?}"
-        );
-        assert_eq!(shares_of(&[0.0; 3], 1.0), [100.0; 3]);
-        assert_eq!(shares_of(&[], 1.0), [0.0; 0]);
-        // What costs four times as much gets half as many.
-        let mut blocks = candidates(&[1.0, 1.0], 1.0);
-        blocks[1].cost = 4.0;
-        let found = shares(&blocks, 1.0, 100.0, std::convert::identity);
-        assert!((found[0] / found[1] - 2.0).abs() < 1e-3, "{found:?}");
-    }
 
     #[test]
     fn blocks_cover_a_tile_once() {

@@ -1,6 +1,7 @@
 //! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
 pub mod adaptive;
+mod adaptive_shares;
 pub mod auto;
 mod bidirectional;
 pub mod borders;

@@ -92,7 +92,7 @@ impl Plugin for EditorPlugin {
             true => session::trust::TrustedFolders::open(folder.as_deref()),
             false => Default::default(),
         };
-        let mut views_file = session::stored_views::ViewsFile::new(folder.as_deref());
+        let mut views_file = session::views_file::ViewsFile::new(folder.as_deref());
         if options.is_attended() {
             views_file = views_file.returning(options.camera.is_some());
         }

@@ -1,6 +1,7 @@
 //! The state that the editor keeps beside the scene: history, preferences, messages, view settings, requests and recovery. May import `command`,
 //! `words` and `camera`.
 
+mod aside;
 pub mod full_film_question;
 pub mod history;
 pub mod kept_picture;
@@ -20,4 +21,5 @@ pub mod toasts;
 pub mod trust;
 pub mod tutorial;
 pub mod view_settings;
+pub mod views_file;
 pub(crate) mod window_place;

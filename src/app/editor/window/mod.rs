@@ -12,6 +12,7 @@ pub(crate) mod late_quit;
 pub mod palette;
 pub mod picture_question;
 pub(crate) mod preview;
+mod preview_work;
 pub mod recovery_question;
 pub mod save_question;
 pub mod scene_question;

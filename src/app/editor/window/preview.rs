@@ -3,33 +3,22 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 use bevy_egui::{EguiContexts, egui};
-use crossbeam_channel::{Receiver, Sender, unbounded};
 
+use super::preview_work::{Pass, Quality, ROUGH, Work, start, wake};
 use super::widgets::Widgets;
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{EditorModel, Model};
-use crate::app::editor::picture::ball_picture::{self, without_noise};
-use crate::app::editor::picture::material_ball::{BallMaterial, MaterialBall};
+use crate::app::editor::picture::ball_picture;
+use crate::app::editor::picture::material_ball::BallMaterial;
 use crate::app::editor::picture::pacing::Pacing;
-use crate::app::editor::session::picture_cache::{Kept, PictureCache};
-use crate::engine::{PackedScene, WakeUp, yield_to_all, yield_to_window};
-use crate::render::tonemap::Display;
-
-/// The quality of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Quality {
-    /// The edge in pixels: sharp at twice the size that it has in points.
-    edge: u32,
-    /// The samples of a pixel.
-    samples: u32,
-}
+use crate::app::editor::session::picture_cache::PictureCache;
+use crate::engine::{PackedScene, WakeUp};
 
 /// The quality for the inspected material, those inside it and those of the library; below for those in the list.
 const BEST: Quality = Quality {
@@ -42,8 +31,6 @@ const LIBRARY: Quality = Quality {
     samples: 128,
 };
 const LISTED: Quality = Quality { edge: 40, samples: 32 };
-/// The samples that all pictures get before any gets more.
-const ROUGH: u32 = 4;
 /// The number of pictures that are kept although they are no longer visible, some 100 kB each here and as much in the graphics driver.
 const MOST: usize = 128;
 
@@ -54,28 +41,6 @@ struct Picture {
     quality: Quality,
     /// It came with the program.
     is_shipped: bool,
-}
-
-/// A picture under way.
-struct Work {
-    ball: Ball,
-    look: BallMaterial,
-    /// The quality that it will have in the end.
-    quality: Quality,
-    cancel: Arc<AtomicBool>,
-    passes: Receiver<Pass>,
-}
-
-/// A picture that is better than the one before.
-struct Pass {
-    samples: u32,
-    image: egui::ColorImage,
-}
-
-impl Drop for Work {
-    fn drop(&mut self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
 }
 
 #[derive(Resource, Default)]
@@ -321,136 +286,11 @@ impl Previews {
     }
 }
 
-/// `kept`: where the picture is kept between runs, and its name there.
-fn start(
-    ball: Ball,
-    look: BallMaterial,
-    quality: Quality,
-    kept: Option<(Arc<str>, PictureCache)>,
-    wake_up: WakeUp,
-) -> Option<Work> {
-    let cancel = Arc::new(AtomicBool::new(false));
-    let (sender, passes) = unbounded();
-    let (flag, shown) = (cancel.clone(), look.clone());
-    let work = move || {
-        // A first picture must appear soon, so that its thread yields only to the window.
-        if quality.samples <= ROUGH {
-            yield_to_window();
-        } else {
-            yield_to_all();
-        }
-        match &kept {
-            Some((key, cache)) => render_or_take(&shown, quality, (key, cache), &flag, &sender, &wake_up),
-            None => drop(render(&shown, quality, &flag, &sender, &wake_up)),
-        }
-        // The channel is closed before the window looks again.
-        drop(sender);
-        wake(&wake_up);
-    };
-    match std::thread::Builder::new().name("preview".to_owned()).spawn(work) {
-        Ok(_) => Some(Work {
-            ball,
-            look,
-            quality,
-            cancel,
-            passes,
-        }),
-        Err(error) => {
-            error!("A thread for the preview of a material could not be started: {error}");
-            None
-        }
-    }
-}
-
-/// Takes the picture of an earlier run, or renders one and keeps it when it is finished.
-fn render_or_take(
-    look: &BallMaterial,
-    quality: Quality,
-    (key, cache): (&str, &PictureCache),
-    cancel: &AtomicBool,
-    passes: &Sender<Pass>,
-    wake_up: &WakeUp,
-) {
-    let edge = quality.edge as usize;
-    if let Some(kept) = cache.get(key).filter(|kept| kept.image.size == [edge; 2]) {
-        // The receiver is gone if the picture is no longer needed.
-        let _ = passes.send(Pass {
-            samples: quality.samples,
-            image: kept.image,
-        });
-    } else if let Some(image) = render(look, quality, cancel, passes, wake_up)
-        && quality.samples > ROUGH
-    {
-        let text = String::new();
-        cache.keep(key, &Kept { image, text });
-    }
-}
-
-/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no longer needed. Returns the last.
-fn render(
-    look: &BallMaterial,
-    quality: Quality,
-    cancel: &AtomicBool,
-    passes: &Sender<Pass>,
-    wake_up: &WakeUp,
-) -> Option<egui::ColorImage> {
-    let Quality { edge, samples } = quality;
-    let ball = MaterialBall::new(look, edge)?;
-    let mut film = ball.film();
-    let mut rgba = vec![0; (4 * edge * edge) as usize];
-    loop {
-        let more = film.sample_count().max(1);
-        ball.refine(&mut film, more, cancel)?;
-        let done = film.sample_count();
-        let radiance = match done >= ROUGH {
-            true => without_noise(&film, Some(1), cancel),
-            false => film.radiance(),
-        };
-        Display::default().encode_rgba(&radiance, &mut rgba);
-        let image = egui::ColorImage::from_rgba_unmultiplied([edge as usize; 2], &rgba);
-        let pass = Pass {
-            samples: done,
-            image: image.clone(),
-        };
-        passes.send(pass).ok()?;
-        wake(wake_up);
-        if done >= samples {
-            return Some(image);
-        }
-    }
-}
-
-fn wake(wake_up: &WakeUp) {
-    if let Some(wake) = &wake_up.0 {
-        wake();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::editor::command::presets;
-    use crate::color::Rgb;
-    use crate::material::{Material, MaterialId, MaterialTable};
-    use crate::shading::{Bsdf, Diffuse};
-
-    #[test]
-    fn passes_double_and_end() {
-        let paint = Material::Plain(Bsdf::Diffuse(Diffuse {
-            reflectance: Rgb::splat(0.5),
-        }));
-        let look = BallMaterial {
-            materials: Arc::new(MaterialTable::new(vec![paint]).expect("no circles")),
-            textures: Arc::default(),
-            material: MaterialId(0),
-            inside: None,
-        };
-        const QUALITY: Quality = Quality { edge: 8, samples: 4 };
-        let entity = Entity::from_raw_u32(1).expect("a small index is valid");
-        let work = start(Ball::Material(entity), look, QUALITY, None, WakeUp::default()).expect("a thread");
-        let samples: Vec<u32> = work.passes.iter().map(|pass| pass.samples).collect();
-        assert_eq!(samples, [1, 2, 4]);
-    }
+    use crate::app::editor::picture::material_ball::MaterialBall;
 
     fn with_presets(presets: Vec<Preset>) -> (Previews, Model) {
         let model = Model {

@@ -18,7 +18,7 @@ use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::systems::EditorSystems;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::session::{history, layout, options, preferences, recovery, stored_views};
+use crate::app::editor::session::{history, layout, options, preferences, recovery, stored_views, views_file};
 use crate::app::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, EngineSystems, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, SceneSystems, asset_plugin};
@@ -45,7 +45,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
         .insert_resource(preferences)
         .insert_resource(preferences_file)
         .insert_resource(recovery::Recovery::new(Some(&folder)))
-        .insert_resource(stored_views::ViewsFile::new(Some(&folder)))
+        .insert_resource(views_file::ViewsFile::new(Some(&folder)))
         .insert_resource(flight::Flights::new(true))
         .insert_resource(motion::Motion::new(true))
         .init_resource::<history::History>()
