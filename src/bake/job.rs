@@ -20,11 +20,11 @@ use super::limits::{BakeLimits, USUAL_SAMPLES};
 use super::manifest::BakedLight;
 use super::preview::{BakedSurfaces, LitBy, SeenPixels};
 use super::probes::{AskedProbe, Probe, ProbeSettings, ProbeSites, plan};
-use super::progress::{Gathered, Pace, Progress, Stage, Work};
+use super::progress::{Gathered, Pace, Progress, Stage, Work, watched};
 use super::seams::{Seam, smooth_seams};
 use super::sides::lit_sides;
 use super::texels::{BakeSurface, Texel, Texels, covered_texels};
-use super::unwrap::UnwrapSettings;
+use super::unwrap::{Told, UnwrapSettings};
 use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
 use crate::memory::{Reservation, Shortage};
@@ -115,12 +115,13 @@ pub struct BakeJob {
 }
 
 impl BakeJob {
-    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch` hears of the stages.
+    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch` hears of the progress, and of what is being done in
+    /// words.
     pub fn prepare(
         source: BakeSource,
         settings: &BakeSettings,
         cancel: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&Progress, &str),
     ) -> Result<Self, BakeError> {
         let BakeSource {
             scene,
@@ -142,20 +143,25 @@ impl BakeJob {
         };
         let plan = match &settings.probes {
             Some(settings) => {
-                let begin = Instant::now();
+                let (begin, stage) = (Instant::now(), Stage::PlacingProbes);
                 let work = &mut Work {
                     pool: &pool,
                     cancel,
-                    watch: &mut |done| watch(&Progress::new(Stage::PlacingProbes, done, begin.elapsed())),
+                    watch: &mut |done| watch(&Progress::new(stage, done, begin.elapsed()), &stage.words(None)),
                 };
                 Some(plan(&probes, settings, &gathering, work)?)
             }
             None => None,
         };
         is_cancelled()?;
-        watch(&Progress::new(Stage::Unwrapping, 0.0, Duration::ZERO));
+        let begin = Instant::now();
+        let mut unwrapping = |done: f64, words: &str| {
+            watch(&Progress::new(Stage::Unwrapping, done, begin.elapsed()), words);
+        };
+        unwrapping(0.0, &Stage::Unwrapping.words(None));
         let lit = |triangles: &[[Vec3; 3]]| lit_sides(&gathering, triangles, cancel);
-        let baked = pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit, cancel));
+        let unwrap = |told: Told| pool.install(|| unwrap_level(&mut level, &settings.unwrap, lit, cancel, told));
+        let baked = watched(unwrap, &mut unwrapping);
         is_cancelled()?;
         let baked = baked?;
         let find = || covered_texels(&baked.surfaces, baked.size, baked.pages, cancel);

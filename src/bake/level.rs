@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::texels::BakeSurface;
-use super::unwrap::{Layout, LayoutMesh, LayoutRectangle, UnwrapError, UnwrapMesh, UnwrapSettings, unwrap};
+use super::unwrap::{Layout, LayoutMesh, LayoutRectangle, Told, UnwrapError, UnwrapMesh, UnwrapSettings, unwrap};
 use crate::gltf::write::material::Material;
 use crate::gltf::write::model::{Mesh, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter, PlacedMesh};
@@ -98,12 +98,14 @@ struct Sheet {
 }
 
 /// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a surface in the world that light comes
-/// to: it gets the corners of its triangles, and answers for front and back. It fails after `cancel` is set, as [`unwrap`] does.
+/// to: it gets the corners of its triangles, and answers for front and back. It fails after `cancel` is set and tells of its
+/// progress as [`unwrap`] does.
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,
     lit: impl Fn(&[[Vec3; 3]]) -> (bool, bool) + Sync,
     cancel: &AtomicBool,
+    told: Told,
 ) -> Result<BakeLevel, LevelError> {
     let mut groups: Vec<Group> = Vec::new();
     let mut known: HashMap<Key, usize> = HashMap::new();
@@ -131,7 +133,7 @@ pub fn unwrap_level(
         .iter_mut()
         .map(|group| std::mem::take(&mut group.input))
         .collect();
-    let mut layout = unwrap(&inputs, settings, cancel)?;
+    let mut layout = unwrap(&inputs, settings, cancel, told)?;
     let meshes = std::mem::take(&mut layout.meshes);
     let (mut nodes, mut surfaces) = (Vec::new(), Vec::new());
     for ((group, input), mut mesh) in groups.iter().zip(inputs.drain(..)).zip(meshes) {

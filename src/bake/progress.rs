@@ -1,10 +1,14 @@
 //! The progress that a bake reports, and how often it does.
 
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
+
+use super::unwrap::Told;
 
 /// What is being done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,6 +86,30 @@ impl Work<'_> {
         })
     }
 }
+
+/// Does work on a thread of its own, and calls `watch` here with what it told last, at least every fifth of a second once it has told anything.
+pub(super) fn watched<T: Send>(work: impl FnOnce(Told) -> T + Send, watch: &mut dyn FnMut(f64, &str)) -> T {
+    std::thread::scope(|scope| {
+        let (teller, told) = mpsc::channel();
+        let tell = move |done: f64, words: &str| drop(teller.send((done, words.to_owned())));
+        let thread = scope.spawn(move || work(&tell));
+        let mut last = None;
+        loop {
+            match told.recv_timeout(TICK) {
+                Ok(news) => last = told.try_iter().last().or(Some(news)),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if let Some((done, words)) = &last {
+                watch(*done, words);
+            }
+        }
+        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
+}
+
+/// The time between two looks at work on another thread.
+const TICK: Duration = Duration::from_millis(200);
 
 /// How many blocks of texels are worked on at once, so that they take about half a second.
 pub(super) struct Pace {

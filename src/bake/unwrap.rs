@@ -1,18 +1,22 @@
 //! A second set of texture coordinates for meshes, in which no two places of their surfaces share a texel.
 //!
 //! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
-//! an atlas may be, and what becomes of meshes that have no surface or are broken.
+//! an atlas may be, and what becomes of meshes that have no surface, are broken, or are large.
 
 mod error;
+mod input;
+mod mesh;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{DVec3, UVec2, Vec2, Vec3};
-use uvunwrap::{Density, MeshInput, Options};
+use glam::{UVec2, Vec2};
+use uvunwrap::{Density, MeshInput, Options, Packing, Stage};
 
 pub use self::error::UnwrapError;
+pub use self::mesh::{Told, UnwrapMesh};
 
 use self::error::MOST_TEXELS;
+use self::input::Input;
 use super::lightmap::TexelSum;
 use super::spread::Spread;
 use super::texels::Texel;
@@ -41,21 +45,6 @@ impl Default for UnwrapSettings {
             padding: 2,
         }
     }
-}
-
-/// A mesh to be unwrapped, in the size in which it stands in the world.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct UnwrapMesh {
-    /// The name for messages, such as the path of the shape that has it.
-    pub name: String,
-    /// The vertices.
-    pub positions: Vec<Vec3>,
-    /// The corners.
-    pub triangles: Vec<[u32; 3]>,
-    /// The part of the mesh that each triangle belongs to. No chart has triangles of two parts.
-    pub part_of_triangle: Vec<u32>,
-    /// How often the mesh stands in the world; each time it has a place of its own in the lightmaps.
-    pub places: usize,
 }
 
 /// The layout of all meshes.
@@ -106,12 +95,14 @@ pub(super) const TEXEL_BYTES: u64 = {
 /// Bytes for each texel of the pictures that are made of a lightmap, with those that are filtered. Before, the search for texels takes less.
 const PICTURE_BYTES: u64 = 128;
 const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
-/// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
-const LEAST_HEIGHT: f64 = 2e-6;
-
-/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends after `cancel` is set: soon while charts are flattened and packed, and
-/// at the end of a mesh while it is cut.
-pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicBool) -> Result<Layout, UnwrapError> {
+/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends soon after `cancel` is set: at the end of a piece of a few thousand triangles, of the
+/// search for the neighbours of all triangles of a mesh, or of an attempt to place all charts.
+pub fn unwrap(
+    meshes: &[UnwrapMesh],
+    settings: &UnwrapSettings,
+    cancel: &AtomicBool,
+    told: Told,
+) -> Result<Layout, UnwrapError> {
     let UnwrapSettings {
         atlas_size,
         texels_per_unit,
@@ -142,8 +133,8 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
     }
     // The least that is needed, before the work begins.
     let mut reserved = memory::reserve(TEXEL_BYTES * needed as u64)?;
-    let inputs: Vec<_> = meshes.iter().map(Input::new).collect();
-    let inputs: Vec<MeshInput> = inputs.iter().map(Input::borrow).collect();
+    let (inputs, cut) = Input::all(meshes, cancel, told)?;
+    let borrowed: Vec<MeshInput> = inputs.iter().map(Input::borrow).collect();
     let options = Options {
         density: match texels_per_unit {
             Some(texels_per_unit) => Density::Fixed {
@@ -153,20 +144,35 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
             None => Density::Auto { page_size: atlas_size },
         },
         padding,
+        packing: match meshes.iter().any(UnwrapMesh::is_large) {
+            // The time of the other one grows faster than the number of charts.
+            true => Packing::Fast,
+            false => Packing::Shape,
+        },
         ..Options::default()
     };
-    let generate =
-        |inputs: &[MeshInput]| uvunwrap::generate_with_progress(inputs, &options, |_| !cancel.load(Ordering::Relaxed));
-    let atlas = generate(&inputs).map_err(|error| match error {
+    let generate = |inputs: &[MeshInput]| {
+        uvunwrap::generate_with_progress(inputs, &options, |now| {
+            let (done, words) = step(&now);
+            told(cut + (1.0 - cut) * done, words);
+            !cancel.load(Ordering::Relaxed)
+        })
+    };
+    let atlas = generate(&borrowed).map_err(|error| match error {
         uvunwrap::Error::Cancelled => UnwrapError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => {
-            let alone = |mesh: usize| generate(&inputs[mesh..=mesh]).err();
+            let alone = |mesh: usize| generate(&borrowed[mesh..=mesh]).err();
             too_large(meshes, settings, alone)
         }
         uvunwrap::Error::AtlasTooLarge { texels } => too_many(texels as f64, meshes),
         other => UnwrapError::Other(other.to_string()),
     })?;
-    let mut meshes: Vec<LayoutMesh> = atlas.meshes.into_iter().map(LayoutMesh::of).collect();
+    let mut meshes: Vec<LayoutMesh> = atlas
+        .meshes
+        .into_iter()
+        .zip(&inputs)
+        .map(|(mesh, input)| LayoutMesh::of(mesh, input))
+        .collect();
     let mut size = UVec2::new(atlas.width, atlas.height);
     if atlas.page_count == 1 {
         size.y = crop(&mut meshes, size.y);
@@ -180,6 +186,18 @@ pub fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings, cancel: &AtomicB
         meshes,
         memory: reserved,
     })
+}
+
+/// The part of its work that the crate has done, and what it does in words.
+fn step(now: &uvunwrap::Progress) -> (f64, &'static str) {
+    let part = now.total.map_or(0.0, |total| now.done as f64 / total.max(1) as f64);
+    match now.stage {
+        Stage::Segmenting => (0.1 * part, "unwrapping the level"),
+        Stage::Parameterizing => (0.1 + 0.6 * part, "unwrapping the level"),
+        // It takes one attempt or a dozen.
+        Stage::Packing => (1.0 - 0.3 * 0.85f64.powi(now.done as i32), "placing the charts"),
+        _ => (1.0, "placing the charts"),
+    }
 }
 
 /// The error that the level needs so many texels.
@@ -240,66 +258,12 @@ fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
     kept
 }
 
-impl UnwrapMesh {
-    /// Whether a lightmap can lie on any of its triangles: not on those that are so thin that single precision takes them for lines.
-    pub fn has_surface(&self) -> bool {
-        let least = LEAST_HEIGHT * self.extent();
-        self.triangles.iter().any(|triangle| {
-            let [a, b, c] = triangle.map(|corner| self.positions[corner as usize].as_dvec3());
-            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            (b - a).cross(c - a).length() / longest > least
-        })
-    }
-
-    /// The length of the diagonal of the box around it.
-    fn extent(&self) -> f64 {
-        let places = || self.positions.iter().map(|place| place.as_dvec3());
-        let extent = places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min);
-        extent.length()
-    }
-
-    /// The area of all its places.
-    fn area(&self) -> f64 {
-        let of = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|corner| self.positions[corner as usize].as_dvec3());
-            0.5 * (b - a).cross(c - a).length()
-        };
-        self.places as f64 * self.triangles.iter().map(of).sum::<f64>()
-    }
-}
-
-/// A mesh as the crate takes it.
-struct Input {
-    positions: Vec<[f32; 3]>,
-    indices: Vec<u32>,
-    parts: Vec<u32>,
-    scales: Vec<f32>,
-}
-
-impl Input {
-    fn new(mesh: &UnwrapMesh) -> Self {
-        Self {
-            positions: mesh.positions.iter().map(|place| place.to_array()).collect(),
-            indices: mesh.triangles.as_flattened().to_vec(),
-            parts: mesh.part_of_triangle.clone(),
-            scales: vec![1.0; mesh.places],
-        }
-    }
-
-    fn borrow(&self) -> MeshInput<'_> {
-        MeshInput {
-            face_materials: (!self.parts.is_empty()).then_some(&*self.parts),
-            instance_scales: &self.scales,
-            ..MeshInput::new(&self.positions, &self.indices)
-        }
-    }
-}
-
 impl LayoutMesh {
-    fn of(mesh: uvunwrap::OutputMesh) -> Self {
+    fn of(mesh: uvunwrap::OutputMesh, input: &Input) -> Self {
         let (triangles, _) = mesh.indices.as_chunks::<3>();
+        let vertices = mesh.vertices.iter();
         Self {
-            vertices: mesh.vertices.iter().map(|vertex| vertex.xref).collect(),
+            vertices: vertices.map(|vertex| input.vertex_of_mesh(vertex.xref)).collect(),
             coordinates: mesh.vertices.iter().map(|vertex| Vec2::from(vertex.uv)).collect(),
             triangles: triangles.to_vec(),
             rectangles: mesh
@@ -317,10 +281,12 @@ impl LayoutMesh {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     fn unwrap(meshes: &[UnwrapMesh], settings: &UnwrapSettings) -> Result<Layout, UnwrapError> {
-        super::unwrap(meshes, settings, &AtomicBool::new(false))
+        super::unwrap(meshes, settings, &AtomicBool::new(false), &|_, _| {})
     }
 
     fn square(size: f32) -> UnwrapMesh {
@@ -471,7 +437,7 @@ mod tests {
     #[test]
     fn a_layout_that_is_cancelled_ends() {
         let cancelled = AtomicBool::new(true);
-        let error = super::unwrap(&[square(1.0)], &with_density(8.0), &cancelled).map(drop);
+        let error = super::unwrap(&[square(1.0)], &with_density(8.0), &cancelled, &|_, _| {}).map(drop);
         assert_eq!(error, Err(UnwrapError::Cancelled));
     }
 

@@ -154,7 +154,9 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
         discards: Arc::default(),
     };
     let mut progress = BakeProgress::new(args.quiet, limits);
-    let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now| progress.prepare(now))?;
+    let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now, words| {
+        progress.prepare(now, words)
+    })?;
     progress.end();
     for warning in job.warnings() {
         report::line(format_args!("warning: {warning}"));

@@ -32,8 +32,8 @@ impl BakeProgress {
     }
 
     /// Shows how far the preparation of a job is.
-    pub fn prepare(&mut self, now: &Now) {
-        self.step(now, now.stage.words(None));
+    pub fn prepare(&mut self, now: &Now, words: &str) {
+        self.step(now, words.to_owned());
     }
 
     /// Shows how far the job is now.

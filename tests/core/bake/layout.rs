@@ -78,7 +78,7 @@ fn laid_out(writer: &mut GltfWriter, lit: (bool, bool)) -> BakeLevel {
         texels_per_unit: Some(8.0),
         ..UnwrapSettings::default()
     };
-    unwrap_level(writer, &settings, |_| lit, &AtomicBool::new(false)).expect("a layout")
+    unwrap_level(writer, &settings, |_| lit, &AtomicBool::new(false), &|_, _| {}).expect("a layout")
 }
 
 #[test]
@@ -193,7 +193,13 @@ fn a_mesh_without_an_area_has_no_place() {
     let mut writer = GltfWriter::default();
     add_line(&mut writer);
     let cancel = AtomicBool::new(false);
-    let layout = unwrap_level(&mut writer, &UnwrapSettings::default(), |_| (true, true), &cancel);
+    let layout = unwrap_level(
+        &mut writer,
+        &UnwrapSettings::default(),
+        |_| (true, true),
+        &cancel,
+        &|_, _| {},
+    );
     let error = layout.expect_err("no surface");
     assert!(
         error.to_string().contains("nothing in the level has a surface"),

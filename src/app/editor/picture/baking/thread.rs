@@ -13,7 +13,6 @@ use std::time::{Duration, Instant};
 use super::shown::{PagePicture, Showing, Wanted};
 use crate::app::baking::{BakedLevel, baked_level};
 use crate::app::editor::picture::compare::LitPicture;
-use crate::bake::blueprint::Blueprint;
 use crate::bake::files::{self, OutputFolder};
 use crate::bake::job::{BakeEnding, BakeJob, BakeSettings, BakeSource};
 use crate::bake::limits::BakeLimits;
@@ -264,7 +263,8 @@ impl BakeThread {
     }
 }
 
-/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is described or cut into charts.
+/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is described, or the
+/// neighbours of the triangles of a large mesh are looked for.
 pub struct LeftThread {
     shared: Arc<Shared>,
     thread: JoinHandle<()>,
@@ -324,7 +324,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         is_seen: true,
         discards: shared.discards.clone(),
     };
-    let mut prepared = |now: &Progress| shared.tell_progress(stage(now.stage, None), now);
+    let mut prepared = |now: &Progress, words: &str| shared.tell_progress(with_large_letter(words), now);
     let mut job =
         BakeJob::prepare(source, settings, &shared.cancel, &mut prepared).map_err(|error| error.to_string())?;
     shared.tell(|news| {
@@ -334,7 +334,8 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
     });
     let mut watch = |job: &BakeJob, now: &Progress| {
         showing.look(shared, job);
-        shared.tell_progress(stage(now.stage, Some(job.blueprint())), now);
+        let words = now.stage.words(Some(job.blueprint()));
+        shared.tell_progress(with_large_letter(&words), now);
     };
     let ending = job
         .run(&order.limits, &shared.cancel, &mut watch)
@@ -361,9 +362,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
     Ok((job, written))
 }
 
-/// What is being done, with a large letter.
-fn stage(stage: Stage, blueprint: Option<&Blueprint>) -> String {
-    let words = stage.words(blueprint);
+fn with_large_letter(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
