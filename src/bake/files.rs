@@ -1,6 +1,7 @@
 //! The files of a bake.
 
 use std::collections::HashSet;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -78,6 +79,40 @@ pub fn replaceable(folder: &Path) -> Vec<PathBuf> {
         is_name_of_bake(&name.to_string_lossy())
     };
     entries.map(|entry| entry.path()).filter(is_ours).collect()
+}
+
+/// How much light a level has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Content {
+    /// The samples of each texel of a lightmap.
+    pub samples: u32,
+    /// The number of finished probes.
+    pub probes: usize,
+}
+
+impl Content {
+    /// What the level has that a bake has written into the folder; None if there is none.
+    pub fn of_folder(folder: &Path) -> Option<Self> {
+        let manifest = manifest_of(folder)?;
+        let probes = |list: &str| manifest[list].as_array().map_or(0, Vec::len);
+        Some(Self {
+            samples: manifest["samples"].as_u64()?.try_into().ok()?,
+            probes: probes("reflection_probes") + probes("irradiance_volumes"),
+        })
+    }
+
+    /// Whether a bake that is ended early may replace a level with this content: it has more samples, and as many probes. So nothing is lost without a word.
+    pub fn may_replace(&self, there: &Self) -> bool {
+        self.samples > there.samples && self.probes >= there.probes
+    }
+}
+
+impl fmt::Display for Content {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let counted = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
+        let samples = counted(self.samples as usize, "sample");
+        write!(formatter, "{samples} per texel and {}", counted(self.probes, "probe"))
+    }
 }
 
 /// The folder that files are written to.
@@ -196,13 +231,18 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
     Ok(())
 }
 
+/// The manifest of the bake that is in the folder.
+fn manifest_of(folder: &Path) -> Option<Value> {
+    let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).ok()?;
+    let manifest: Value = serde_json::from_str(&text).ok()?;
+    (manifest["format"] == Manifest::FORMAT).then_some(manifest)
+}
+
 /// The names of the lightmaps and probes of the bake that is in the folder.
 fn files_of(folder: &Path) -> Vec<String> {
-    let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).unwrap_or_default();
-    let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
-    if manifest["format"] != Manifest::FORMAT {
+    let Some(manifest) = manifest_of(folder) else {
         return Vec::new();
-    }
+    };
     let lists = ["lightmaps", "reflection_probes", "irradiance_volumes"];
     let files = lists
         .iter()
@@ -214,4 +254,49 @@ fn files_of(folder: &Path) -> Vec<String> {
         .filter(is_ours)
         .map(str::to_owned)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_replaced_early_by_more_light_alone() {
+        let content = |samples, probes| Content { samples, probes };
+        let there = content(64, 2);
+        for (samples, probes, may) in [
+            (65, 2, true),
+            (65, 3, true),
+            (64, 2, false),
+            (3, 2, false),
+            (65, 1, false),
+        ] {
+            assert_eq!(content(samples, probes).may_replace(&there), may, "{samples} {probes}");
+        }
+        assert_eq!(there.to_string(), "64 samples per texel and 2 probes");
+        assert_eq!(content(1, 0).to_string(), "1 sample per texel and 0 probes");
+    }
+
+    #[test]
+    fn the_content_of_a_folder_is_that_of_its_manifest() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        assert_eq!(Content::of_folder(folder.path()), None);
+        for (text, expected) in [
+            (
+                r#"{"format": "sunroom-lightmaps", "samples": 7, "reflection_probes": [{}], "irradiance_volumes": [{}, {}]}"#,
+                Some((7, 3)),
+            ),
+            (r#"{"format": "sunroom-lightmaps", "samples": -1}"#, None),
+            (r#"{"format": "another", "samples": 7}"#, None),
+            ("[", None),
+        ] {
+            std::fs::write(folder.path().join(MANIFEST), text).expect("a writable folder");
+            let found = Content::of_folder(folder.path());
+            assert_eq!(
+                found.map(|content| (content.samples, content.probes)),
+                expected,
+                "{text}"
+            );
+        }
+    }
 }

@@ -12,6 +12,7 @@ use rayon::ThreadPool;
 
 use super::blueprint::{Baked, Blueprint};
 use super::error::BakeError;
+use super::files::Content;
 use super::gathering::Gathering;
 use super::in_sight::keep_in_sight;
 use super::level::unwrap_level;
@@ -309,6 +310,15 @@ impl BakeJob {
             }
         }
         Ok(BakeEnding::Done)
+    }
+
+    /// How much light a level has that is made of what there is now.
+    pub fn content(&self) -> Content {
+        let probes = self.baked.iter().flat_map(|baked| &baked.probes);
+        Content {
+            samples: self.light().samples(),
+            probes: probes.flatten().count(),
+        }
     }
 
     /// After a job was cancelled: finishes lightmaps of the light that they have. Probes that are not finished are left out. An error if texels have no light.

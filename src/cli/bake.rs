@@ -6,7 +6,7 @@ mod progress;
 mod shares;
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +18,7 @@ use sunroom::app::origin::origin;
 use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::app::threads::worker_count;
 use sunroom::bake::blueprint::Blueprint;
-use sunroom::bake::files;
+use sunroom::bake::files::{self, Content};
 use sunroom::bake::job::{BakeEnding, BakeJob, BakeSettings, BakeSource};
 use sunroom::bake::limits::BakeLimits;
 use sunroom::bake::manifest::BakedLight;
@@ -216,6 +216,11 @@ fn bake_whole(args: &BakeArgs) -> Result<ExitCode, Failure> {
             ));
             return Ok(ExitCode::from(INTERRUPTED));
         }
+        let there = Content::of_folder(&args.output);
+        if let Some(there) = there.filter(|there| !job.content().may_replace(there)) {
+            report::error(stays(&args.output, job.content(), there, kept));
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
         job.finish_so_far(&mut |job, now| progress.show(job, now))?;
         progress.end();
     }
@@ -239,6 +244,18 @@ fn bake_whole(args: &BakeArgs) -> Result<ExitCode, Failure> {
         report::line(format_args!("the level is in {place}"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The message about an interrupted bake that does not replace the level in its folder. `kept` is its checkpoint.
+fn stays(folder: &Path, gathered: Content, there: Content, kept: Option<&PathBuf>) -> String {
+    let end = match kept {
+        Some(path) => format!("{} has what was gathered", path.display()),
+        None => "nothing is written".to_owned(),
+    };
+    format!(
+        "interrupted with {gathered}: {} keeps its level, which has {there}; {end}",
+        folder.display()
+    )
 }
 
 /// A line about the lightmaps.

@@ -209,12 +209,24 @@ fn shares_that_cannot_be_are_refused() {
 /// Starts a bake with checkpoints, and sends a signal when there is one in which the bake has begun.
 #[cfg(unix)]
 fn interrupted(shop: &Workshop, output: &str, checkpoint: &str, signal: &str, more: &[&str]) -> Output {
+    interrupted_when(shop, [output, checkpoint], signal, more, Path::exists)
+}
+
+/// The same when the checkpoint is as it should be.
+#[cfg(unix)]
+fn interrupted_when(
+    shop: &Workshop,
+    [output, checkpoint]: [&str; 2],
+    signal: &str,
+    more: &[&str],
+    is_far: impl Fn(&Path) -> bool,
+) -> Output {
     let keeping = ["--checkpoint", checkpoint, "--every", "10ms"];
     let arguments = [&["bake", "scene.xml", "-o", output][..], SMALL, &keeping, more].concat();
     let mut command = command(shop, &arguments);
     let child = command.stderr(Stdio::piped()).spawn().expect("the program starts");
     let (begin, path) = (Instant::now(), shop.path(checkpoint));
-    while !path.exists() {
+    while !is_far(&path) {
         assert!(begin.elapsed() < Duration::from_secs(60), "no checkpoint");
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -223,6 +235,37 @@ fn interrupted(shop: &Workshop, output: &str, checkpoint: &str, signal: &str, mo
         .status()
         .expect("kill");
     child.wait_with_output().expect("it ends")
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_bake_leaves_a_finished_level_as_it_was() {
+    let shop = shop();
+    said(&bake(&shop, "level", &["--spp", "16", "--no-denoise"]), 0);
+    let files = || {
+        let entries = std::fs::read_dir(shop.path("level")).expect("the folder");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        let files: BTreeMap<_, _> = paths
+            .map(|path| (path.clone(), std::fs::read(path).expect("a file")))
+            .collect();
+        files
+    };
+    let before = files();
+    let has_samples = |path: &Path| read_part(path).is_ok_and(|(_, _, light)| light.lights[0].samples() > 0);
+    let endless = ["--spp", "1000000", "--no-denoise"];
+    let output = interrupted_when(&shop, ["level", "one.checkpoint"], "INT", &endless, has_samples);
+    let message = said(&output, 130);
+    let stays = "and 0 probes: level keeps its level, which has 16 samples per texel and 2 probes; one.checkpoint has what was gathered";
+    assert!(message.contains(stays), "{message}");
+    assert!(files() == before);
+    // Where there is no level, what was gathered is one.
+    let output = interrupted_when(&shop, ["other", "other.checkpoint"], "INT", &endless, has_samples);
+    let message = said(&output, 130);
+    assert!(
+        message.contains("interrupted; the lightmaps in other have"),
+        "{message}"
+    );
+    assert!(shop.path("other/lightmaps.json").is_file());
 }
 
 #[cfg(unix)]

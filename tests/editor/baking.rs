@@ -290,6 +290,38 @@ fn a_bake_that_is_stopped_writes_what_there_is() {
 }
 
 #[test]
+fn a_bake_that_is_stopped_leaves_a_level_with_more_samples_as_it_was() {
+    let mut window = Window::new();
+    window.begin(QUICK, "level");
+    window.end();
+    let manifest = window.path("level/lightmaps.json");
+    let text = std::fs::read_to_string(&manifest).expect("it is written");
+    let more = text.replace("\"samples\": 16", "\"samples\": 9000000");
+    assert_ne!(text, more);
+    std::fs::write(&manifest, more).expect("a writable folder");
+    let before = files(&window.path("level"));
+    let endless = BakeChoices {
+        samples: Some(1 << 24),
+        ..QUICK
+    };
+    window.begin(endless, "level");
+    window.until("some samples", |world| Window::samples(world) > 0);
+    let news = window.app.world().resource::<Baking>().thread().expect("a bake").news();
+    assert_eq!(
+        news.stays.map(|there| (there.samples, there.probes)),
+        Some((9_000_000, 0))
+    );
+    window.say(BakeCommand::Stop).expect("it is under way");
+    window.end();
+    let said = window.failure().expect("nothing is written").to_owned();
+    assert!(
+        said.contains("level keeps its level, which has 9000000 samples per texel and 0 probes"),
+        "{said}"
+    );
+    assert_same(&files(&window.path("level")), &before);
+}
+
+#[test]
 fn nothing_is_left_of_a_bake_that_is_given_up() {
     let mut window = Window::new();
     let endless = BakeChoices {

@@ -42,8 +42,15 @@ impl BakeModel {
         self.shown.as_ref().is_some_and(|shown| shown.is_busy)
     }
 
-    /// Whether there is light that can be written if the bake is stopped.
-    pub fn has_samples(&self) -> bool {
-        self.shown.as_ref().is_some_and(|shown| shown.news.samples > 0)
+    /// Whether there is light that is written if the bake is stopped.
+    pub fn can_stop(&self) -> bool {
+        self.shown.as_ref().is_some_and(ShownBake::can_stop)
+    }
+}
+
+impl ShownBake {
+    /// Whether there is light that is written if the bake is stopped.
+    pub fn can_stop(&self) -> bool {
+        self.news.samples > 0 && self.news.stays.is_none()
     }
 }

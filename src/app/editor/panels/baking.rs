@@ -264,12 +264,15 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
             }
         };
         if shown.is_busy {
-            let can_stop = !shown.is_stopped && news.samples > 0;
-            let stop = match news.samples {
-                0 => "Before the first sample of all texels there is nothing to write",
-                _ => "Ends the gathering of light, and writes what there is",
+            let stop = match (news.samples, news.stays) {
+                (0, _) => "Before the first sample of all texels there is nothing to write".to_owned(),
+                (_, Some(there)) => {
+                    format!("The folder keeps its level until this bake has more: that one has {there}")
+                }
+                _ => "Ends the gathering of light, and writes what there is".to_owned(),
             };
-            say(ui, can_stop, "Stop", stop, BakeCommand::Stop);
+            let can_stop = !shown.is_stopped && shown.can_stop();
+            say(ui, can_stop, "Stop", &stop, BakeCommand::Stop);
             say(
                 ui,
                 true,

@@ -142,7 +142,7 @@ impl BakeQuestion {
         let modal = dialog::question(context, "bake", 440.0, "Stop the bake?", |ui| {
             ui.label("Lightmaps are still being baked.");
             ui.add_space(6.0);
-            let can_stop = model.has_samples();
+            let can_stop = model.can_stop();
             if can_stop {
                 dialog::consequence(
                     ui,
@@ -188,6 +188,7 @@ mod tests {
     use super::*;
     use crate::app::editor::model::baking::ShownBake;
     use crate::app::editor::window::unsaved_question::UnsavedQuestion;
+    use crate::bake::files::Content;
 
     fn bake(is_busy: bool) -> BakeModel {
         let shown = ShownBake {
@@ -334,5 +335,13 @@ mod tests {
         let (said, _) = frame(&context, &mut question, &model, button(&output, "Stop"));
         assert_eq!(said, [Command::Bake(BakeCommand::Stop)]);
         assert_eq!(question, BakeQuestion::Waiting);
+        // Nothing would be written into a folder whose level has more.
+        if let Some(shown) = &mut model.shown {
+            shown.news.stays = Some(Content { samples: 64, probes: 2 });
+        }
+        question = BakeQuestion::Asking;
+        frame(&context, &mut question, &model, None);
+        let (_, output) = frame(&context, &mut question, &model, None);
+        assert!(button(&output, "Stop").is_none() && button(&output, "Discard").is_some());
     }
 }

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use super::shown::{PagePicture, Showing, Wanted};
 use crate::app::baking::{BakedLevel, baked_level};
 use crate::app::editor::picture::compare::LitPicture;
-use crate::bake::files::{self, OutputFolder};
+use crate::bake::files::{self, Content, OutputFolder};
 use crate::bake::job::{BakeEnding, BakeJob, BakeSettings, BakeSource};
 use crate::bake::limits::BakeLimits;
 use crate::bake::progress::{Progress, Stage, about_invalid};
@@ -66,6 +66,8 @@ pub struct BakeNews {
     pub progress: Option<Progress>,
     /// The samples that each texel of the lightmaps has.
     pub samples: u32,
+    /// What the level has that is in the folder, as long as this bake has less and would not replace it if it were stopped.
+    pub stays: Option<Content>,
     /// The number of lightmaps; 0 before that is known.
     pub pages: usize,
     /// Width and height of a lightmap.
@@ -332,8 +334,11 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         news.pages = job.blueprint().page_count();
         news.page_size = job.blueprint().places.size.to_array();
     });
+    let there = Content::of_folder(folder);
+    let stays = |job: &BakeJob| there.filter(|there| !job.content().may_replace(there));
     let mut watch = |job: &BakeJob, now: &Progress| {
         showing.look(shared, job);
+        lock(&shared.news).stays = stays(job);
         let words = now.stage.words(Some(job.blueprint()));
         shared.tell_progress(with_large_letter(&words), now);
     };
@@ -342,6 +347,12 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         .map_err(|error| error.to_string())?;
     let is_discarded = || shared.discards.load(Ordering::Relaxed);
     if ending == BakeEnding::Cancelled && !is_discarded() {
+        if let Some(there) = stays(&job) {
+            let (gathered, folder) = (job.content(), folder.display());
+            return Err(format!(
+                "it was stopped with {gathered}, and {folder} keeps its level, which has {there}"
+            ));
+        }
         job.finish_so_far(&mut watch).map_err(|error| error.to_string())?;
     }
     let Some(baked) = job.baked().filter(|_| !is_discarded()) else {
