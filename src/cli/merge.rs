@@ -21,7 +21,7 @@ use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::args::{MemoryArgs, ThreadArgs};
 use super::bake::Shares;
-use super::outputs;
+use super::outputs::{self, PART};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser};
 
@@ -80,6 +80,7 @@ fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
         };
         return shares.merge();
     }
+    outputs::check_inputs_stay(&args.output, &args.parts, PART).map_err(Failure::Usage)?;
     outputs::check_pictures(&args.output)?;
     check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let mut parts = Vec::new();

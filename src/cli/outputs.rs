@@ -12,6 +12,9 @@ use sunroom::render::layered_image::LayeredImage;
 
 use super::report::{self, Failure};
 
+/// What an input of `sunroom merge` is, for [`check_inputs_stay`].
+pub const PART: &str = "one of the parts";
+
 /// `-` among the outputs.
 pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
@@ -30,16 +33,32 @@ pub fn has_file(outputs: &[PathBuf], path: &Path) -> bool {
         .any(|output| !is_stdout(output) && is_same_file(output, path))
 }
 
-/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot be foreseen.
-pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
+/// Refuses two outputs that are one file.
+pub fn check_distinct(outputs: &[PathBuf]) -> Result<(), String> {
     for (number, path) in outputs.iter().enumerate() {
         if outputs[..number].iter().any(|before| is_same_file(before, path)) {
-            return Err(Failure::Usage(format!(
-                "{}: this output is named twice",
-                path.display()
-            )));
+            return Err(format!("{}: this output is named twice", path.display()));
         }
     }
+    Ok(())
+}
+
+/// Refuses an output that is one of the files that the command reads, which would be lost. `what` says what those are, such as `one of the parts`.
+pub fn check_inputs_stay(outputs: &[PathBuf], inputs: &[PathBuf], what: &str) -> Result<(), String> {
+    match outputs.iter().find(|output| has_file(inputs, output)) {
+        Some(output) => {
+            let output = output.display();
+            Err(format!(
+                "{output}: this output is {what}, which is not replaced: name another file"
+            ))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot be foreseen.
+pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
+    check_distinct(outputs).map_err(Failure::Usage)?;
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
         FileFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))?;
         check_writable(path).map_err(|source| ImageIoError::Write {

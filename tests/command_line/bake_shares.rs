@@ -206,6 +206,29 @@ fn shares_that_cannot_be_are_refused() {
     );
 }
 
+#[test]
+fn a_merged_level_never_replaces_a_share() {
+    let shop = shop();
+    said(&bake(&shop, "a.bake", &["-q", "--samples", "0..1"]), 0);
+    std::fs::create_dir(shop.path("level")).expect("a folder");
+    let share = std::fs::read(shop.path("a.bake")).expect("a share");
+    for (name, output) in [
+        ("a.bake", "a.bake"),
+        ("level/level.glb", "level"),
+        ("level/lightmap-0.png", "./level"),
+    ] {
+        shop.write(name, &share);
+        let message = said(&merge(&shop, output, &[name], &["--no-denoise"]), 2);
+        assert!(message.contains("this output is one of the parts"), "{message}");
+        assert!(std::fs::read(shop.path(name)).expect("a share") == share, "{name}");
+    }
+    // A name of its own in the folder of the level is none of its files.
+    std::fs::remove_dir_all(shop.path("level")).expect("removed");
+    shop.write("level/a.bake", &share);
+    said(&merge(&shop, "level", &["level/a.bake"], &["--no-denoise"]), 0);
+    assert!(std::fs::read(shop.path("level/a.bake")).expect("a share") == share);
+}
+
 /// Starts a bake with checkpoints, and sends a signal when there is one in which the bake has begun.
 #[cfg(unix)]
 fn interrupted(shop: &Workshop, output: &str, checkpoint: &str, signal: &str, more: &[&str]) -> Output {

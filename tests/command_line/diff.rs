@@ -306,6 +306,44 @@ fn what_cannot_be_compared_is_said() {
 }
 
 #[test]
+fn results_never_replace_the_pictures_or_each_other() {
+    let shop = Workshop::new();
+    let (a, b) = (gradient(&shop, "a.exr", 1.1), gradient(&shop, "b.exr", 1.0));
+    let before = [&a, &b].map(|path| std::fs::read(path).expect("written"));
+    std::fs::create_dir(shop.path("folder")).expect("a writable folder");
+    let path = |name: &str| shop.path(name).display().to_string();
+    let mut same = vec![path("a.exr"), path("b.exr"), path("folder/../a.exr")];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&a, shop.path("link.exr")).expect("a link");
+        same.push(path("link.exr"));
+    }
+    let refuses = |more: &[&str], words: &str| {
+        let output = diff(&a, &b, more);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {said}");
+        assert!(said.contains(words), "{more:?}: {said}");
+        assert_eq!(stdout(&output), "");
+    };
+    for name in &same {
+        for option in ["-o", "--flip-map", "--html"] {
+            let words = format!("{name}: this output is one of the pictures that are compared");
+            refuses(&[option, name], &words);
+        }
+    }
+    let (one, other) = (path("x.png"), path("folder/../x.png"));
+    for options in [["-o", "--flip-map"], ["-o", "--html"], ["--flip-map", "--html"]] {
+        let twice = format!("{}: this output is named twice", other);
+        refuses(&[options[0], &one, options[1], &other], &twice);
+    }
+    refuses(&["-o", "-", "--flip-map", "-"], "-: this output is named twice");
+    assert!(!shop.path("x.png").exists());
+    for (path, before) in [&a, &b].into_iter().zip(before) {
+        assert!(std::fs::read(path).expect("still there") == before);
+    }
+}
+
+#[test]
 fn differences_and_pages_are_written() {
     let shop = Workshop::new();
     let (a, b) = (gradient(&shop, "a<b>.exr", 0.5), gradient(&shop, "b.exr", 1.0));

@@ -305,6 +305,30 @@ fn a_merged_picture_is_written_as_a_rendered_one() {
 }
 
 #[test]
+fn a_merged_picture_never_replaces_a_part() {
+    let shop = shop();
+    let parts = parts(&shop, &[0, 1, 2], &["0,0,80,70"], &[]);
+    let before: Vec<_> = parts.iter().map(|name| std::fs::read(shop.path(name)).ok()).collect();
+    let other = format!("./{}", parts[1]);
+    for output in [&parts[0], &other] {
+        let message = fails(
+            &shop,
+            2,
+            &["merge", &parts[0], &parts[1], "-o", "all.png", "-o", output],
+        );
+        let words = format!("{output}: this output is one of the parts, which is not replaced");
+        assert!(message.contains(&words), "{message}");
+    }
+    for (name, before) in parts.iter().zip(before) {
+        assert!(
+            before.is_some() && std::fs::read(shop.path(name)).ok() == before,
+            "{name}"
+        );
+    }
+    assert!(!shop.path("all.png").exists());
+}
+
+#[test]
 fn what_is_no_whole_picture_is_refused_by_name() {
     let shop = shop();
     let parts = parts(&shop, &[0, 8, 16], &["0,0,32,70", "32,0,48,70"], &[]);

@@ -9,7 +9,8 @@ use sunroom::bake::merging::merge;
 use sunroom::render::part::FileDigest;
 use sunroom::scene::export::ExportError;
 
-use super::{BAKES_WITHOUT, report_invalid, within_folder};
+use super::{BAKES_WITHOUT, is_file_of_level, report_invalid, within_folder};
+use crate::cli::outputs::{PART, check_inputs_stay};
 use crate::cli::report::{self, Failure, check_denoiser};
 
 /// What `sunroom merge` is asked for.
@@ -32,6 +33,9 @@ impl Shares<'_> {
                 "the shares of a bake make one folder: give one `-o`".to_owned(),
             ));
         };
+        let replaced = self.paths.iter().find(|path| is_file_of_level(folder, path));
+        let outputs = [folder.clone()].into_iter().chain(replaced.cloned());
+        check_inputs_stay(&outputs.collect::<Vec<_>>(), self.paths, PART).map_err(Failure::Usage)?;
         within_folder(folder, || {
             let mut merged = merge(self.paths, self.force)?;
             if let Some(path) = in_use(folder, &merged.files) {

@@ -69,6 +69,11 @@ type Error = Box<dyn std::error::Error>;
 
 /// Whether the pictures are alike enough.
 fn diff(args: &DiffArgs) -> Result<bool, Error> {
+    let results = [&args.output, &args.flip_map, &args.html];
+    let results: Vec<PathBuf> = results.into_iter().flatten().cloned().collect();
+    let compared = [args.picture.clone(), args.reference.clone()];
+    outputs::check_distinct(&results)?;
+    outputs::check_inputs_stay(&results, &compared, "one of the pictures that are compared")?;
     for path in args
         .output
         .iter()
