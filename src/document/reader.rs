@@ -31,6 +31,8 @@ pub struct Reader<'a, 'd> {
     object: &'a Object,
     diagnostics: &'d mut Diagnostics,
     asked: Vec<SmolStr>,
+    /// Parameters of other plugins, with the words for these.
+    elsewhere: Vec<(&'static str, &'static str)>,
     property_read: Vec<bool>,
     child_read: Vec<bool>,
 }
@@ -43,6 +45,7 @@ impl<'a, 'd> Reader<'a, 'd> {
             object,
             diagnostics,
             asked: Vec::new(),
+            elsewhere: Vec::new(),
             property_read: vec![false; object.properties.len()],
             child_read: vec![false; object.children.len()],
         }
@@ -216,6 +219,11 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
+    /// Says of which other plugin parameters are that may be looked for here by mistake, for the help of [`Self::finish`]: `owner` is such as `the sampler`.
+    pub fn belongs_to(&mut self, owner: &'static str, names: &[&'static str]) {
+        self.elsewhere.extend(names.iter().map(|&name| (name, owner)));
+    }
+
     /// The plugin given for this parameter: `<texture name="reflectance">` or `<ref name="reflectance">`.
     pub fn child(&mut self, name: &str) -> Option<&'a Object> {
         self.ask(name);
@@ -274,7 +282,11 @@ impl<'a, 'd> Reader<'a, 'd> {
                 } else {
                     format!("`{name}` is not a parameter of {}", owner())
                 };
-                let help = did_you_mean(name, dictionary());
+                let elsewhere = self.elsewhere.iter().find(|(known, _)| known == name);
+                let help = match elsewhere {
+                    Some((_, owner)) => Some(format!("it is a parameter of {owner}")),
+                    None => did_you_mean(name, dictionary()),
+                };
                 self.diagnostics
                     .push(Severity::Warning, Some(property.span), message, help);
             }

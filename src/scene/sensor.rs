@@ -197,6 +197,8 @@ impl Film {
         }
     }
 
+    /// The most samples per pixel.
+    pub(crate) const LARGEST_SAMPLE_COUNT: u32 = 1 << 30;
     /// Pixels along one side.
     pub(crate) const LARGEST_SIDE: u32 = 65_536;
     /// The most pixels in all: sums and finished pictures of that size take 5 GB.

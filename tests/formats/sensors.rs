@@ -284,6 +284,39 @@ fn films_say_how_their_files_are_made_smaller() {
 }
 
 #[test]
+fn complaints_about_films_are_at_the_parameter_and_say_where_it_belongs() {
+    let complaint = |content: &str| {
+        let film = format!("<film type='hdrfilm'>\n{content}</film>");
+        let text = format!("<scene version='3.0.0'><sensor type='perspective'>{film}</sensor></scene>");
+        let mut document = document::parse_str(&*text, Path::new("/there/scene.xml"), &[]);
+        read(&mut document);
+        let [one] = &document.diagnostics.list[..] else {
+            panic!("{content}: {:?}", document.diagnostics.list);
+        };
+        let (_, line, _) = document.diagnostics.locate(one.span.expect("a place")).expect("a file");
+        (line, one.message.clone(), one.help.clone().unwrap_or_default())
+    };
+    for (name, value) in [
+        ("pixel_format", "cmyk"),
+        ("compression", "lzw"),
+        ("file_format", "png"),
+        ("component_format", "uint32"),
+    ] {
+        let (line, message, _) = complaint(&format!("<string name='{name}' value='{value}'/>"));
+        assert!(message.contains(&format!("`{value}` is not supported")), "{message}");
+        assert_eq!(line, 2, "{message}");
+    }
+    for parameter in ["noise_target", "sample_count"] {
+        let (line, message, help) = complaint(&format!("<float name='{parameter}' value='1'/>"));
+        let expected = format!("`{parameter}` is not a parameter of film `hdrfilm`");
+        assert_eq!(
+            (line, message, help.as_str()),
+            (2, expected, "it is a parameter of the sampler")
+        );
+    }
+}
+
+#[test]
 fn films_say_how_they_are_stored() {
     for pixels in PixelFormat::ALL {
         for components in ComponentFormat::ALL {

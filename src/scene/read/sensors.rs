@@ -12,7 +12,8 @@ use crate::scene::{
     ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PictureFormat, PixelFormat, ReconstructionFilter, Sensor,
 };
 
-const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
+/// What the sampler says of the samples. It is part of the [`Film`] here, so that it is looked for there.
+const SAMPLER_PARAMETERS: [&str; 4] = ["sample_count", "noise_target", "adaptive", "seed"];
 
 /// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
 pub fn fov_of_focal_length(millimetres: f32) -> f32 {
@@ -146,6 +147,7 @@ impl<'a> SceneReader<'a> {
             "gamma",
             "exposure",
         ]);
+        reader.belongs_to("the sampler", &SAMPLER_PARAMETERS);
         let filter = reader.children(Category::ReconstructionFilter);
         if object.plugin == "hdrfilm" {
             reader.finish();
@@ -169,8 +171,7 @@ fn chosen<T: Copy>(reader: &mut Reader, parameter: &str, all: &[T], name: fn(T) 
             "`{parameter}` `{text}` is not supported and has no effect: expected {}",
             names.join(", ")
         );
-        let span = reader.object().span;
-        reader.diagnostics().warn(span, message);
+        reader.warn_at(parameter, message);
     }
     found
 }
@@ -310,7 +311,7 @@ fn read_filter(mut reader: Reader) -> ReconstructionFilter {
 /// The number of samples, and the noise that ends them. All samplers converge to the same picture, so that all are accepted, and the user chooses the
 /// sequence.
 fn read_sampler(mut reader: Reader, film: &mut Film) {
-    let count = reader.integer_in("sample_count", 1..=LARGEST_SAMPLE_COUNT);
+    let count = reader.integer_in("sample_count", 1..=i64::from(Film::LARGEST_SAMPLE_COUNT));
     film.sample_count = count
         .and_then(|count| u32::try_from(count).ok())
         .unwrap_or(film.sample_count);

@@ -74,7 +74,7 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
         commands.push(Command::SetAdaptive(adaptive));
     }
     let keep = fields::buttons(ui, |ui| ui.button("Keep limits with the camera"));
-    let hint = "Samples, Limit noise and Adaptive are those of this window: this writes them into the film of the camera, which the file keeps";
+    let hint = "Samples, Limit noise and Adaptive are those of this window: this writes them into the sampler of the camera, which the file keeps";
     if keep.on_hover_text(hint).clicked() {
         commands.push(Command::KeepLimits);
     }
