@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::ops::{Range, RangeInclusive};
 use std::time::Duration;
 
+use sunroom::document::value::parse_noise;
 use sunroom::layer::Layers;
 use sunroom::render::part::Crop;
 use sunroom::render::white_balance::WhiteBalance;
@@ -141,13 +142,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 
 /// A relative noise: `0.01` or `1%`.
 pub fn noise(text: &str) -> Result<f32, String> {
-    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
-    // In f64, so that 5% is what 0.05 is.
-    let noise = number.trim().parse::<f64>().map(|number| (unit * number) as f32);
-    noise
-        .ok()
-        .filter(|noise| *noise > 0.0 && *noise <= 1.0)
-        .ok_or_else(|| "expected a noise above 0 and up to 1, such as 0.01 or 1%".to_owned())
+    parse_noise(text).map_err(|error| error.to_string())
 }
 
 /// The percentile of a clamp.

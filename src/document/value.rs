@@ -54,6 +54,17 @@ pub fn parse_float(text: &str) -> Result<f32, ValueError> {
     }
 }
 
+/// A relative noise, above 0 and up to 1: `0.01` or `1%`.
+pub fn parse_noise(text: &str) -> Result<f32, ValueError> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
+    // In f64, so that 5% is what 0.05 is.
+    let noise = number.trim().parse::<f64>().map(|number| (unit * number) as f32);
+    noise
+        .ok()
+        .filter(|noise| *noise > 0.0 && *noise <= 1.0)
+        .ok_or_else(|| unexpected("a noise above 0 and up to 1, such as 0.01 or 1%", text))
+}
+
 /// A whole number of at most 64 bits.
 pub fn parse_integer(text: &str) -> Result<i64, ValueError> {
     use std::num::IntErrorKind::{NegOverflow, PosOverflow};

@@ -196,10 +196,20 @@ fn lines_that_cannot_be_done_say_why() {
             "add cube at=0,0,0 colour=red",
             "expected name=, at= or size=, found `colour=red`",
         ),
-        ("limit-time -1", "expected at least 0"),
-        ("limit-noise 0", "expected more than 0, up to 1, found 0"),
-        ("limit-noise 2", "expected more than 0, up to 1, found 2"),
-        ("bake-with noise=2", "expected more than 0, up to 1, found 2"),
+        ("limit-time -1", "expected more than 0, found -1"),
+        ("limit-time 0", "expected more than 0, found 0"),
+        ("limit-noise 0", "expected a noise above 0 and up to 1"),
+        ("limit-noise 200%", "found `200%`"),
+        ("bake-with noise=2", "expected a noise above 0 and up to 1"),
+        ("bake-with samples=0", "expected 1 to 1073741824, found 0"),
+        ("samples 0", "expected 1 to 1073741824, found 0"),
+        ("exposure 5000", "expected -20 to 20, found 5000"),
+        ("white 100", "expected 1000 to 15000, found 100"),
+        ("white 5000 999", "expected -150 to 150, found 999"),
+        ("compare wipe 2", "expected 0 to 1, found 2"),
+        ("compare noisy -1", "expected 0 to 1, found -1"),
+        ("region 0,0 2,2", "expected 0 to 1, found 2"),
+        ("frame -1", "expected a frame from 0 to 9999999, found -1"),
         ("layers dept", "there is no layer `dept`; the layers are alpha, albedo"),
         ("layers", "expected `none` or names of layers"),
         ("move ball", "usage: move NAME X,Y,Z"),
@@ -272,7 +282,7 @@ fn limits_of_the_window_are_kept_with_the_camera() {
     };
     let before = limits(&world);
     assert_eq!(refusal(&mut world), "The camera has these limits already.");
-    for line in ["samples 96", "limit-noise 0.25", "adaptive on"] {
+    for line in ["samples 96", "limit-noise 25%", "adaptive on"] {
         assert!(say(&mut world, line), "{line}");
     }
     // They are of the window alone.

@@ -1,6 +1,8 @@
 //! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They know neither rendering nor
 //! Bevy.
 
+use std::ops::RangeInclusive;
+
 use crate::render::tonemap::{Display, ToneMap};
 use crate::render::white_balance::WhiteBalance;
 
@@ -29,6 +31,9 @@ impl Default for DisplaySettings {
 }
 
 impl DisplaySettings {
+    /// The exposures that there can be, in stops.
+    pub const EXPOSURES: RangeInclusive<f32> = -20.0..=20.0;
+
     /// The part that turns a radiance into a colour of the display.
     pub(crate) fn tone(&self) -> Display {
         Display {

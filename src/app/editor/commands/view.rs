@@ -247,8 +247,9 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
 }
 
 pub fn set_display(world: &mut World, display: DisplaySettings) {
+    let (least, most) = DisplaySettings::EXPOSURES.into_inner();
     let display = DisplaySettings {
-        exposure: display.exposure.clamp(-20.0, 20.0),
+        exposure: display.exposure.clamp(least, most),
         ..display
     };
     world.resource_mut::<ViewSettings>().display = display;

@@ -4,8 +4,8 @@ use bevy::prelude::World;
 
 use super::assign::within;
 use super::error::ScriptError;
-use super::names::count;
-use super::rendering::{positive, switch};
+use super::names::{count, sample_count};
+use super::rendering::{noise, positive, switch};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
@@ -73,7 +73,7 @@ pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptEr
         .map_or_else(BakeChoices::default, |plan| plan.choices);
     for word in words {
         match word.split_once('=') {
-            Some(("texels-per-unit", text)) => choices.texels_per_unit = positive(text, f32::MAX)?,
+            Some(("texels-per-unit", text)) => choices.texels_per_unit = positive(text)?,
             Some(("page-size", text)) => {
                 let size = count(text)?;
                 if !ATLAS_SIZES.contains(&size) {
@@ -83,9 +83,9 @@ pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptEr
                 choices.atlas_size = size;
             }
             Some(("samples", "none")) => choices.samples = None,
-            Some(("samples", text)) => choices.samples = Some(count(text)?.max(1)),
-            Some(("time", text)) => choices.time = positive(text, f32::MAX)?,
-            Some(("noise", text)) => choices.noise = positive(text, 1.0)?,
+            Some(("samples", text)) => choices.samples = Some(sample_count(text)?),
+            Some(("time", text)) => choices.time = positive(text)?,
+            Some(("noise", text)) => choices.noise = noise(text)?,
             Some(("light", "all")) => choices.indirect_only = false,
             Some(("light", "indirect")) => choices.indirect_only = true,
             Some(("probes", text)) => choices.probes = switch(text)?,

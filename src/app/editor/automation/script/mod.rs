@@ -382,7 +382,7 @@ mod tests {
             ("cut door box 1 depth=2", "expected sill=, width= or height="),
             ("make box difuse", "did you mean `diffuse`"),
             ("lock maybe box", "expected `on` or `off`"),
-            ("limit-noise 0", "more than 0, up to 1"),
+            ("limit-noise 0", "above 0 and up to 1"),
             ("select \"box", "not closed"),
         ] {
             let message = refusal(line).expect(line);

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::error::ScriptError;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::parse_integer;
-use crate::scene::{DocumentOrder, InteriorMedium, Material, Medium, SceneId, UsesMaterial};
+use crate::scene::{DocumentOrder, Film, InteriorMedium, Material, Medium, SceneId, UsesMaterial};
 
 pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
     let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
@@ -60,6 +60,15 @@ pub(super) fn medium_of(world: &World, entity: Entity) -> Option<Entity> {
     match world.get::<Medium>(entity) {
         Some(_) => Some(entity),
         None => world.get::<InteriorMedium>(entity).map(|medium| medium.0),
+    }
+}
+
+/// A number of samples per pixel, as films have it.
+pub(super) fn sample_count(text: &str) -> Result<u32, ScriptError> {
+    let (number, most) = (count(text)?, Film::LARGEST_SAMPLE_COUNT);
+    match (1..=most).contains(&number) {
+        true => Ok(number),
+        false => Err(format!("expected 1 to {most}, found {number}").into()),
     }
 }
 

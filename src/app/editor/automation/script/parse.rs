@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::assign;
 use super::baking::{self, BakeWait};
 use super::error::ScriptError;
-use super::names::{all_named, count, material_of, named, unknown};
+use super::names::{all_named, count, material_of, named, sample_count, unknown};
 use super::placing::{about_origin, looking, transformed};
 use super::set::set;
 use super::verbs::VERBS;
@@ -36,7 +36,6 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
-use crate::render::white_balance::WhiteBalance;
 use crate::scene::write::OnChange;
 use crate::scene::{AreaLight, KeyEdit, Material};
 
@@ -276,7 +275,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         }
         ("look-through", [camera]) => Command::LookThrough(named(world, camera)?),
         ("go-to", [step]) => Command::GoTo(count(step)? as usize),
-        ("samples", [number]) => Command::SetTargetSamples(count(number)?),
+        ("samples", [number]) => Command::SetTargetSamples(sample_count(number)?),
         ("show", [mode]) => {
             let mode = mode.replace('-', " ");
             let known = DisplayMode::ALL
@@ -286,7 +285,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             display(world, |display| display.mode = known.0)
         }
         ("exposure", [stops]) => {
-            let stops = parse_float(stops)?;
+            let stops = assign::within(parse_float(stops)?, &DisplaySettings::EXPOSURES)?;
             display(world, |display| display.exposure = stops)
         }
         ("tone-map", [name]) => {
@@ -295,14 +294,11 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             display(world, |display| display.tone_map = known)
         }
         ("white", [kelvin, tint @ ..]) if tint.len() <= 1 => {
-            let temperature = parse_float(kelvin)?;
-            let tint = tint.first().map_or(Ok(0.0), |tint| parse_float(tint))?;
-            display(world, |display| {
-                display.white_balance = WhiteBalance { temperature, tint }
-            })
+            let white_balance = rendering::white(kelvin, tint.first().copied())?;
+            display(world, |display| display.white_balance = white_balance)
         }
-        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds, 0.0..=f32::MAX)?),
-        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::positive(noise, 1.0)?),
+        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::positive(seconds)?),
+        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::noise(noise)?),
         ("adaptive", [word]) => Command::SetAdaptive(rendering::switch(word)?),
         ("resolution", [name]) => Command::SetResolution(rendering::resolution(name)?),
         ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
@@ -347,7 +343,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("time", [time]) => Command::SetTime(timeline::precise(time)?),
         ("frame", [frame]) => {
             let frames = world.resource::<ViewSettings>().timeline;
-            Command::SetTime(frames.time(timeline::precise(frame)?))
+            Command::SetTime(frames.time(timeline::frame(frame)?))
         }
         ("timeline", [fps, first, last]) => timeline::frames(fps, first, last)?,
         ("key", [name, path @ ..]) if path.len() <= 1 => timeline::set(world, name, path.first().copied())?,

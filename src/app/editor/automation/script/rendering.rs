@@ -14,9 +14,13 @@ use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::seeing::CutOpen;
 use crate::color::Rgb;
-use crate::document::value::{parse_float, parse_floats, parse_rgb};
+use crate::document::value::{parse_float, parse_floats, parse_noise, parse_rgb};
 use crate::layer::Layers;
+use crate::render::white_balance::WhiteBalance;
 use crate::scene::IntegratorSettings;
+
+/// A part of the width or the height of the picture.
+const SHARE: RangeInclusive<f32> = 0.0..=1.0;
 
 pub fn switch(text: &str) -> Result<bool, ScriptError> {
     match text {
@@ -38,17 +42,28 @@ pub fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
     Ok(known.0)
 }
 
-/// Parses a limit within the range; None is no limit.
-pub fn limit(text: &str, range: RangeInclusive<f32>) -> Result<Option<f32>, ScriptError> {
+/// Parses a limit above 0; None is no limit.
+pub fn positive(text: &str) -> Result<Option<f32>, ScriptError> {
     match text {
         "none" => Ok(None),
-        number => Ok(Some(within(parse_float(number)?, &range)?)),
+        number => Ok(Some(within(parse_float(number)?, &(f32::MIN_POSITIVE..=f32::MAX))?)),
     }
 }
 
-/// Parses a limit above 0; None is no limit.
-pub fn positive(text: &str, most: f32) -> Result<Option<f32>, ScriptError> {
-    limit(text, f32::MIN_POSITIVE..=most)
+/// Parses a limit of noise, such as `0.02` or `2%`; None is no limit.
+pub fn noise(text: &str) -> Result<Option<f32>, ScriptError> {
+    match text {
+        "none" => Ok(None),
+        noise => Ok(Some(parse_noise(noise)?)),
+    }
+}
+
+/// `KELVIN [TINT]`
+pub fn white(kelvin: &str, tint: Option<&str>) -> Result<WhiteBalance, ScriptError> {
+    Ok(WhiteBalance {
+        temperature: within(parse_float(kelvin)?, &WhiteBalance::TEMPERATURES)?,
+        tint: within(parse_float(tint.unwrap_or("0"))?, &WhiteBalance::TINTS)?,
+    })
 }
 
 pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
@@ -72,7 +87,7 @@ pub fn layers(world: &World, names: &[&str]) -> Result<Command, ScriptError> {
 
 fn place(text: &str) -> Result<Vec2, ScriptError> {
     match parse_floats(text)?[..] {
-        [x, y] => Ok(Vec2::new(x, y)),
+        [x, y] => Ok(Vec2::new(within(x, &SHARE)?, within(y, &SHARE)?)),
         _ => Err(format!("expected two numbers, found `{text}`").into()),
     }
 }
@@ -111,12 +126,13 @@ pub fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
 }
 
 pub fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {
+    let border = |text: &str| Ok::<f32, ScriptError>(within(parse_float(text)?, &SHARE)?);
     match words {
         ["off"] => Ok(CompareView::Off),
         ["difference"] => Ok(CompareView::Difference),
-        ["wipe", share] => Ok(CompareView::Wipe(parse_float(share)?)),
-        ["baked", share] => Ok(CompareView::Baked(parse_float(share)?)),
-        ["noisy", share] => Ok(CompareView::Noisy(parse_float(share)?)),
+        ["wipe", share] => Ok(CompareView::Wipe(border(share)?)),
+        ["baked", share] => Ok(CompareView::Baked(border(share)?)),
+        ["noisy", share] => Ok(CompareView::Noisy(border(share)?)),
         _ => Err("expected `off`, `wipe FRACTION`, `difference`, `noisy FRACTION` or `baked FRACTION`".into()),
     }
 }

@@ -16,6 +16,15 @@ pub fn precise(text: &str) -> Result<f64, ScriptError> {
     text.trim().parse().map_err(|_| "expected a number".into())
 }
 
+/// The number of a frame, perhaps with a part of the next.
+pub fn frame(text: &str) -> Result<f64, ScriptError> {
+    let (frame, most) = (precise(text)?, Timeline::MOST);
+    match (0.0..=f64::from(most)).contains(&frame) {
+        true => Ok(frame),
+        false => Err(format!("expected a frame from 0 to {most}, found {frame}").into()),
+    }
+}
+
 /// `timeline FPS FIRST LAST`
 pub fn frames(fps: &str, first: &str, last: &str) -> Result<Command, ScriptError> {
     let timeline = Timeline {
