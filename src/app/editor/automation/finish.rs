@@ -34,7 +34,19 @@ pub(crate) fn drive_exit_door(
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         let awaited = match script.as_ref().filter(|script| !script.is_done()) {
             Some(script) => script.awaited(&status),
-            None => format!("at {} of {} samples per pixel", status.samples, door.wanted_samples()),
+            None => {
+                let wanted = door.wanted_samples();
+                let lack = if status.samples < wanted {
+                    ""
+                } else if denoiser.is_copying() || denoiser.is_working() {
+                    ", which are being denoised"
+                } else if !previews.are_done() {
+                    ", without all previews of materials"
+                } else {
+                    ""
+                };
+                format!("at {} of {wanted} samples per pixel{lack}", status.samples)
+            }
         };
         error!("Gave up after {:.0} s {awaited}", door.timeout.as_secs_f32());
         exit.write(AppExit::error());

@@ -3,7 +3,7 @@
 //! No line is done if one has a fault that no scene could mend, such as a misspelt verb. A line begins when everything that the one before asked for is
 //! loaded and in the picture. The first that fails ends the run. After
 //! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
-//! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
+//! again if the scene was changed in between, as they do after `wait done`. What a script saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
 pub mod baking;
@@ -49,6 +49,9 @@ use parse::{Step, Wait};
 /// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
 const FRAMES_TO_BEGIN: u32 = 3;
 
+/// The words for what a line waits for that has to do with [`Script::wait`].
+const SAMPLES: &str = "samples";
+
 #[derive(Resource, Debug)]
 pub(crate) struct Script {
     path: PathBuf,
@@ -59,6 +62,10 @@ pub(crate) struct Script {
     /// A line that was read and has to wait for something.
     step: Option<Step>,
     wait: Option<Wait>,
+    /// Whether the last `wait` was for the end of the picture.
+    waited_for_end: bool,
+    /// What keeps the next line from being begun, in words.
+    obstacle: Option<&'static str>,
     /// The bake that the next line waits for.
     bake: Option<BakeWait>,
     screenshot_awaited: bool,
@@ -91,6 +98,8 @@ impl Script {
             frames: 0,
             step: None,
             wait: None,
+            waited_for_end: false,
+            obstacle: None,
             bake: None,
             screenshot_awaited: false,
             window_wait: WindowWait::default(),
@@ -116,6 +125,9 @@ impl Script {
     pub fn awaited(&self, status: &RenderStatus) -> String {
         let place = format!("{}:{}", self.path.display(), self.number);
         let samples = counted(status.samples.into(), "sample");
+        if let Some(obstacle) = self.obstacle.filter(|obstacle| *obstacle != SAMPLES) {
+            return format!("at {place}, which waits for {obstacle}: the picture has {samples} per pixel");
+        }
         match (self.wait, &self.bake) {
             (_, Some(_)) => format!("at {place}, which waits for a bake"),
             (Some(Wait::Samples(wanted)), _) if wanted > 0 => {
@@ -149,9 +161,13 @@ pub(crate) fn run_script(world: &mut World) {
     };
     script.frames += 1;
     if !script.failed {
-        match is_ready(world, &mut script) {
-            Ok(true) => script.next(world),
-            Ok(false) => {}
+        match obstacle(world, &mut script) {
+            Ok(obstacle) => {
+                script.obstacle = obstacle;
+                if obstacle.is_none() {
+                    script.next(world);
+                }
+            }
             Err(error) => script.fail(world, &error),
         }
     }
@@ -159,14 +175,17 @@ pub(crate) fn run_script(world: &mut World) {
     world.insert_resource(script);
 }
 
-/// The error: it never will be.
-fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
-    if script.frames < FRAMES_TO_BEGIN || script.screenshot_awaited {
-        return Ok(false);
+/// What the next line has to wait for, in words. The error: it never will come.
+fn obstacle(world: &World, script: &mut Script) -> Result<Option<&'static str>, ScriptError> {
+    if script.frames < FRAMES_TO_BEGIN {
+        return Ok(Some("the next frame of the window"));
+    }
+    if script.screenshot_awaited {
+        return Ok(Some("the screenshot"));
     }
     let scene = world.resource::<SceneStatus>();
     if scene.state == SceneState::Loading || scene.files_loading() > 0 {
-        return Ok(false);
+        return Ok(Some("the files of the scene"));
     }
     if script.opens && scene.state == SceneState::Failed {
         return Err(ScriptError::Scene);
@@ -174,48 +193,58 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
     if let Some(reason) = &world.resource::<KeptPictures>().failure {
         return Err(reason.clone().into());
     }
-    let is_awaited = world.contains_resource::<AwaitedImage>() || world.contains_resource::<Returning>();
-    if is_awaited || !world.resource::<PicturePlace>().is_settled() {
-        return Ok(false);
+    if world.contains_resource::<AwaitedImage>() {
+        return Ok(Some("the picture that is to be saved"));
+    }
+    if world.contains_resource::<Returning>() {
+        return Ok(Some("the kept picture"));
+    }
+    if !world.resource::<PicturePlace>().is_settled() {
+        return Ok(Some("the size of the picture"));
     }
     if let Some(EndedImage(Err(reason))) = world.get_resource::<EndedImage>() {
         return Err(reason.clone().into());
     }
     let status = world.resource::<RenderStatus>();
-    if !status.is_up_to_date || commands::awaits_denoised(world) {
-        return Ok(false);
+    if !status.is_up_to_date {
+        return Ok(Some("the picture of the last change"));
+    }
+    if commands::awaits_denoised(world) {
+        return Ok(Some("the denoised picture"));
     }
     if let Some(wait) = script.bake {
         if !baking::has_come(world, wait)? {
-            return Ok(false);
+            return Ok(Some("a bake"));
         }
         script.bake = None;
     }
     if !baking::is_lit_level_seen(world) {
-        return Ok(false);
+        return Ok(Some("the level by its lightmaps"));
     }
     let Some(wait) = script.wait else {
-        return Ok(true);
+        return Ok(None);
     };
     match (status.state, wait) {
         (_, Wait::Samples(0)) => {}
-        (RenderState::Done, Wait::Samples(samples)) if status.samples < samples => return Ok(false),
+        (RenderState::Done, Wait::Samples(samples)) if status.samples < samples => return Ok(Some(SAMPLES)),
         (RenderState::Done, _) => {}
-        (RenderState::Loading | RenderState::Building | RenderState::Rendering, _) => return Ok(false),
+        (RenderState::Loading | RenderState::Building | RenderState::Rendering, _) => return Ok(Some(SAMPLES)),
         (RenderState::Idle, _) => return Err(ScriptError::Wait("there is no camera")),
         (RenderState::Paused, _) => return Err(ScriptError::Wait("rendering is paused")),
         (RenderState::Failed, _) => return Err(ScriptError::Wait("rendering has failed")),
     }
     script.wait = None;
-    Ok(true)
+    Ok(None)
 }
 
-/// The exact number of samples that the picture was to have when it was last waited for, if it has another one since.
-fn lost_samples(world: &World) -> Option<u32> {
+/// The last wait for samples, if the picture has not or no longer what it was for.
+fn lost_wait(world: &World, waited_for_end: bool) -> Option<Wait> {
     let status = world.resource::<RenderStatus>();
-    let wanted = world.resource::<RenderControl>().exact_samples?;
     let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
-    (!rests || status.samples != wanted).then_some(wanted)
+    match world.resource::<RenderControl>().exact_samples {
+        Some(wanted) => (!rests || status.samples != wanted).then_some(Wait::Samples(wanted)),
+        None => (waited_for_end && !rests).then_some(Wait::Done),
+    }
 }
 
 impl Script {
@@ -233,12 +262,13 @@ impl Script {
             Step::Screenshot(_) => true,
             Step::Wait(_) | Step::Bake(_) | Step::AwaitBake(_) => false,
         };
-        if shows_picture && let Some(samples) = lost_samples(world) {
-            self.wait = Some(Wait::Samples(samples));
+        if shows_picture && let Some(wait) = lost_wait(world, self.waited_for_end) {
+            self.wait = Some(wait);
             self.step = Some(step);
             return;
         }
         if matches!(step, Step::Screenshot(_)) && !self.window_wait.is_over(world.resource(), world.resource()) {
+            self.obstacle = Some("the previews of materials");
             self.step = Some(step);
             return;
         }
@@ -304,6 +334,9 @@ impl Script {
                     Wait::Samples(samples) => Some(samples),
                     Wait::Done => None,
                 };
+                if wait != Wait::Samples(0) {
+                    self.waited_for_end = wait == Wait::Done;
+                }
                 self.wait = Some(wait);
             }
             Step::Screenshot(path) => {
@@ -353,6 +386,35 @@ mod tests {
         said(&script, ": the picture has 48 samples per pixel");
         script.bake = Some(BakeWait::End);
         said(&script, "waits for a bake");
+        script.obstacle = Some("the denoised picture");
+        said(
+            &script,
+            "waits for the denoised picture: the picture has 48 samples per pixel",
+        );
+    }
+
+    #[test]
+    fn a_line_that_saves_waits_again_for_what_was_waited_for() {
+        let mut world = World::new();
+        world.init_resource::<RenderControl>();
+        let mut lost = |exact_samples, waited_for_end, state, samples| {
+            world.resource_mut::<RenderControl>().exact_samples = exact_samples;
+            world.insert_resource(RenderStatus {
+                state,
+                samples,
+                ..RenderStatus::default()
+            });
+            lost_wait(&world, waited_for_end)
+        };
+        use RenderState::{Done, Paused, Rendering};
+        assert_eq!(lost(Some(32), false, Rendering, 16), Some(Wait::Samples(32)));
+        assert_eq!(lost(Some(32), false, Done, 64), Some(Wait::Samples(32)));
+        assert_eq!(lost(Some(32), false, Done, 32), None);
+        assert_eq!(lost(None, true, Rendering, 16), Some(Wait::Done));
+        assert_eq!(lost(None, true, Done, 64), None);
+        assert_eq!(lost(None, true, Paused, 16), None);
+        // Nothing was waited for.
+        assert_eq!(lost(None, false, Rendering, 16), None);
     }
 
     #[test]
@@ -417,7 +479,7 @@ mod tests {
             state: SceneState::Failed,
             ..SceneStatus::default()
         });
-        let error = is_ready(&world, &mut script).expect_err("it failed");
+        let error = obstacle(&world, &mut script).expect_err("it failed");
         assert_eq!(error.to_string(), "the scene cannot be read");
     }
 }
