@@ -16,13 +16,14 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::noisy_beside;
 use crate::document;
-use crate::engine::{RenderState, RenderStatus, file_options, single_picture};
+use crate::engine::{RenderFilm, RenderState, RenderStatus, file_options, single_picture};
+use crate::layer::Layer;
 use crate::render::image_io::{
     FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
 use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{
-    self, ActiveSensor, Film, FilmStorage, IntegratorSettings, OpenScene, Placements, SceneFile, SceneState,
+    self, ActiveSensor, Film, FilmStorage, IntegratorSettings, Keys, OpenScene, Placements, SceneFile, SceneState,
     SceneStatus, insert,
 };
 
@@ -184,6 +185,15 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     };
     if !is_exr && !world.resource::<IntegratorSettings>().layers.is_empty() {
         shown.push_str(", without layers: only EXR files have them");
+    }
+    let has_motion = world
+        .resource::<RenderFilm>()
+        .film
+        .layers()
+        .layers
+        .contains(Layer::Motion);
+    if is_exr && has_motion && world.query::<&Keys>().iter(world).next().is_some() {
+        shown.push_str(", with 0 as motion: only `sunroom render --frames` knows the frame before");
     }
     say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())

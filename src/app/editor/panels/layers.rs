@@ -15,7 +15,13 @@ fn names(layer: Layer) -> String {
         Layer::CryptoObject | Layer::CryptoMaterial => format!("channels `{channel}00.R` and further"),
         _ => format!("channels `{channel}.…`"),
     };
-    format!("In EXR files: {channels}\nOn the command line: --aov {name}")
+    let note = match layer {
+        Layer::Motion => {
+            "\nIt is 0 in the window, which does not know the frame before: `sunroom render --frames` does"
+        }
+        _ => "",
+    };
+    format!("In EXR files: {channels}\nOn the command line: --aov {name}{note}")
 }
 
 /// A box to check for each layer. The scene remembers the choice.

@@ -13,11 +13,12 @@ use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
 use crate::files::{LARGEST_NOTE, read};
+use crate::layer::{Layer, Layers};
 use crate::memory;
 use crate::render::film;
 use crate::render::image_io::exr::decode_exr;
 use crate::render::layered_image::Attribute;
-use crate::scene::{self, EmitterKind, ScenePlugin};
+use crate::scene::{self, EmitterKind, IntegratorSettings, ScenePlugin};
 
 /// A sky, and a film of 120 x 80 pixels that is shown in 60 x 60.
 pub(super) fn app() -> App {
@@ -124,6 +125,32 @@ fn an_image_of_a_window_with_a_limit_of_time_says_its_seconds() {
         matches!(seconds, Some(Attribute::Float(seconds)) if *seconds > 0.0),
         "{seconds:?}"
     );
+}
+
+/// The window does not know the frame before.
+#[test]
+fn an_image_without_its_motion_says_so_where_things_move() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut app = app();
+    let world = app.world_mut();
+    world.resource_mut::<RenderControl>().view_size = None;
+    let layers = Layers::of(&[Layer::Motion]);
+    world.insert_resource(IntegratorSettings {
+        layers,
+        ..IntegratorSettings::default()
+    });
+    update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 1);
+    let told = |app: &mut App, name: &str| {
+        let path = folder.path().join(name);
+        apply(app.world_mut(), Command::SaveImage(path)).expect("it is saved");
+        let toasts = app.world().resource::<Toasts>();
+        let text = toasts.texts().find(|text| text.contains(name)).expect("it is told");
+        text.contains("with 0 as motion")
+    };
+    assert!(!told(&mut app, "still.exr"));
+    app.world_mut().spawn(scene::Keys::default());
+    assert!(told(&mut app, "moved.exr"));
+    assert!(!told(&mut app, "moved.png"));
 }
 
 /// The samples may have taken a night.
