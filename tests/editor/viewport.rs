@@ -539,6 +539,20 @@ fn the_wheel_over_the_ground_goes_a_share_of_the_way_to_it() {
 }
 
 #[test]
+fn what_is_under_the_pointer_is_marked_for_users_alone() {
+    let mut harness = window();
+    let lamp = at(&harness, lamp());
+    for (is_attended, expected) in [(true, Some(entity(7))), (false, None)] {
+        harness.state_mut().state = ViewportState::new(is_attended);
+        for place in [Pos2::ZERO, lamp] {
+            harness.event(egui::Event::PointerMoved(place));
+            harness.run_steps(2);
+        }
+        assert_eq!(harness.state().state.pointer.hovered, expected);
+    }
+}
+
+#[test]
 fn a_box_and_a_click_select_lamps() {
     let mut harness = window();
     let lamp = at(&harness, lamp());

@@ -107,7 +107,7 @@ impl Plugin for EditorPlugin {
             })
             .init_resource::<session::tutorial::Tutorial>()
             .init_resource::<Widgets>()
-            .init_resource::<ViewportState>()
+            .insert_resource(ViewportState::new(options.is_attended() || options.monkey.is_some()))
             .init_resource::<ViewportScene>()
             .init_resource::<picture::outline_pass::OutlinePass>()
             .insert_resource(Layout::remembered(&preferences))

@@ -31,6 +31,8 @@ pub struct PointerState {
     pub(crate) cursor: TurningCursor,
     /// The thing under the pointer.
     pub hovered: Option<Entity>,
+    /// Whether nothing counts as under the pointer, because there is no user.
+    pub(crate) is_unattended: bool,
     /// The first point of a distance that is being measured.
     pub(crate) measured_from: Option<Vec3>,
 }
@@ -162,7 +164,7 @@ impl PointerState {
         }
         let turns_wheel = is_free && response.contains_pointer();
         self.wheel(ui, turns_wheel, pointer, screen, model, pose, commands);
-        let hovered = (is_over && self.hold.is_none())
+        let hovered = (is_over && self.hold.is_none() && !self.is_unattended)
             .then(|| under(pointer, screen, model))
             .flatten();
         if hovered != self.hovered {

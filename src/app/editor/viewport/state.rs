@@ -32,6 +32,15 @@ pub struct ViewportState {
     pub(super) speed: SpeedTag,
 }
 
+impl ViewportState {
+    /// The state at the start. Without a user nothing is marked as under the pointer, which is where the window happened to open.
+    pub fn new(is_attended: bool) -> Self {
+        let mut state = Self::default();
+        state.pointer.is_unattended = !is_attended;
+        state
+    }
+}
+
 /// The size of the picture on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenPixels {
