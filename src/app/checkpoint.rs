@@ -22,6 +22,8 @@ pub struct Piece {
     pub crop: Crop,
     /// The first sample of each pixel, and the end of its samples as they are asked for.
     pub samples: [u32; 2],
+    /// The samples of each pixel of the whole picture; None where they are not known.
+    pub samples_of_whole: Option<u32>,
 }
 
 impl Piece {
@@ -134,6 +136,7 @@ impl Piece {
             height: self.size[1],
             crop: self.crop,
             samples: self.samples,
+            samples_of_whole: self.samples_of_whole,
             is_finished: self.is_finished(film),
             layers: film
                 .layers()

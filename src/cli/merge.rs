@@ -103,6 +103,18 @@ fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
     for (name, file) in &parts {
         file.read_into(&mut film).map_err(|error| format!("{name}: {error}"))?;
     }
+    let of_whole = parts
+        .iter()
+        .filter_map(|(_, file)| file.header().samples_of_whole)
+        .max();
+    let end = parts.iter().map(|(_, file)| file.header().samples[1]).max();
+    if let (Some(of_whole), Some(end)) = (of_whole, end)
+        && end < of_whole
+    {
+        report::line(format_args!(
+            "warning: the parts have {end} of {of_whole} samples per pixel: those of samples {end}..{of_whole} are missing"
+        ));
+    }
     write(args, &film, header)
 }
 

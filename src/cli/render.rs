@@ -265,11 +265,11 @@ fn picture(
     of_frame: Settings,
 ) -> Result<ExitCode, Failure> {
     let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
+    let of_whole = samples_of_whole(args, limits, app.world());
     let settings = settings(args, of_frame);
     let (scene, checkpoints) = (&args.scene.scene, &args.checkpoints);
     if !share::take_choice(app.world_mut(), checkpoints)? {
-        let samples = samples_of_whole(args, limits, app.world());
-        choose_integrator(app, Some(samples), limits)?;
+        choose_integrator(app, Some(of_whole), limits)?;
     }
     // The status tells of the choice.
     load_to_completion(app, limits)?;
@@ -277,10 +277,17 @@ fn picture(
         let view = app.world().resource::<PackedScene>().view.as_ref();
         report_missing_light(view);
         let pixels = view.map_or(0, |view| u64::from(view.width) * u64::from(view.height));
-        let samples = samples_of_whole(args, limits, app.world());
-        report_choice(app.world().resource(), pixels * u64::from(samples));
+        report_choice(app.world().resource(), pixels * u64::from(of_whole));
     }
-    let share = share::begin(app.world_mut(), scene, &args.shares, checkpoints, samples, settings)?;
+    let share = share::begin(
+        app.world_mut(),
+        scene,
+        &args.shares,
+        checkpoints,
+        samples,
+        of_whole,
+        settings,
+    )?;
     // Standard output has place for one picture, the finished one.
     let files: Vec<PathBuf> = outputs
         .iter()

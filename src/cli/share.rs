@@ -163,13 +163,14 @@ pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bo
 }
 
 /// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is packed. `samples`: the number of samples
-/// that are asked for; `settings`: other things that samples depend on.
+/// that are asked for; `samples_of_whole`: those of the whole picture, `u32::MAX` where they are not known; `settings`: other things that samples depend on.
 pub fn begin(
     world: &mut World,
     scene: &Path,
     shares: &ShareArgs,
     checkpoints: &CheckpointArgs,
     samples: u32,
+    samples_of_whole: u32,
     mut settings: Settings,
 ) -> Result<Option<Share>, Failure> {
     if !shares.is_given() && !checkpoints.are_given() {
@@ -210,6 +211,7 @@ pub fn begin(
             size,
             crop,
             samples: [range.start, range.end],
+            samples_of_whole: Some(samples_of_whole).filter(|&samples| samples != u32::MAX),
         },
         is_part: shares.is_given(),
     };

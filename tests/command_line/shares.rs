@@ -305,6 +305,39 @@ fn a_merged_picture_is_written_as_a_rendered_one() {
 }
 
 #[test]
+fn missing_last_shares_are_told() {
+    let shop = shop();
+    let merged = |samples: &[&str], more: &[&str]| {
+        let mut merge = vec!["merge".to_owned(), "-o".to_owned(), "all.exr".to_owned()];
+        for range in samples {
+            let name = format!("{range}.exr");
+            let render = ["render", "scene.xml", "-q", "-o", &name, "--samples", range];
+            succeeds(&shop, &[&render[..], more].concat());
+            merge.push(name);
+        }
+        let merge: Vec<&str> = merge.iter().map(String::as_str).collect();
+        let output = run(&shop, &merge);
+        assert!(output.status.success());
+        assert!(shop.path("all.exr").exists());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = merged(&["0..1", "1..2"], &["--spp", "8"]);
+    let words = "warning: the parts have 2 of 8 samples per pixel: those of samples 2..8 are missing";
+    assert!(said.contains(words), "{said}");
+    // The scene asks for 64.
+    let said = merged(&["0..4"], &[]);
+    assert!(said.contains("4 of 64 samples per pixel"), "{said}");
+    for (samples, more) in [
+        (&["0..2", "2..4"][..], &["--spp", "4"][..]),
+        // How far shares go beyond the scene's number is not known.
+        (&["0..65"], &[]),
+    ] {
+        let said = merged(samples, more);
+        assert!(!said.contains("warning"), "{said}");
+    }
+}
+
+#[test]
 fn a_merged_picture_never_replaces_a_part() {
     let shop = shop();
     let parts = parts(&shop, &[0, 1, 2], &["0,0,80,70"], &[]);

@@ -122,6 +122,7 @@ mod tests {
             height: 64,
             crop,
             samples,
+            samples_of_whole: None,
             is_finished: true,
             layers: Vec::new(),
             splats: false,

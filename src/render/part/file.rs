@@ -237,6 +237,7 @@ mod tests {
             height: 32,
             crop: Crop::whole(64, 32),
             samples: [0, 1],
+            samples_of_whole: None,
             is_finished: false,
             layers: Vec::new(),
             splats: false,

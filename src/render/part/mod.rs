@@ -87,6 +87,9 @@ pub struct PartHeader {
     pub crop: Crop,
     /// The first sample of each pixel, and the end of its samples as they were asked for.
     pub samples: [u32; 2],
+    /// The samples of each pixel of the whole picture; None where they are not known.
+    #[serde(default)]
+    pub samples_of_whole: Option<u32>,
     /// Whether the part has all of these samples.
     pub is_finished: bool,
     /// The layers that are kept, by name.

@@ -57,6 +57,7 @@ fn keep(world: &mut World) -> Result<(), CommandError> {
         size,
         crop: Crop::whole(size[0], size[1]),
         samples: [0, target],
+        samples_of_whole: None,
     };
     let mut described = LayeredImage::new(size[0], size[1]);
     let shown = serde_json::to_string(&shown).map_err(CommandError::file)?;
@@ -363,6 +364,7 @@ fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<u
         size,
         crop: Crop::whole(size[0], size[1]),
         samples: [0, header.samples[1]],
+        samples_of_whole: None,
     };
     piece.take_up(world, &returning.file)
 }
