@@ -7,6 +7,7 @@ use std::time::Duration;
 use sunroom::document::value::parse_noise;
 use sunroom::layer::Layers;
 use sunroom::render::part::Crop;
+use sunroom::render::tonemap::Display;
 use sunroom::render::white_balance::WhiteBalance;
 use sunroom::scene::IntegratorSettings;
 
@@ -116,6 +117,27 @@ pub fn white(text: &str) -> Result<WhiteBalance, String> {
                 tints.end()
             )
         })
+}
+
+/// An exposure in stops.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    let range = Display::EXPOSURES;
+    let number = text.trim().parse::<f32>().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| {
+        format!(
+            "expected a number of stops from {} to {}, such as 1.5",
+            range.start(),
+            range.end()
+        )
+    })
+}
+
+/// The name of a layer or a channel.
+pub fn layer(text: &str) -> Result<String, String> {
+    match text.trim().is_empty() {
+        true => Err("expected the name of a layer or channel, such as Albedo".to_owned()),
+        false => Ok(text.to_owned()),
+    }
 }
 
 /// A number with a unit: `500ms`, `60s`, `5m`, `2h`; seconds without one.

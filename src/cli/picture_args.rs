@@ -13,8 +13,8 @@ use super::parse;
 
 #[derive(Args)]
 pub struct DisplayArgs {
-    /// Exposure of PNG and JPEG files in stops [default: 0]
-    #[arg(long, value_name = "EV")]
+    /// Exposure of PNG and JPEG files in stops, -100 to 100 [default: 0]
+    #[arg(long, value_name = "EV", value_parser = parse::exposure)]
     exposure: Option<f32>,
     /// Tone map of PNG and JPEG files [default: clip]
     #[arg(long, value_parser = named(&ToneMap::ALL, ToneMap::name))]

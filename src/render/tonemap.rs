@@ -58,6 +58,9 @@ pub struct Display {
 }
 
 impl Display {
+    /// The exposures that have an effect of their own, in stops: beyond them every picture is black or white.
+    pub const EXPOSURES: RangeInclusive<f32> = -MOST_STOPS..=MOST_STOPS;
+
     /// One pixel, sRGB-encoded. NaN and negative components are black, infinite ones white.
     pub fn encode(&self, radiance: Rgb) -> [u8; 3] {
         self.encoder().encode(radiance)

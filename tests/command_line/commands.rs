@@ -396,6 +396,10 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
         ("--time", "-5s", "expected a time above zero"),
         ("--frames", "-3", "expected a frame such as 17"),
         ("-s", "-4", "-4 is not in 1.."),
+        ("--exposure", "-100.5", "expected a number of stops from -100 to 100"),
+        ("--exposure", "5000", "expected a number of stops from -100 to 100"),
+        ("--exposure", "nan", "expected a number of stops from -100 to 100"),
+        ("--exposure", "inf", "expected a number of stops from -100 to 100"),
     ] {
         let refused = render(&scene, &shop.path("a.png"), &[option, value]);
         assert_code(&refused, 2);
