@@ -278,6 +278,9 @@ fn what_cannot_be_compared_is_said() {
         &["no layer or channel `Albedo`", "`Normal`", "`Variance`"],
     );
     says(&a, &["-o", "a.xyz"], &["a.xyz", ".exr"]);
+    for nothing in ["", " "] {
+        says(&a, &["--layer", nothing], &["expected the name of a layer or channel"]);
+    }
     let nowhere = shop.path("no-folder/page.html");
     says(&a, &["--html", &nowhere.to_string_lossy()], &["page.html"]);
     // A pixel that is no number fails every limit.

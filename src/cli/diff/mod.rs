@@ -21,7 +21,7 @@ use self::metric::Threshold;
 use self::pair::Pair;
 use super::args::MemoryArgs;
 use super::picture_args::DisplayArgs;
-use super::{outputs, report};
+use super::{outputs, parse, report};
 
 #[derive(Args)]
 pub struct DiffArgs {
@@ -30,8 +30,8 @@ pub struct DiffArgs {
     /// Picture that it is measured against
     pub reference: PathBuf,
     /// Layer or channel of EXR files to compare, such as Albedo, depth or Normal.Y [default: the picture itself]
-    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
-    layer: String,
+    #[arg(long, value_name = "NAME", value_parser = parse::layer)]
+    layer: Option<String>,
     /// End with code 1 if a figure is greater: mean (of the ratio's distance from 1), mse, relmse, flip or z; flip if none is named
     #[arg(long, value_name = "[METRIC=]VALUE", value_parser = Threshold::above)]
     fail_above: Vec<Threshold>,
@@ -82,7 +82,8 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
     {
         FileFormat::from_path(path)?;
     }
-    let pair = Pair::read([&args.picture, &args.reference], &args.layer)?;
+    let layer = args.layer.as_deref().unwrap_or("");
+    let pair = Pair::read([&args.picture, &args.reference], layer)?;
     if let Some(grey) = pair.grey {
         let [grey, coloured] = [grey, 1 - grey].map(|index| pair.paths[index].display());
         report::line(format_args!(
@@ -90,7 +91,6 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
         ));
     }
     if pair.seen.is_none() && args.flip_map.is_some() {
-        let layer = &args.layer;
         return Err(
             format!("`{layer}` is a layer of data, which has no errors of FLIP: leave out `--flip-map`").into(),
         );
