@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Linear Rec. 709 RGB: a radiance, a reflectance or a weight, by context.
 pub type Rgb = Vec3;
@@ -20,6 +20,15 @@ pub fn xyz_from_rgb(rgb: Rgb) -> Vec3 {
     let x = rgb.dot(Vec3::new(0.412_453, 0.357_580, 0.180_423));
     let z = rgb.dot(Vec3::new(0.019_334, 0.119_193, 0.950_227));
     Vec3::new(x, luminance(rgb), z)
+}
+
+/// The linear colour of CIE XYZ, the inverse of [`xyz_from_rgb`].
+pub fn rgb_from_xyz(xyz: Vec3) -> Rgb {
+    static FROM_XYZ: LazyLock<Mat3> = LazyLock::new(|| {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(xyz_from_rgb);
+        Mat3::from_cols(x, y, z).inverse()
+    });
+    *FROM_XYZ * xyz
 }
 
 /// One linear component in [0, 1] to its sRGB encoding in [0, 1].

@@ -6,6 +6,7 @@
 //! fit of the ACES reference rendering transform and sRGB output transform; J. Hable, "Uncharted 2: HDR Lighting", GDC 2010; T. Sobotka's AgX in B. Wrensch's polynomial
 //! form, "Minimal AgX Implementation", 2023.
 
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 use glam::{Mat3, Vec3};

@@ -6,7 +6,7 @@ use std::process::Output;
 use glam::Vec3;
 use sunroom::render::image_io::exr::{decode_exr, write_exr};
 use sunroom::render::image_io::{ExrCompression, ImageRgb, write_image};
-use sunroom::render::layered_image::LayeredImage;
+use sunroom::render::layered_image::{LayeredImage, StoredColors};
 use sunroom::render::tonemap::Display;
 
 use crate::workshop::{Workshop, sunroom};
@@ -249,6 +249,77 @@ fn a_grey_picture_is_compared_with_a_coloured_one_and_named() {
         assert!(stdout(&output).contains("\"mse\": 0.0"), "{}", stdout(&output));
         assert_eq!(stderr(&diff(one, one, &[])), "");
     }
+}
+
+#[test]
+fn grey_files_of_other_formats_are_named() {
+    let shop = Workshop::new();
+    let image = |pixel: Vec3| ImageRgb {
+        width: 16,
+        height: 16,
+        pixels: vec![pixel; 256],
+    };
+    let path = |name: &str| shop.path(name);
+    image::GrayImage::from_pixel(16, 16, image::Luma([255]))
+        .save(path("grey.png"))
+        .expect("a writable folder");
+    let grey_pfm = [&b"Pf\n16 16\n-1.0\n"[..], &1.0f32.to_le_bytes().repeat(256)].concat();
+    shop.write("grey.pfm", grey_pfm);
+    for name in ["white.png", "white.pfm", "white.hdr", "white.exr"] {
+        write_image(&path(name), &image(Vec3::ONE), &Display::default()).expect("a writable folder");
+    }
+    let said = |one: &str, other: &str| {
+        let output = diff(&path(one), &path(other), &["--json"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON alone");
+        assert_eq!(figures["mse"], 0.0, "{one} {other}");
+        said
+    };
+    for ending in ["png", "pfm"] {
+        let (grey, white) = (format!("grey.{ending}"), format!("white.{ending}"));
+        for (one, other) in [(&grey, &white), (&white, &grey)] {
+            let words = format!(
+                "note: {} is grey and {} has colours",
+                path(&grey).display(),
+                path(&white).display()
+            );
+            let said = said(one, other);
+            assert!(said.contains(&words) && said.lines().count() == 1, "{said}");
+        }
+        assert_eq!(said(&grey, &grey), "");
+    }
+    // What a display shows, and radiance.
+    for radiance in ["white.pfm", "white.hdr", "white.exr"] {
+        for (one, other) in [("white.png", radiance), (radiance, "white.png")] {
+            let words = format!(
+                "note: {} has what a display shows, at most 1, and {} has radiance",
+                path("white.png").display(),
+                path(radiance).display()
+            );
+            let said = said(one, other);
+            assert!(said.contains(&words) && said.lines().count() == 1, "{said}");
+        }
+        assert_eq!(said(radiance, "white.exr"), "");
+    }
+}
+
+#[test]
+fn pictures_in_xyz_are_compared_as_colours() {
+    let shop = Workshop::new();
+    let colours = gradient(&shop, "rgb.exr", 1.0);
+    let mut image = decode_exr(&std::fs::read(&colours).expect("written")).expect("an EXR file");
+    image.convert_colors(StoredColors::Xyz);
+    let xyz = shop.path("xyz.exr");
+    write_exr(&xyz, &image, ExrCompression::Zip).expect("a writable folder");
+    let output = diff(&xyz, &colours, &["--fail-above", "mse=1e-12"]);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let words = format!("note: {} has the channels X, Y and Z", xyz.display());
+    assert!(said.contains(&words) && said.lines().count() == 1, "{said}");
+    // A layer of vectors stays what it is.
+    let normals = diff(&xyz, &colours, &["--layer", "Normal"]);
+    assert_eq!(stderr(&normals), "");
 }
 
 #[test]

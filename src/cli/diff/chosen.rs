@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::cli::report::counted;
+use sunroom::color::rgb_from_xyz;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Channel, LayeredImage, is_cryptomatte, split_name};
@@ -14,6 +15,8 @@ pub struct Chosen {
     pub components: usize,
     /// Whether the numbers are colours or luminances, which can be shown, and not data such as depths and normals.
     pub is_light: bool,
+    /// Whether the file has CIE XYZ, of which the colours are made.
+    pub is_xyz: bool,
 }
 
 impl Chosen {
@@ -46,8 +49,15 @@ pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, S
     let channels = image.channels_of(name).or_else(|| image.channels_of(in_file));
     let channels = channels.or_else(|| Some(vec![image.channel(in_file)?]));
     let channels = channels.ok_or_else(|| no_layer(image, name, path))?;
+    let mut colors = image.as_colors(&channels);
+    // As the film's `pixel_format` has it.
+    let is_xyz = name.is_empty() && channels.len() == 3 && channels[0].name.eq_ignore_ascii_case("X");
+    if is_xyz {
+        colors.pixels.iter_mut().for_each(|pixel| *pixel = rgb_from_xyz(*pixel));
+    }
     Ok(Chosen {
-        image: image.as_colors(&channels),
+        image: colors,
+        is_xyz,
         components: channels.len(),
         is_light: are_light(&channels, name.is_empty()),
     })

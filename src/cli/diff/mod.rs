@@ -84,11 +84,8 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
     }
     let layer = args.layer.as_deref().unwrap_or("");
     let pair = Pair::read([&args.picture, &args.reference], layer)?;
-    if let Some(grey) = pair.grey {
-        let [grey, coloured] = [grey, 1 - grey].map(|index| pair.paths[index].display());
-        report::line(format_args!(
-            "note: {grey} is grey and {coloured} has colours: the grey counts as red, green and blue"
-        ));
+    for note in &pair.notes {
+        report::line(format_args!("note: {note}"));
     }
     if pair.seen.is_none() && args.flip_map.is_some() {
         return Err(

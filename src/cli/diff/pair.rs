@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::chosen::choose;
+use super::chosen::{Chosen, choose};
 use sunroom::color::{Rgb, linear_from_srgb};
 use sunroom::files::Access;
 use sunroom::memory::read_data;
@@ -24,8 +24,8 @@ pub struct Pair {
     pub variances: [Option<Variance>; 2],
     /// How many numbers a pixel has, 1 to 3.
     pub components: usize,
-    /// The one of the pair that is grey, if the other one is coloured.
-    pub grey: Option<usize>,
+    /// What is compared in another way than it is stored, a sentence each.
+    pub notes: Vec<String>,
     /// How the pictures differ for a viewer; None of data.
     pub seen: Option<Seen>,
 }
@@ -73,19 +73,15 @@ impl Pair {
         }
         let is_light = chosen.is_light;
         let components = chosen.components.max(other.components);
-        let grey = match (chosen.components, other.components) {
-            (1, 2..) => Some(0),
-            (2.., 1) => Some(1),
-            _ => None,
-        };
+        let is_displayed = [loaded.is_displayed, against.is_displayed];
+        let notes = notes(paths, [&chosen, &other], is_displayed);
         let (mut picture, mut reference) = (chosen.image, other.image);
         let not_finite = [&mut picture, &mut reference].map(blacken);
         let variances = match layer {
             "" => [&loaded, &against].map(|loaded| variance(&loaded.image)),
             _ => [None, None],
         };
-        let are_displayed = loaded.is_displayed && against.is_displayed;
-        let seen = is_light.then(|| seen(&picture, &reference, are_displayed));
+        let seen = is_light.then(|| seen(&picture, &reference, is_displayed == [true; 2]));
         Ok(Self {
             paths: paths.map(Path::to_owned),
             layer: layer.to_owned(),
@@ -94,7 +90,7 @@ impl Pair {
             not_finite,
             variances,
             components,
-            grey,
+            notes,
             seen,
         })
     }
@@ -117,6 +113,42 @@ impl Pair {
             ..self.picture
         }
     }
+}
+
+/// How unlike pictures are compared, as [`Pair::notes`].
+fn notes(paths: [&Path; 2], [chosen, other]: [&Chosen; 2], is_displayed: [bool; 2]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let names = paths.map(Path::display);
+    for (name, chosen) in names.iter().zip([chosen, other]) {
+        if chosen.is_xyz {
+            notes.push(format!(
+                "{name} has the channels X, Y and Z: they count as CIE XYZ, and are converted to red, green and blue"
+            ));
+        }
+    }
+    let grey = match (chosen.components, other.components) {
+        (1, 2..) => Some(0),
+        (2.., 1) => Some(1),
+        _ => None,
+    };
+    if let Some(grey) = grey {
+        let [grey, coloured] = [&names[grey], &names[1 - grey]];
+        notes.push(format!(
+            "{grey} is grey and {coloured} has colours: the grey counts as red, green and blue"
+        ));
+    }
+    let displayed = match is_displayed {
+        [true, false] => Some(0),
+        [false, true] => Some(1),
+        _ => None,
+    };
+    if let Some(displayed) = displayed {
+        let [displayed, radiance] = [&names[displayed], &names[1 - displayed]];
+        notes.push(format!(
+            "{displayed} has what a display shows, at most 1, and {radiance} has radiance: what is brighter there counts as a difference"
+        ));
+    }
+    notes
 }
 
 fn seen(picture: &ImageRgb, reference: &ImageRgb, are_displayed: bool) -> Seen {

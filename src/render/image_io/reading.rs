@@ -9,7 +9,7 @@ use crate::texture::{ImageFileError, Transfer, is_exr, load_image};
 /// A picture from a file.
 #[derive(Clone, Debug)]
 pub struct LoadedPicture {
-    /// The linear colours, with the layers of an EXR file.
+    /// The linear colours, with the layers of an EXR file. The channel of a grey picture is `Y`.
     pub image: LayeredImage,
     /// Whether the file holds what a display shows, in place of radiance.
     pub is_displayed: bool,
@@ -34,7 +34,10 @@ pub fn load_picture(bytes: &[u8]) -> Result<LoadedPicture, ImageFileError> {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let pixels: Vec<_> = places.map(|(x, y)| picture.pixel(x, y)).collect();
     let mut image = LayeredImage::new(width, height);
-    image.add_rgb("", &pixels);
+    match picture.channels() {
+        1 => image.add_float("Y", pixels.iter().map(|pixel| pixel.x).collect()),
+        _ => image.add_rgb("", &pixels),
+    }
     image.memory = memory.into();
     Ok(LoadedPicture {
         image,
