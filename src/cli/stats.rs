@@ -126,8 +126,12 @@ impl Stats {
             Some(bytes) => format!("{:.0} MB", bytes as f64 / 1e6),
             None => "unknown".to_owned(),
         };
+        let noise = self
+            .noise
+            .map_or_else(|| "unknown".to_owned(), |noise| format!("{noise:.5}"));
         format!(
             "{} x {}, {} spp, {} threads, {} triangles\n\
+             seed {}, noise {noise}, {} samples that were not finite\n\
              load {:.0} ms, hierarchy {:.0} ms ({} nodes, depth {}, SAH cost {:.1}, {:.1} MB)\n\
              render {:.0} ms: {:.2} Mrays/s, {:.2} Msamples/s; denoise {:.0} ms; peak memory {memory}",
             self.width,
@@ -135,6 +139,8 @@ impl Stats {
             self.spp,
             self.threads,
             self.triangles,
+            self.seed,
+            self.invalid_samples,
             self.load_ms,
             self.bvh.build_ms,
             self.bvh.nodes,

@@ -159,6 +159,15 @@ fn figures_for_machines() {
     }
     let rays = stats["rays"].as_u64().expect("a count");
     assert!(rays >= 40 * 30 * 6, "at least the camera's: {rays}");
+    // For people.
+    for (spp, noise) in [("6", "noise 0."), ("1", "noise unknown")] {
+        let args = ["--stats", "--spp", spp, "--seed", "9"];
+        let output = render(&shop.scene(SCENE), &shop.path("b.exr"), &args);
+        let text = String::from_utf8_lossy(&output.stdout);
+        for words in ["seed 9", noise, "0 samples that were not finite"] {
+            assert!(text.contains(words), "{words}: {text}");
+        }
+    }
 }
 
 #[test]
