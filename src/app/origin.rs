@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use crate::document::paths::file_name;
 use crate::engine::{PackedScene, RenderStatus, set_choice};
 use crate::files;
+use crate::layer::Layers;
 use crate::render::auto::{Choice, Method};
 use crate::render::part::{FileDigest, Origin};
 use crate::scene::assets::parts_cache::is_cached_part;
@@ -100,10 +101,12 @@ fn assemble(world: &World, mut digests: Vec<FileDigest>, others: Vec<(String, St
         add("the sampler", format!("{:?}", view.sequence));
         add("the camera", format!("{:?}", view.camera));
         add("the reconstruction filter", short(format!("{:?}", view.filter)));
-        add(
-            "the integrator",
-            format!("{:?}", world.resource::<IntegratorSettings>()),
-        );
+        // The layers have a setting of their own.
+        let integrator = IntegratorSettings {
+            layers: Layers::default(),
+            ..*world.resource::<IntegratorSettings>()
+        };
+        add("the integrator", format!("{integrator:?}"));
         add(
             "the list of layers",
             view.layers

@@ -85,7 +85,7 @@ impl CheckpointArgs {
 fn open_checkpoint(path: &Path) -> Result<PartFile, String> {
     let name = path.display();
     PartFile::open(path).map_err(|error| match error {
-        PartError::NoState if is_part(path) => {
+        PartError::NoState | PartError::NoPicture if is_part(path) => {
             format!("{name}: it is a checkpoint or share of a bake, and a picture cannot go on with it")
         }
         PartError::NoState => {
@@ -93,6 +93,7 @@ fn open_checkpoint(path: &Path) -> Result<PartFile, String> {
                 "{name}: it is damaged or no checkpoint: the exact sums, which are the end of a checkpoint, are missing"
             )
         }
+        PartError::NoPicture => format!("{name}: it is no EXR file: a checkpoint of a picture is one"),
         error => format!("{name}: {error}"),
     })
 }

@@ -118,13 +118,28 @@ fn what_is_no_checkpoint_to_go_on_with_is_told() {
     let whole = std::fs::read(shop.path("c.exr")).expect("a checkpoint");
     shop.write("cut.exr", &whole[..whole.len() / 2]);
     shop.write("short.exr", &whole[..9]);
+    shop.write("grey.png", b"\x89PNG\r\n\x1a\n");
+    shop.write("empty.exr", "");
+    let none = "no EXR file: a ";
     for (name, words) in [
+        ("scene.xml", none),
+        ("grey.png", none),
+        ("empty.exr", none),
         ("cut.exr", "it is damaged or no checkpoint"),
         ("short.exr", "it is damaged or no checkpoint"),
         ("a.exr", "it is damaged or no checkpoint"),
         ("c.bake", "it is a checkpoint or share of a bake"),
     ] {
         let message = said(&shop, &format!("{RENDER} --resume {name}"), 1);
-        assert!(message.contains(&format!("{name}: {words}")), "{message}");
+        let is_told =
+            message.contains(&format!("{name}: {words}")) || message.contains(&format!("{name}: it is {words}"));
+        assert!(is_told, "{message}");
     }
+    let message = said(&shop, "merge scene.xml -o merged.exr", 1);
+    assert!(message.contains(&format!("scene.xml: is {none}")), "{message}");
+    let message = said(&shop, &format!("{RENDER} --aov depth --resume c.exr"), 1);
+    assert!(
+        message.ends_with("the list of layers is depth, and was empty (--force goes on with it)\n"),
+        "{message}"
+    );
 }

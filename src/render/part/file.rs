@@ -12,6 +12,7 @@ use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
 use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::film::Film;
 use crate::render::tile::Tile;
+use crate::texture::is_exr;
 
 /// The version of the format of the state.
 const FORMAT: u32 = 5;
@@ -29,6 +30,8 @@ pub enum PartError {
     File(#[from] FileError),
     #[error(transparent)]
     Io(#[from] io::Error),
+    #[error("is no EXR file: a part of a picture is one")]
+    NoPicture,
     #[error("has a picture, but not the exact sums of a part or a checkpoint")]
     NoState,
     #[error("was written by another version of Sunroom, in a format that this version does not read")]
@@ -104,6 +107,11 @@ impl PartFile {
     pub fn open(path: &Path) -> Result<Self, PartError> {
         let mut file = files::open(path, LARGEST_DATA)?;
         let length = file.metadata()?.len();
+        let mut start = Vec::new();
+        (&mut file).take(4).read_to_end(&mut start)?;
+        if !is_exr(&start) {
+            return Err(PartError::NoPicture);
+        }
         let tail_at = length.checked_sub(TAIL).ok_or(PartError::NoState)?;
         file.seek(SeekFrom::Start(tail_at))?;
         let mut tail = [0; TAIL as usize];

@@ -63,7 +63,11 @@ impl Origin {
         }
         let value_in = |settings: &[(String, String)], name: &str| {
             let found = settings.iter().find(|(known, _)| known == name);
-            found.map_or_else(|| "not set".to_owned(), |(_, value)| value.clone())
+            match found.map(|(_, value)| value.as_str()) {
+                None => "not set".to_owned(),
+                Some("") => "empty".to_owned(),
+                Some(value) => value.to_owned(),
+            }
         };
         let own = self.settings.iter().map(|(name, _)| name);
         let gone = then.settings.iter().map(|(name, _)| name);
