@@ -100,8 +100,15 @@ fn send_all(mut stream: TcpStream, receiver: Receiver<Vec<Vec<u8>>>, address: &s
     for messages in receiver {
         for message in messages {
             if let Err(error) = stream.write_all(&message) {
+                let why = match error.kind() {
+                    // The time limit of the socket, by the system that says it.
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
+                        format!("it took nothing for {} seconds", PATIENCE.as_secs())
+                    }
+                    _ => error.to_string(),
+                };
                 report::line(format_args!(
-                    "warning: the display server {address} takes nothing more: {error}"
+                    "warning: the display server {address} gets nothing more: {why}"
                 ));
                 return;
             }

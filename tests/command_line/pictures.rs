@@ -283,6 +283,22 @@ fn a_viewer_gets_the_picture() {
 }
 
 #[test]
+fn a_viewer_that_takes_nothing_is_told() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = listener.local_addr().expect("bound").to_string();
+    // More than the system keeps for a reader: 14 MB.
+    let options = ["--display-server", &address, "--spp", "1", "--size", "1200x1000"];
+    let done = render(&scene, &[shop.path("a.exr")], &options);
+    assert_success(&done);
+    let said = String::from_utf8_lossy(&done.stderr);
+    let words = format!("warning: the display server {address} gets nothing more: it took nothing for 2 seconds");
+    assert!(said.contains(&words), "{said}");
+    drop(listener);
+}
+
+#[test]
 fn a_viewer_that_is_not_there_does_not_stop_the_render() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);
