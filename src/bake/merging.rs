@@ -45,6 +45,10 @@ pub struct Merged {
     pub blueprint: Blueprint,
     /// The light of the lightmaps, and then that of each probe.
     pub lights: Vec<Lightmaps>,
+    /// The number of samples of each texel of a lightmap.
+    pub samples: u32,
+    /// The number that was asked for; None where it is not known.
+    pub samples_of_whole: Option<u32>,
     /// The files that the scene consisted of.
     pub files: Vec<FileDigest>,
     _memory: Reservation,
@@ -64,6 +68,9 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
     parts.sort_by_key(|(_, _, header)| header.samples);
     let origins = parts.iter().map(|(_, _, header)| &header.origin);
     let files: Vec<FileDigest> = origins.flat_map(|origin| origin.files.iter().cloned()).collect();
+    let headers = || parts.iter().map(|(_, _, header)| header);
+    let samples = headers().map(|header| header.samples[1]).max().unwrap_or(0);
+    let samples_of_whole = headers().filter_map(|header| header.samples_of_whole).max();
     let mut merged: Option<Merged> = None;
     for (name, path, _) in &parts {
         let failed = |source| MergeError::Part {
@@ -78,6 +85,8 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
         let Some(merged) = &mut merged else {
             merged = Some(Merged {
                 _memory: memory::reserve(blueprint.memory_bytes())?,
+                samples,
+                samples_of_whole,
                 files: files.clone(),
                 blueprint,
                 lights: light.lights,

@@ -30,6 +30,9 @@ pub struct PartHeader {
     pub origin: Origin,
     /// The samples of each texel of a lightmap: the first, and the end of those that are asked for.
     pub samples: [u32; 2],
+    /// The samples of each texel that the whole bake has; None where they are not known.
+    #[serde(default)]
+    pub samples_of_whole: Option<u32>,
     /// Whether everything has the samples that are asked for.
     pub is_finished: bool,
     /// Whether the file is a share, which has everything that the files of the bake need.

@@ -64,13 +64,21 @@ impl BakeJob {
     }
 
     /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on with. `samples` are those that are asked
-    /// for.
-    pub fn save(&self, path: &Path, origin: &Origin, samples: [u32; 2], is_share: bool) -> io::Result<()> {
+    /// for, and `samples_of_whole` is the number that the whole bake has, if that is known.
+    pub fn save(
+        &self,
+        path: &Path,
+        origin: &Origin,
+        samples: [u32; 2],
+        samples_of_whole: Option<u32>,
+        is_share: bool,
+    ) -> io::Result<()> {
         let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, samples[1]));
         let is_finished = self.lights.iter().zip(ends).all(|(light, end)| light.reached() >= end);
         let header = PartHeader {
             origin: origin.clone(),
             samples,
+            samples_of_whole,
             is_finished,
             is_share,
         };

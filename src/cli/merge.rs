@@ -24,6 +24,7 @@ use super::bake::Shares;
 use super::outputs::{self, PART};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser};
+use super::share::warn_of_missing;
 
 #[derive(Args)]
 pub struct MergeArgs {
@@ -108,13 +109,7 @@ fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
         .filter_map(|(_, file)| file.header().samples_of_whole)
         .max();
     let end = parts.iter().map(|(_, file)| file.header().samples[1]).max();
-    if let (Some(of_whole), Some(end)) = (of_whole, end)
-        && end < of_whole
-    {
-        report::line(format_args!(
-            "warning: the parts have {end} of {of_whole} samples per pixel: those of samples {end}..{of_whole} are missing"
-        ));
-    }
+    warn_of_missing("pixel", end.unwrap_or(0), of_whole);
     write(args, &film, header)
 }
 

@@ -296,6 +296,15 @@ pub fn warn_of_more(path: &Path, [place, work]: [&str; 2], samples: u32, asked: 
     }
 }
 
+/// Warns where parts end before the number of samples that was asked for, if that is known. They are samples of each `place`.
+pub fn warn_of_missing(place: &str, samples: u32, of_whole: Option<u32>) {
+    if let Some(all) = of_whole.filter(|&all| samples < all) {
+        report::line(format_args!(
+            "warning: the parts have {samples} of {all} samples per {place}: those of samples {samples}..{all} are missing"
+        ));
+    }
+}
+
 /// The number of pixels of the share, or else of the film, and how many of them have no sample.
 pub fn pixel_counts(share: Option<&Share>, film: &Film) -> [usize; 2] {
     match share {

@@ -207,6 +207,19 @@ fn shares_that_cannot_be_are_refused() {
 }
 
 #[test]
+fn missing_last_shares_of_a_bake_are_told() {
+    let shop = shop();
+    for (name, samples) in [("a.bake", "0..1"), ("b.bake", "1..2")] {
+        said(&bake(&shop, name, &["-q", "--samples", samples, "--spp", "2"]), 0);
+    }
+    let message = said(&merge(&shop, "half", &["a.bake"], &["--no-denoise"]), 0);
+    let words = "warning: the parts have 1 of 2 samples per texel: those of samples 1..2 are missing";
+    assert!(message.contains(words), "{message}");
+    let message = said(&merge(&shop, "whole", &["a.bake", "b.bake"], &["--no-denoise"]), 0);
+    assert!(!message.contains("warning"), "{message}");
+}
+
+#[test]
 fn a_merged_level_never_replaces_a_share() {
     let shop = shop();
     said(&bake(&shop, "a.bake", &["-q", "--samples", "0..1"]), 0);

@@ -17,6 +17,8 @@ pub struct Keeper<'a> {
     origin: Origin,
     /// The samples of each texel of a lightmap that are asked for.
     samples: [u32; 2],
+    /// The samples of each texel of the whole bake, where they are known.
+    samples_of_whole: Option<u32>,
     is_share: bool,
     checkpoint: Option<(&'a Path, Duration)>,
     last: Instant,
@@ -32,6 +34,7 @@ impl<'a> Keeper<'a> {
         Self {
             origin,
             samples,
+            samples_of_whole: args.spp,
             is_share: args.samples.is_some(),
             checkpoint: checkpoint.map(|path| (path, args.checkpoints.every)),
             last: Instant::now(),
@@ -81,7 +84,7 @@ impl<'a> Keeper<'a> {
         if job.rays() == 0 || self.saved == Some(job.rays()) {
             return self.saved.is_some();
         }
-        let result = job.save(path, &self.origin, self.samples, self.is_share);
+        let result = job.save(path, &self.origin, self.samples, self.samples_of_whole, self.is_share);
         (self.last, self.tried) = (Instant::now(), Some(job.rays()));
         match result {
             Ok(()) => self.saved = Some(job.rays()),
@@ -96,7 +99,7 @@ impl<'a> Keeper<'a> {
 
     /// Writes the share.
     pub fn write_share(&self, job: &BakeJob, path: &Path) -> Result<(), Failure> {
-        let written = job.save(path, &self.origin, self.samples, true);
+        let written = job.save(path, &self.origin, self.samples, self.samples_of_whole, true);
         Ok(written.map_err(|error| format!("cannot write {}: {error}", path.display()))?)
     }
 }

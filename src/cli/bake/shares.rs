@@ -12,6 +12,7 @@ use sunroom::scene::export::ExportError;
 use super::{BAKES_WITHOUT, is_file_of_level, report_invalid, within_folder};
 use crate::cli::outputs::{PART, check_inputs_stay};
 use crate::cli::report::{self, Failure, check_denoiser};
+use crate::cli::share::warn_of_missing;
 
 /// What `sunroom merge` is asked for.
 pub struct Shares<'a> {
@@ -41,6 +42,7 @@ impl Shares<'_> {
             if let Some(path) = in_use(folder, &merged.files) {
                 return Err(ExportError::InUse { path }.into());
             }
+            warn_of_missing("texel", merged.samples, merged.samples_of_whole);
             merged.blueprint.denoise = self.denoise;
             let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
             let baked = merged.blueprint.finished(&merged.lights, &pool)?;
