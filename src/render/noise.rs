@@ -1,10 +1,46 @@
 //! Estimates the noise of a whole picture as one number, at which rendering may stop.
+//!
+//! Errors are relative to the luminance that a pixel is *likely* to have. Its own mean alone would hide rare bright samples, which raise the mean that their error is relative to: one sample of
+//! ten times the true luminance in sixteen pixels would count for a third of what it is. So the mean is drawn towards that of the pixels around it, by the share that its squared error has in that and
+//! the squared contrast there (empirical Bayes: Efron and Morris, Stein's estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and at
+//! edges, it stays what it is.
 
 use super::film::Film;
 use super::tile::Tile;
 
 /// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible in what is almost black.
 pub const DARK: f32 = 0.1;
+
+/// The luminance that a pixel is likely to have, of which the mean and the estimated square of its standard error are known, as they are of the pixels `around` it.
+pub(super) fn likely_luminance((own, squared_error): (f32, f32), around: impl Iterator<Item = (f32, f32)>) -> f32 {
+    let (mut count, mut sum, mut squares, mut errors) = (0.0, 0.0, 0.0, 0.0);
+    for (mean, squared_error) in around {
+        // From the pixel's own, so that little is rounded where all are nearly the same.
+        let beside = mean - own;
+        count += 1.0;
+        sum += beside;
+        squares += beside * beside;
+        errors += squared_error;
+    }
+    if count < 2.0 {
+        return own;
+    }
+    let towards = sum / count;
+    // What the means around differ by beyond their errors, and this one beyond three of its own.
+    let contrast = ((squares - sum * towards) / (count - 1.0) - errors / count)
+        .max(towards * towards - 9.0 * squared_error)
+        .max(0.0);
+    let drawn = towards * squared_error / (contrast + squared_error);
+    if drawn.is_finite() { own + drawn } else { own }
+}
+
+/// The places of the pixels around (x, y) in a tile of this size.
+pub(super) fn around(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    let near = |at: u32, size: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
+    near(y, height)
+        .flat_map(move |row| near(x, width).map(move |column| (column, row)))
+        .filter(move |&place| place != (x, y))
+}
 
 /// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a frame may.
 #[derive(Clone, Debug)]
@@ -86,12 +122,19 @@ impl PictureNoise {
         self.whole.light += new.light - old.light;
         if self.whole.light > 0.0 {
             let least = self.dark();
-            let relative = |&(mean, squared_error): &(f32, f32)| squared_error / mean.abs().max(least).powi(2);
-            new.squares = pixels.iter().map(|pixel| f64::from(relative(pixel))).sum();
+            let is_whole = pixels.len() == (tile.width * tile.height) as usize;
+            let scale = |place: usize| {
+                let own = pixels[place];
+                let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
+                let around = around(x, y, tile.width, tile.height).map(|(x, y)| pixels[(y * tile.width + x) as usize]);
+                let likely = if is_whole { likely_luminance(own, around) } else { own.0 };
+                likely.abs().max(least)
+            };
+            let scales: Vec<f32> = (0..pixels.len()).map(scale).collect();
+            let relative = |(squared_error, scale): (f32, &f32)| f64::from(squared_error / scale.powi(2));
+            new.squares = pixels.iter().map(|pixel| pixel.1).zip(&scales).map(relative).sum();
             if film.has_splats() {
-                let splats = pixels.iter().zip(film.splat_variances(tile));
-                let relative = |((mean, _), variance): (&(f32, f32), f32)| f64::from(relative(&(*mean, variance)));
-                new.by_splats = splats.map(relative).sum();
+                new.by_splats = film.splat_variances(tile).zip(&scales).map(relative).sum();
             }
         }
         self.tiles[index] = new;
@@ -155,6 +198,34 @@ mod tests {
             .zip(0..)
             .for_each(|(&tile, index)| noise.update(index, film, tile));
         noise
+    }
+
+    #[test]
+    fn a_rare_bright_sample_is_not_the_light_that_its_error_is_relative_to() {
+        let dark: Vec<(f32, f32)> = (0..8).map(|pixel| (1.0 + 0.01 * (pixel % 3) as f32, 1e-4)).collect();
+        let likely = |own| likely_luminance(own, dark.iter().copied());
+        // One sample of 160 in sixteen.
+        let bright = likely((10.0, 100.0));
+        assert!((bright - 1.01).abs() < 0.01, "{bright}");
+        // A lamp, which has as little noise.
+        let lamp = likely((10.0, 1e-4));
+        assert!((lamp - 10.0).abs() < 0.01, "{lamp}");
+        // Without noise, and where all are alike, nothing is drawn anywhere.
+        assert_eq!(likely((10.0, 0.0)), 10.0);
+        assert_eq!(likely_luminance((2.0, 0.0), [(2.0, 0.0); 8].into_iter()), 2.0);
+        assert_eq!(likely_luminance((2.0, 1.0), [(1.0, 0.0)].into_iter()), 2.0);
+        // At the edge between a dark and a bright half both stay.
+        let edge = [1.0, 1.0, 1.0, 10.0, 10.0, 10.0, 1.0, 10.0].map(|mean| (mean, 0.01));
+        let beside_edge = likely_luminance((10.0, 0.1), edge.into_iter());
+        assert!((beside_edge - 10.0).abs() < 0.1, "{beside_edge}");
+    }
+
+    #[test]
+    fn pixels_around_another_are_within_the_tile() {
+        let around = |x, y| around(x, y, 4, 3).collect::<Vec<_>>();
+        assert_eq!(around(0, 0), [(1, 0), (0, 1), (1, 1)]);
+        assert_eq!(around(3, 1), [(2, 0), (3, 0), (2, 1), (2, 2), (3, 2)]);
+        assert_eq!(around(1, 1).len(), 8);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! Pixels are chosen once: most where the picture's first samples say that noise is, and near it, and some evenly over the picture. That the choice depends on
 //! samples of the picture makes no bias, since for any picture the expectation over the choice is the sum over all pixels.
 //!
-//! Errors are relative to the mean of both renders. Relative to the picture's alone a bright sample in the replica of a dark pixel would count for too much.
+//! Errors are relative to the luminance that a pixel is likely to have by the mean of both renders and the pixels around it ([`super::noise`]).
 //!
 //! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is bright. What tells how far it is to be
 //! believed is the number of equal replicas that would be as uncertain, the square of the sum over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of
@@ -26,7 +26,7 @@ use super::bytes::{Damaged, Reader, Writer};
 use super::film::Film;
 use super::layers::Layers;
 use super::light_layers::LightGroups;
-use super::noise::PictureNoise;
+use super::noise::{PictureNoise, around};
 use super::scene::RenderScene;
 use super::shutter::Shutter;
 use super::tile::{Tile, render_tile};
@@ -159,7 +159,9 @@ impl Replicas {
             let [own, splatted] = film.mean_luminances(replica.pixel.x, replica.pixel.y).map(f64::from);
             let other = replica.sum / f64::from(replica.samples.max(1));
             let mean = 0.5 * (own + other) + splatted;
-            let scale = mean.abs().max(f64::from(noise.dark()));
+            let squared_error = (0.5 * (own - other)).powi(2);
+            let likely = film.likely_luminance(replica.pixel, (mean as f32, squared_error as f32));
+            let scale = f64::from(likely.abs().max(noise.dark()));
             match scale > 0.0 {
                 true => 0.5 * ((own - other) / scale).powi(2) / replica.probability,
                 false => 0.0,
@@ -212,13 +214,13 @@ fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
         let noise = squared.sqrt() / mean.abs().max(dark).max(f32::MIN_POSITIVE);
         if noise.is_finite() { noise } else { 0.0 }
     };
-    let own: Vec<f32> = film.mean_errors(tile).map(noise).collect();
-    let around = |at: u32, size: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
+    let noises: Vec<f32> = film.mean_errors(tile).map(noise).collect();
+    let place = |x: u32, y: u32| (y * tile.width + x) as usize;
     let near = |x: u32, y: u32| {
-        let places =
-            around(y, tile.height).flat_map(|y| around(x, tile.width).map(move |x| (y * tile.width + x) as usize));
-        let (sum, count) = places.fold((0.0, 0.0f32), |(sum, count), place| (sum + own[place], count + 1.0));
-        0.5 * (own[(y * tile.width + x) as usize] + sum / count)
+        let own_noise = noises[place(x, y)];
+        let others = around(x, y, tile.width, tile.height).map(|(x, y)| noises[place(x, y)]);
+        let (sum, count) = others.fold((own_noise, 1.0f32), |(sum, count), noise| (sum + noise, count + 1.0));
+        0.5 * (own_noise + sum / count)
     };
     (0..tile.height)
         .flat_map(|y| (0..tile.width).map(move |x| (x, y)))

@@ -1,9 +1,11 @@
 //! What a film knows of the errors of its pixels, see [`crate::render::mean_error`].
 
+use glam::UVec2;
+
 use super::Film;
 use crate::color::luminance;
 use crate::render::mean_error::{BLOCK, BLOCKS, BlockError, block_of, share_of_doubling};
-use crate::render::noise::DARK;
+use crate::render::noise::{DARK, around, likely_luminance};
 use crate::render::tile::{PixelSum, TILE, Tile};
 
 impl Film {
@@ -97,6 +99,21 @@ impl Film {
         let place = self.index(x, y);
         let own = self.sum(x, y).radiance / self.counts[place].max(1) as f32;
         [own, self.splatted(place)].map(luminance)
+    }
+
+    /// The luminance that a pixel is likely to have by what is known of it, its mean luminance with the estimated square of its standard error, and by the pixels around it in its tile, as
+    /// [`likely_luminance`].
+    pub(in crate::render) fn likely_luminance(&self, pixel: UVec2, known: (f32, f32)) -> f32 {
+        let tile = pixel / TILE * TILE;
+        let size = (UVec2::new(self.width, self.height) - tile).min(UVec2::splat(TILE));
+        let of_pixel = |(x, y): (u32, u32)| {
+            let (x, y) = (tile.x + x, tile.y + y);
+            let [own, splatted] = self.mean_luminances(x, y);
+            let error = self.own_variance(x, y)? + self.splat_variance(self.index(x, y));
+            Some((own + splatted, error))
+        };
+        let place = pixel - tile;
+        likely_luminance(known, around(place.x, place.y, size.x, size.y).filter_map(of_pixel))
     }
 
     /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated: `render/mean_error.rs`, and
