@@ -238,6 +238,9 @@ mod tests {
     use crate::render::part::{About, Crop, Origin};
     use crate::render::tile::tiles;
 
+    /// The beginning of an EXR file.
+    const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
     fn header() -> PartHeader {
         PartHeader {
             origin: Origin::default(),
@@ -262,7 +265,7 @@ mod tests {
             is_finished,
             ..header()
         };
-        write_part(&path, b"", &header, &film, tiles, &[7]).expect("a writable folder");
+        write_part(&path, EXR, &header, &film, tiles, &[7]).expect("a writable folder");
         PartFile::open(&path)?.read_into(&mut film)
     }
 
@@ -292,8 +295,10 @@ mod tests {
             state.u32(crc.sum());
             state.u64(length);
             state.0.extend_from_slice(MAGIC);
-            std::fs::write(&path, &state.0).expect("a writable folder");
+            std::fs::write(&path, [EXR, &state.0].concat()).expect("a writable folder");
             assert_eq!(PartFile::open(&path).is_ok(), is_whole, "{more}");
+            std::fs::write(&path, &state.0).expect("a writable folder");
+            assert!(matches!(PartFile::open(&path), Err(PartError::NoPicture)));
         }
     }
 }
