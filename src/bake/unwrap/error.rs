@@ -48,7 +48,7 @@ pub enum UnwrapError {
     Cancelled,
 }
 
-/// A whole number; one with so many digits that nobody reads them is rounded to two, such as 4.2e24.
+/// A whole number; from 1e15 on it is rounded to two digits, such as 4.2e24.
 fn number(number: f64) -> String {
     match number < 1e15 {
         true => format!("{number:.0}"),
