@@ -837,6 +837,15 @@ fn pictures_so_far_and_events_come_by_themselves() {
 fn a_full_disk_leaves_the_old_checkpoint() {
     let shop = shop();
     std::fs::create_dir(shop.path("full")).expect("a temporary folder");
+    let run = |script: &str| {
+        let output = Command::new("unshare")
+            .args(["-m", "sh", "-c", script])
+            .current_dir(shop.folder())
+            .output()
+            .expect("unshare is there");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.success(), message)
+    };
     // 700 kB are enough for one checkpoint of the small picture, but not for another one beside it.
     let script = format!(
         "mount -t tmpfs -o size=700k none full && \
@@ -844,17 +853,12 @@ fn a_full_disk_leaves_the_old_checkpoint() {
          '{0}' render scene.xml -q -o b.exr --spp 64 --checkpoint full/c.exr --resume full/c.exr && cmp full/c.exr first.exr && ls -A full > left",
         env!("CARGO_BIN_EXE_sunroom")
     );
-    let output = Command::new("unshare")
-        .args(["-m", "sh", "-c", &script])
-        .current_dir(shop.folder())
-        .output();
-    let output = output.expect("unshare is there");
-    let message = String::from_utf8_lossy(&output.stderr);
+    let (succeeded, message) = run(&script);
     if message.contains("unshare failed") || message.contains("permission denied") {
         eprintln!("skipped: the system permits no mount namespace");
         return;
     }
-    assert!(output.status.success(), "{message}");
+    assert!(succeeded, "{message}");
     assert!(
         message.contains("warning: cannot write full/c.exr") && message.contains("the checkpoint before it stays"),
         "{message}"
@@ -870,12 +874,7 @@ fn a_full_disk_leaves_the_old_checkpoint() {
         "mount -t tmpfs -o size=64k none full && '{}' render scene.xml -q -o c.exr --spp 16 --checkpoint full/c.exr --every 1ms",
         env!("CARGO_BIN_EXE_sunroom")
     );
-    let output = Command::new("unshare")
-        .args(["-m", "sh", "-c", &script])
-        .current_dir(shop.folder())
-        .output();
-    let output = output.expect("unshare is there");
-    let message = String::from_utf8_lossy(&output.stderr);
+    let (_, message) = run(&script);
     assert!(
         message.contains("warning: cannot write full/c.exr") && !message.contains("before it"),
         "{message}"
