@@ -84,6 +84,7 @@ fn samples_of(tile: Tile, samples: Range<u32>) -> TileSamples {
             normal: Vec3::Z,
             depth: 1.0,
             luminance_squared: light * light,
+            rays: 3.0,
         }
     };
     TileSamples {

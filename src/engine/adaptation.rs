@@ -1,12 +1,13 @@
-//! The adaptive part of a job: its pilots, and the rounds in which the blocks of a tile get different numbers of samples. What they are and why pictures
+//! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different numbers of samples. What they are and why pictures
 //! stay unbiased: [`crate::render::adaptive`].
 
 use std::ops::Range;
 
-use crate::render::adaptive::{FIRST, PerBlock, PilotTile, Pilots, pilot_samples};
+use crate::render::adaptive::NoiseMap;
+use crate::render::blocks::PerBlock;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
-use crate::render::tile::Tile;
+use crate::render::tile::{Tile, TileSamples};
 
 /// The mean samples of a visit to a tile.
 const VISIT: u32 = 16;
@@ -68,7 +69,7 @@ impl TileRound {
     /// What [`Adaptation::write`] has written of a round.
     fn read(from: &mut Reader) -> Result<Self, Damaged> {
         let (mean, visits) = (from.u32()?..from.u32()?, from.u32()?);
-        let mut blocks = [PerBlock::default(); 3];
+        let mut blocks: [PerBlock<u32>; 3] = [[0; _]; 3];
         for number in blocks.iter_mut().flatten() {
             *number = from.u32()?;
         }
@@ -98,11 +99,7 @@ impl TileRound {
 
 /// The adaptive part of a job.
 pub(super) struct Adaptation {
-    pilots: Pilots,
-    /// The samples from which on another pilot is due.
-    next_pilot: u32,
-    /// The tiles of the present pilot, as far as they have arrived.
-    arrived: Vec<(usize, PilotTile)>,
+    noise: NoiseMap,
     /// The last round of each tile whose blocks differ in their samples.
     rounds: Vec<Option<TileRound>>,
 }
@@ -110,16 +107,9 @@ pub(super) struct Adaptation {
 impl Adaptation {
     pub fn new(tiles: &[Tile], width: u32) -> Self {
         Self {
-            pilots: Pilots::new(tiles, width),
-            next_pilot: FIRST,
-            arrived: Vec::new(),
+            noise: NoiseMap::new(tiles, width),
             rounds: vec![None; tiles.len()],
         }
-    }
-
-    /// Whether it has been found that there is nothing to gain.
-    pub fn is_uniform(&self) -> bool {
-        self.pilots.are_to_no_avail()
     }
 
     /// Whether the blocks of one of these tiles differ in their samples.
@@ -127,43 +117,16 @@ impl Adaptation {
         tiles.iter().any(|&index| self.rounds[index].is_some())
     }
 
-    /// The number and the samples of the pilot that is due after `done` samples of a picture that gets `samples`; None if none is.
-    pub fn due(&self, done: u32, samples: u32, active: &[usize]) -> Option<(u32, u32)> {
-        // How far to follow pilots is decided while there are equally many samples everywhere.
-        let can_decide = self.pilots.are_decided() || !self.has_differences(active);
-        let is_due = done >= self.next_pilot && samples - done >= done / 4 && can_decide && !self.is_uniform();
-        is_due.then(|| (self.pilots.count(), pilot_samples(done)))
-    }
-
-    /// Takes up a tile of the pilot after `done` samples; the last of those at `active` makes it whole.
-    pub fn add(&mut self, index: usize, tile: PilotTile, done: u32, active: &[usize], film: &Film) {
-        self.arrived.push((index, tile));
-        if self.arrived.len() < active.len() {
-            return;
-        }
-        let mut pilot = std::mem::take(&mut self.arrived);
-        pilot.sort_by_key(|(index, _)| *index);
-        self.pilots.add(&pilot);
-        if !self.pilots.are_decided() {
-            self.pilots.decide(film, active);
-        }
-        self.next_pilot = done.saturating_mul(2);
-    }
-
-    /// The tiles at `active` are rendered from now on. Where pilots know nothing of some, what they have found elsewhere is no guide.
-    pub fn go_on_in(&mut self, active: &[usize]) {
-        if self.pilots.know(active) {
-            return;
-        }
-        self.next_pilot = FIRST;
-        if !self.has_differences(active) {
-            self.pilots.forget_decision();
-        }
-    }
-
-    /// Forgets the tiles of a pilot that was broken off.
-    pub fn break_off(&mut self) {
-        self.arrived.clear();
+    /// Takes note of samples of a tile that were added to the film.
+    pub fn note(&mut self, index: usize, samples: &TileSamples, film: &Film) {
+        let counts = match (&samples.blocks, &mut self.rounds[index]) {
+            (Some(blocks), Some(round)) => {
+                round.advance(blocks);
+                round.counts
+            }
+            _ => [samples.samples.end; _],
+        };
+        self.noise.note(index, &counts, film);
     }
 
     /// The samples that a tile with `done` of them is on its way to: those at the end of its round, if it is in one.
@@ -173,7 +136,7 @@ impl Adaptation {
     }
 
     /// Plans a round: the tiles at `active` have so many samples of the mean pixel, by tile in `done`, and get `end`. With `is_adaptive` their blocks
-    /// differ as pilots say, and else they keep the differences that they have.
+    /// differ as their neighbours say, and else they keep the differences that they have.
     pub fn plan(&mut self, active: &[usize], done: &[u32], end: u32, is_adaptive: bool) {
         let counts_of = |index: usize| {
             self.rounds[index]
@@ -183,7 +146,7 @@ impl Adaptation {
         let counts: Vec<PerBlock<u32>> = (0..done.len()).map(counts_of).collect();
         let begin = active.first().map_or(0, |&index| done[index]);
         let ends = match is_adaptive {
-            true => self.pilots.allocate(active, &counts, begin, end),
+            true => self.noise.allocate(active, &counts, begin, end),
             false => None,
         };
         for (place, &index) in active.iter().enumerate() {
@@ -208,8 +171,7 @@ impl Adaptation {
 
     /// Writes what has been found and planned.
     pub fn write(&self, to: &mut Writer) {
-        self.pilots.write(to);
-        to.u32(self.next_pilot);
+        self.noise.write(to);
         for round in &self.rounds {
             to.u32(u32::from(round.is_some()));
             if let Some(round) = round {
@@ -222,8 +184,7 @@ impl Adaptation {
 
     /// Takes up what [`Self::write`] has written of the same picture.
     pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
-        self.pilots.read(from)?;
-        self.next_pilot = from.u32()?;
+        self.noise.read(from)?;
         for round in &mut self.rounds {
             *round = match from.flag()? {
                 true => Some(TileRound::read(from)?),
@@ -231,13 +192,6 @@ impl Adaptation {
             };
         }
         Ok(())
-    }
-
-    /// Takes note of a visit to a tile.
-    pub fn advance(&mut self, index: usize, visited: &PerBlock<Range<u32>>) {
-        if let Some(round) = &mut self.rounds[index] {
-            round.advance(visited);
-        }
     }
 }
 
@@ -247,9 +201,9 @@ mod tests {
 
     #[test]
     fn visits_bring_every_block_to_its_end_and_stop_at_powers_of_two() {
-        let mut to = [64; 16];
+        let mut to = [64; _];
         (to[1], to[2], to[3]) = (512, 96, 1024);
-        let mut round = TileRound::new(64..128, [64; 16], to);
+        let mut round = TileRound::new(64..128, [64; _], to);
         let (mut done, mut seen) = (64, vec![64]);
         while round.covers(done) {
             let (end, visited) = round.visit(done);
@@ -270,16 +224,16 @@ mod tests {
 
     #[test]
     fn every_block_has_its_first_sample_after_the_first_visit() {
-        let mut to = [4; 16];
+        let mut to = [4; _];
         to[3] = 100;
-        let round = TileRound::new(0..16, [0; 16], to);
+        let round = TileRound::new(0..16, [0; _], to);
         let (_, visited) = round.visit(0);
         assert!(visited.iter().all(|range| range.contains(&0)), "{visited:?}");
     }
 
     #[test]
     fn a_round_without_samples_is_a_visit() {
-        let round = TileRound::new(100..200, [100; 16], [100; 16]);
+        let round = TileRound::new(100..200, [100; _], [100; _]);
         let (end, visited) = round.visit(100);
         assert!(end == 200 && visited.iter().all(Range::is_empty));
     }

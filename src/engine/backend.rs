@@ -7,7 +7,6 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use super::priority;
 use super::schedule::WorkItem;
-use crate::render::adaptive::{PilotTile, render_pilot};
 use crate::render::replicas::{ReplicaSums, render_replicas};
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
@@ -29,10 +28,6 @@ pub(super) enum Backend {
 #[derive(Debug)]
 pub(super) enum TileResult {
     Preview(TilePreview),
-    Pilot {
-        index: usize,
-        pilot: PilotTile,
-    },
     Replicas(ReplicaSums),
     Samples {
         index: usize,
@@ -81,10 +76,6 @@ impl Backend {
             Self::Cpu(_) => Box::new(move |item, cancel| match item {
                 WorkItem::Preview { index, step } => {
                     render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
-                }
-                WorkItem::Pilot { index, number, samples } => {
-                    let pilot = render_pilot(&scene, &view, tiles[*index], *number, *samples, cancel)?;
-                    Some(TileResult::Pilot { index: *index, pilot })
                 }
                 WorkItem::Replicas(missing) => {
                     let sums = render_replicas(&scene, &view, shutter.as_ref(), missing, cancel)?;

@@ -250,7 +250,6 @@ impl Job {
             self.correct_noise(1.0, film);
             self.region = region;
             self.active = tiles_in(region, &self.tiles, UVec2::new(self.view.width, self.view.height));
-            self.adaptation.go_on_in(&self.active);
             self.noise = None;
             self.judged = None;
             self.replicas = None;
@@ -332,7 +331,6 @@ impl Job {
     pub fn pause(&mut self) {
         self.run = None;
         self.early.clear();
-        self.adaptation.break_off();
         if let Some(since) = self.running_since.take() {
             self.ran += since.elapsed();
         }
@@ -403,12 +401,6 @@ impl Job {
                 film.film.add_preview(preview);
                 1
             }
-            TileResult::Pilot { index, pilot } => {
-                self.rays += pilot.rays();
-                let done = self.least_samples();
-                self.adaptation.add(index, pilot, done, &self.active, &film.film);
-                0
-            }
             TileResult::Replicas(rendered) => {
                 self.rays += rendered.rays;
                 if let Some(replicas) = &mut self.replicas {
@@ -471,9 +463,8 @@ impl Job {
             film.mark(samples.tile);
             self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;
-            if let Some(blocks) = &samples.blocks {
-                self.adaptation.advance(index, blocks);
-            } else if samples.samples.end != pass_end(samples.samples.start) {
+            self.adaptation.note(index, &samples, &film.film);
+            if samples.blocks.is_none() && samples.samples.end != pass_end(samples.samples.start) {
                 self.cuts.insert(samples.samples.end);
             }
             self.rays += samples.rays;

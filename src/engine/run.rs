@@ -206,7 +206,7 @@ mod tests {
             WorkItem::Samples {
                 index, samples: range, ..
             } => Some(samples(*index, range.clone())),
-            WorkItem::Preview { .. } | WorkItem::Pilot { .. } | WorkItem::Replicas(_) => None,
+            WorkItem::Preview { .. } | WorkItem::Replicas(_) => None,
         })
     }
 

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy::math::{Rect, UVec2};
 
 use super::adaptation::TileRound;
-use crate::render::adaptive::PerBlock;
+use crate::render::blocks::PerBlock;
 use crate::render::passes::pass_end;
 use crate::render::replicas::Missing;
 use crate::render::tile::Tile;
@@ -49,12 +49,6 @@ pub(super) enum WorkItem {
         index: usize,
         step: u32,
     },
-    /// Pilot number `number`.
-    Pilot {
-        index: usize,
-        number: u32,
-        samples: u32,
-    },
     /// Samples of some replicas.
     Replicas(Arc<[Missing]>),
     /// Samples of all pixels, or of each block its own.
@@ -83,7 +77,7 @@ struct QueueState {
     /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
-    /// The pilots or replicas that are not claimed yet, the next one last.
+    /// The replicas that are not claimed yet, the next one last.
     beside: Vec<WorkItem>,
     /// The rounds of tiles whose blocks differ.
     rounds: BTreeMap<usize, TileRound>,
@@ -104,14 +98,6 @@ impl WorkQueue {
                 rounds: BTreeMap::new(),
             }),
         }
-    }
-
-    /// A queue of a pilot of these tiles.
-    pub fn of_pilot(tiles: &[usize], number: u32, samples: u32) -> Self {
-        let queue = Self::new(&[], 0, &[], 1);
-        let pilot = |&index: &usize| WorkItem::Pilot { index, number, samples };
-        queue.state().beside = tiles.iter().rev().map(pilot).collect();
-        queue
     }
 
     /// A queue of what is missing of replicas.
@@ -190,7 +176,7 @@ mod tests {
             .map(|item| match item {
                 WorkItem::Preview { index, .. } => (index, 0, 0),
                 WorkItem::Samples { index, samples, .. } => (index, samples.start, samples.end),
-                WorkItem::Pilot { .. } | WorkItem::Replicas(_) => unreachable!("none was asked for"),
+                WorkItem::Replicas(_) => unreachable!("none was asked for"),
             })
             .collect()
     }

@@ -204,6 +204,6 @@ mod tests {
         assert_eq!(plain.round_end(0, None, false), 20);
         // Adaptive rounds double.
         let ends = [0, 64, 200].map(|done| StopCondition { samples: 300, ..plain }.round_end(done, None, true));
-        assert_eq!(ends, [64, 128, 300]);
+        assert_eq!(ends, [16, 128, 300]);
     }
 }

@@ -3,11 +3,15 @@
 /// The least and the most samples of a block, as shares of the mean number.
 pub(super) const LEAST: f64 = 0.25;
 const MOST: f64 = 8.0;
+/// By about so many blocks it is found out what they cost in all.
+const ENOUGH: usize = 1 << 16;
+/// The halvings of the range of the factor in which samples follow noise, which leave a hundred thousandth of it.
+const HALVINGS: u32 = 21;
 
 /// A block's way through a round.
 pub(super) struct Candidate {
     pub place: usize,
-    /// The noise by pilots, smoothed.
+    /// The noise as neighbours foretell it.
     pub noise: f64,
     pub cost: f64,
     pub least: f64,
@@ -33,7 +37,7 @@ pub(super) fn rounded(samples: f64, from: u32, to: u32) -> u32 {
     }
 }
 
-/// The samples of each block that cost as much in all as `mean` of every block: the power `power` of what would be best for independent samples, which is the
+/// The samples of each block that cost about as much in all as `mean` of every block: the power `power` of what would be best for independent samples, which is the
 /// root of noise over cost, but at least `least`. `round` gives the numbers that are possible.
 pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
     let weights: Vec<f64> = blocks
@@ -43,35 +47,28 @@ pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn
             if power == 0.0 { 1.0 } else { ratio.powf(0.5 * power) }
         })
         .collect();
-    let at = |factor: f64| -> Vec<f64> {
-        let samples = |(block, weight): (&Candidate, &f64)| {
-            let wanted = (factor * weight).clamp(LEAST * mean, MOST * mean);
-            round(wanted).max(block.least)
-        };
-        blocks.iter().zip(&weights).map(samples).collect()
+    let at = |factor: f64, place: usize| {
+        let wanted = (factor * weights[place]).clamp(LEAST * mean, MOST * mean);
+        round(wanted).max(blocks[place].least)
     };
-    let budget: f64 = mean * blocks.iter().map(|block| block.cost).sum::<f64>();
-    let cost = |samples: &[f64]| -> f64 {
-        blocks
-            .iter()
-            .zip(samples)
-            .map(|(block, samples)| block.cost * samples)
-            .sum()
-    };
+    // Of many blocks some tell what all cost.
+    let some = || (0..blocks.len()).step_by(blocks.len() / ENOUGH + 1);
+    let budget: f64 = mean * some().map(|place| blocks[place].cost).sum::<f64>();
+    let cost = |factor: f64| -> f64 { some().map(|place| blocks[place].cost * at(factor, place)).sum() };
     let typical = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
     if !(typical > 0.0 && typical.is_finite()) {
         return vec![mean; blocks.len()];
     }
-    let (mut low, mut high) = (0.0, 1e3 * mean / typical);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if cost(&at(middle)) <= budget {
+    let (mut low, mut high) = (1e-3 * mean / typical, 1e3 * mean / typical);
+    for _ in 0..HALVINGS {
+        let middle = (low * high).sqrt();
+        if cost(middle) <= budget {
             low = middle;
         } else {
             high = middle;
         }
     }
-    at(low)
+    (0..blocks.len()).map(|place| at(low, place)).collect()
 }
 
 #[cfg(test)]

@@ -12,8 +12,9 @@ use std::ops::Range;
 use glam::Vec3;
 
 use self::chunks::{is_whole, without_splats};
+use super::blocks::{BLOCK, BLOCKS};
 use super::layers::{FilmLayers, LayerSums, Matte};
-use super::mean_error::{BLOCK, BLOCKS, BlockError};
+use super::mean_error::{BlockError, Efficiency};
 use super::passes::chunks_in;
 use super::scene::FirstHit;
 use super::splats::{Splat, SplatSum, Splats, TileSplats};
@@ -39,6 +40,8 @@ pub struct Film {
     noted: Vec<[f32; 2]>,
     /// What is known of the errors of each block of pixels, tile by tile.
     errors: Vec<BlockError>,
+    /// What follows from them for each tile.
+    efficiencies: Vec<Efficiency>,
     /// The preview of each tile of the picture that has no samples yet.
     previews: Vec<Option<TilePreview>>,
     /// What is kept beside the picture.
@@ -90,6 +93,8 @@ impl Film {
         self.noted.resize(pixels, [0.0; 2]);
         self.errors.clear();
         self.errors.resize(tiles * BLOCKS, BlockError::default());
+        self.efficiencies.clear();
+        self.efficiencies.resize(tiles, Efficiency::default());
         self.begun.clear();
         self.begun.resize(tiles, None);
         self.chunks = None;
@@ -380,5 +385,6 @@ fn mean(sum: &PixelSum, count: u32) -> PixelSum {
         normal: sum.normal * scale,
         depth: sum.depth * scale,
         luminance_squared: sum.luminance_squared * scale,
+        rays: sum.rays * scale,
     }
 }

@@ -7,28 +7,25 @@
 //! one before it took, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for independent samples, for which the estimate
 //! is the usual one, and at least 1/8, for smooth integrands.
 //!
-//! The differences of single pixels are one number each, so they are summed over blocks of [`BLOCK`] x [`BLOCK`] pixels, and `r` is that of a tile. A pixel's own
-//! share of its block's error is that of its samples' spread, which is known far better. A rare bright sample enlarges the spread and the difference
-//! alike, once it is there; what no sample has found yet is in no estimate.
+//! The differences of single pixels are one number each, so they are summed over patches of [`PATCH`] x [`PATCH`] pixels, and `r` is that of a tile. The
+//! [blocks](super::blocks) of a patch may have different numbers of samples: what is summed up is then how many times the differences are what they would be of
+//! independent samples. A pixel's own share of its patch's error is that of its samples' spread, which is known far better. A rare bright sample enlarges the
+//! spread and the difference alike, once it is there; what no sample has found yet is in no estimate.
 
+use super::blocks::{BLOCK, PerBlock};
 use super::noise::DARK;
 use super::tile::TILE;
 
-/// The edge in pixels of the blocks over which halves are compared.
-pub(super) const BLOCK: u32 = 8;
-/// The number of blocks in a tile.
-pub(super) const BLOCKS: usize = (TILE / BLOCK * (TILE / BLOCK)) as usize;
+/// The edge in pixels of the patches over which the differences of halves are summed.
+pub(super) const PATCH: u32 = 8;
+/// The number of patches in a tile.
+const PATCHES: usize = (TILE / PATCH * (TILE / PATCH)) as usize;
 
 /// The bounds of the share of a doubling in the one before it.
 const SHARES: [f32; 2] = [0.125, 0.5];
 
-/// The block of the pixel at (x, y) among those of its tile.
-pub(super) fn block_of(x: u32, y: u32) -> usize {
-    (y % TILE / BLOCK * (TILE / BLOCK) + x % TILE / BLOCK) as usize
-}
-
-/// How the samples of a block's pixels differ. All of its pixels have the same number of samples. Sums over pixels are of squares relative to the
-/// pixels' luminances.
+/// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of squares relative to the pixels'
+/// luminances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct BlockError {
     /// The power of two of samples at which the means were noted last; 0 before that.
@@ -41,24 +38,67 @@ pub(super) struct BlockError {
     pub difference_before: f32,
     /// The sum of the mean squared deviations of single samples from their mean, at `level`.
     pub spread: f32,
-    /// The mean magnitude of the luminance, at `level`.
+    /// The mean magnitude of the luminance of its patch, at `level`.
     pub luminance: f32,
 }
 
-impl BlockError {
-    /// The variance of a pixel's mean over `samples`, over the mean squared deviation of its samples. `share` is that of a doubling in the one before.
-    pub fn efficiency(&self, samples: u32, share: f32) -> f32 {
-        let independent = 1.0 / (samples.max(2) - 1) as f32;
-        if self.level == 0 || self.spread <= 0.0 || self.difference <= 0.0 {
-            return independent;
+/// What the differences of halves say of a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Efficiency {
+    /// The share of a doubling in the one before it.
+    share: f32,
+    /// How many times the squared differences of each patch are those of independent samples; 0 while that is unknown.
+    patches: [f32; PATCHES],
+}
+
+impl Default for Efficiency {
+    fn default() -> Self {
+        Self {
+            share: SHARES[1],
+            patches: [0.0; PATCHES],
         }
-        let unit = self.difference / self.spread;
-        unit * variance(samples, self.level, share, unit.recip())
     }
 }
 
+impl Efficiency {
+    /// That of a tile with these blocks.
+    pub fn of(blocks: &PerBlock<BlockError>) -> Self {
+        let mut sums = [[0.0; 2]; PATCHES];
+        for (error, place) in blocks.iter().zip(0..).filter(|(error, _)| error.level > 0) {
+            let [found, independent] = &mut sums[patch_of(place)];
+            *found += error.difference;
+            *independent += error.spread / (error.level - 1) as f32;
+        }
+        let ratio = |[found, independent]: [f32; 2]| match found > 0.0 && independent > 0.0 {
+            true => found / independent,
+            false => 0.0,
+        };
+        Self {
+            share: share_of_doubling(blocks),
+            patches: sums.map(ratio),
+        }
+    }
+
+    /// The variance of the mean over `samples` of a pixel in a block, over the mean squared deviation of its samples. Halves of the block were compared at `level`.
+    pub fn at(&self, block: usize, level: u32, samples: u32) -> f32 {
+        let ratio = self.patches[patch_of(block)];
+        if level < 2 || ratio <= 0.0 {
+            return 1.0 / (samples.max(2) - 1) as f32;
+        }
+        let unit = ratio / (level - 1) as f32;
+        unit * variance(samples, level, self.share, unit.recip())
+    }
+}
+
+/// The patch that a block is in.
+fn patch_of(block: usize) -> usize {
+    let (columns, blocks) = ((TILE / BLOCK) as usize, (PATCH / BLOCK) as usize);
+    let (row, column) = (block / columns / blocks, block % columns / blocks);
+    row * (TILE / PATCH) as usize + column
+}
+
 /// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less, as in the noise of a picture.
-pub(super) fn share_of_doubling(blocks: &[BlockError]) -> f32 {
+fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     let bright = blocks.iter().map(|block| block.luminance).sum::<f32>() / blocks.len() as f32;
     let known = blocks.iter().filter(|block| block.difference_before > 0.0);
     let [last, before] = known.fold([0.0; 2], |[last, before], block| {
@@ -193,7 +233,9 @@ mod tests {
                 square / samples as f32 - mean * mean
             })
             .sum();
-        let estimated = spread * block.efficiency(samples, share_of_doubling(&[block]));
+        let mut blocks = [BlockError::default(); _];
+        blocks[0] = block;
+        let estimated = spread * Efficiency::of(&blocks).at(0, block.level, samples);
         let error = sums.iter().map(|sum| (sum / samples as f32 - truth).powi(2)).sum();
         [estimated, error].map(|sum: f32| sum / places.len() as f32)
     }
@@ -214,5 +256,29 @@ mod tests {
         let [estimated, error] = compared(SequenceKind::Sobol, 64, |p| p.x + p.y, 1.0);
         let ratio = (estimated / error).sqrt();
         assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
+    }
+
+    #[test]
+    fn blocks_of_a_patch_may_have_different_numbers_of_samples() {
+        // All pixels have half the error of independent samples, at 16 and at 64 samples; blocks without samples say nothing.
+        let mut blocks = [BlockError::default(); _];
+        let columns = (TILE / BLOCK) as usize;
+        for (place, level) in [(0, 16), (1, 64), (columns, 16), (columns + 1, 64)] {
+            blocks[place] = BlockError {
+                noted: level,
+                level,
+                difference: 0.5 * 3.0 / (level - 1) as f32,
+                spread: 3.0,
+                ..BlockError::default()
+            };
+        }
+        let efficiency = Efficiency::of(&blocks);
+        for (place, level) in [(0, 16), (1, 64)] {
+            let found = efficiency.at(place, level, level) * (level - 1) as f32;
+            assert!((found - 0.5).abs() < 1e-4, "{level}: {found}");
+        }
+        // What was not compared has the error of independent samples, in this patch and in others.
+        assert_eq!(efficiency.at(2, 0, 10), 1.0 / 9.0);
+        assert_eq!(efficiency.at(100, 16, 16), 1.0 / 15.0);
     }
 }

@@ -4,6 +4,7 @@ pub mod adaptive;
 mod adaptive_shares;
 pub mod auto;
 mod bidirectional;
+pub mod blocks;
 pub mod borders;
 pub mod bytes;
 pub mod camera;

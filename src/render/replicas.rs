@@ -46,7 +46,7 @@ const SPREAD: f64 = 0.2;
 const LEAST_RATIO: f64 = 1e-6;
 /// The most samples that are traced at once.
 const AT_ONCE: usize = 1024;
-/// Makes the random numbers of replicas and of their choice others than those of the picture and of pilots.
+/// Makes the random numbers of replicas and of their choice others than those of the picture.
 const SEEDS: [u32; 2] = [0x7f4a_7c15, 0xbf58_476d];
 
 /// A pixel that is rendered a second time.

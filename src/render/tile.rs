@@ -6,11 +6,10 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
-use super::adaptive::{PerBlock, blocks_of};
+use super::blocks::{PerBlock, block_of, blocks_of};
 use super::fireflies;
 use super::lanes::Job;
 use super::layers::{LayerSums, PixelLayers};
-use super::mean_error::block_of;
 use super::path::PathSample;
 use super::scene::{FirstHit, RenderScene};
 use super::splats::TileSplats;
@@ -62,6 +61,8 @@ pub struct PixelSum {
     pub depth: f32,
     /// The sum of squared luminances, for the noise estimate.
     pub luminance_squared: f32,
+    /// The number of rays that were traced, shadow rays included.
+    pub rays: f32,
 }
 
 impl PixelSum {
@@ -72,6 +73,7 @@ impl PixelSum {
         self.normal += other.normal;
         self.depth += other.depth;
         self.luminance_squared += other.luminance_squared;
+        self.rays += other.rays;
     }
 }
 
@@ -83,6 +85,7 @@ impl From<PathSample> for PixelSum {
             normal: sample.normal,
             depth: sample.depth,
             luminance_squared: luminance(sample.radiance).powi(2),
+            rays: sample.rays as f32,
         }
     }
 }
@@ -156,7 +159,7 @@ impl TileSamples {
     /// The number of samples of all pixels.
     pub fn total(&self) -> u64 {
         let Some(blocks) = &self.blocks else {
-            return self.samples.len() as u64 * self.pixels.len() as u64;
+            return self.samples.len() as u64 * u64::from(self.tile.width * self.tile.height);
         };
         let of_block =
             |(place, block): (usize, Tile)| u64::from(block.width * block.height) * blocks[place].len() as u64;
@@ -205,9 +208,6 @@ pub fn render_blocks(
         Some(blocks) => blocks[block_of(pixel.x, pixel.y)].clone(),
         None => samples.clone(),
     };
-    let longest = blocks
-        .as_deref()
-        .map_or(samples.len(), |blocks| blocks.iter().map(Range::len).max().unwrap_or(0));
     // All memory is allocated at once: a vector that grows makes other threads wait for the allocator.
     let pixels = (tile.width * tile.height) as usize;
     let mut result = TileSamples {
@@ -231,7 +231,7 @@ pub fn render_blocks(
     };
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
-        Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * longest as u32).max(1)).max(1),
+        Tracer::Lanes(_) => (SAMPLES_AT_ONCE * tile.height / (result.total() as u32).max(1)).clamp(1, TILE),
         Tracer::Bidirectional(..) | Tracer::OneByOne => 1,
     };
     let bottom = tile.y + tile.height;

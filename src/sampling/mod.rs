@@ -18,6 +18,8 @@ pub use bilinear::{PiecewiseBilinear2d, SquareSample};
 pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
 pub use mis::power_heuristic;
 pub(crate) use sampler::SPREAD_DIMENSIONS;
+#[cfg(test)]
+pub(crate) use sampler::sequence_of;
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::{Rectangle, SphericalRectangle};
 pub(crate) use spherical_triangle::SphericalTriangle;

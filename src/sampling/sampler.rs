@@ -7,7 +7,7 @@
 //! other share one sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
 //! the eye, or in a blurred picture, is less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via
 //! hierarchical ordering of pixels, 2020; there for one known number of samples, here whatever that is). In later draws pixels are independent
-//! of each other.
+//! of each other, and in all draws quads of pixels that share an edge are: adaptive sampling has one decide about the other.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -62,6 +62,12 @@ pub(super) struct Counter<Word> {
     pub index: Word,
 }
 
+/// What tells the sequence of a pixel from others: the block of the pixel, and of which colour its quad is in a chess board of quads.
+pub(crate) fn sequence_of(x: u32, y: u32) -> [u32; 2] {
+    let colour = (x ^ y) >> 1 & 1;
+    [(x >> BLOCK_BITS) << 1 | colour, y >> BLOCK_BITS]
+}
+
 /// A pixel's number within its block along the curve of Morton, the most significant bit lowest.
 pub(super) fn place_in_block(x: u32, y: u32) -> u32 {
     let bits = |of: u32| {
@@ -75,7 +81,8 @@ impl Sampler {
     /// The sampler of sample `sample_index` of `pixel`. Any seed is as good as any other.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
-        let [_, of_block, _] = pcg3d([pixel.x >> BLOCK_BITS, pixel.y >> BLOCK_BITS, seed]);
+        let [x, y] = sequence_of(pixel.x, pixel.y);
+        let [_, of_block, _] = pcg3d([x, y, seed]);
         Self {
             kind,
             counter: Counter {

@@ -181,13 +181,13 @@ fn an_interrupted_adaptive_picture_goes_on_at_the_same_places() {
 fn a_region_is_adaptive_within_itself() {
     let film = picture(1, |control| control.region = Some(Rect::new(0.0, 0.0, 1.0, 0.4)));
     assert!(film.samples(32, 31) >= 64 && film.samples(32, 32) == 0);
-    // A half of one tile only is no guide for the other.
+    // How far to follow what is found in one tile, only other tiles can tell.
     let one_tile = picture(1, |control| control.region = Some(Rect::new(0.0, 0.0, 0.4, 0.4)));
     assert_eq!((one_tile.samples(0, 0), one_tile.samples(31, 31)), (256, 256));
 }
 
 #[test]
-fn another_region_has_pilots_of_its_own() {
+fn another_region_decides_by_itself() {
     let [upper, lower] = [Rect::new(0.0, 0.0, 1.0, 0.5), Rect::new(0.0, 0.5, 1.0, 1.0)];
     let mut app = rare_light(1, |control| control.region = Some(upper));
     finish(&mut app);
@@ -205,8 +205,8 @@ fn another_region_has_pilots_of_its_own() {
         finish(&mut app);
         counts(&app)
     };
-    // The first samples are the same for every pixel, before the first pilot, and then pilots of this half decide.
-    assert_eq!(go_on(64), (64, 64));
+    // The first samples are the same for every pixel, and then what they have found in this half decides.
+    assert_eq!(go_on(16), (16, 16));
     let (least, most) = go_on(256);
     assert!(least >= 64 && most > least, "{least} to {most}");
     let film = &app.world().resource::<RenderFilm>().film;

@@ -1,4 +1,4 @@
-//! The rounds of a job: where they end, the pilots between them, and the noise that is judged at their ends with the help of replicas.
+//! The rounds of a job: where they end, and the noise that is judged at their ends with the help of replicas.
 
 use super::Job;
 use crate::engine::film::RenderFilm;
@@ -22,7 +22,7 @@ impl Job {
         self.active.iter().all(|&index| self.done[index] == samples)
     }
 
-    /// The work until the end of the present round, of the next one, or of a pilot before that.
+    /// The work until the end of the present round, or of the next one.
     pub(super) fn next_queue(
         &mut self,
         stop: &StopCondition,
@@ -42,8 +42,8 @@ impl Job {
             }
             self.judge(film);
         }
-        if !goes_on && let Some(pilot) = self.begin_round(done, stop, asked, previews.is_empty()) {
-            return pilot;
+        if !goes_on {
+            self.begin_round(done, stop, asked);
         }
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
         let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), previews, step);
@@ -53,22 +53,15 @@ impl Job {
         queue
     }
 
-    /// Plans the round after `done` samples, unless a pilot is due before it, which is then returned.
-    fn begin_round(&mut self, done: u32, stop: &StopCondition, asked: Rounds, may_pilot: bool) -> Option<WorkQueue> {
+    /// Plans the round after `done` samples.
+    fn begin_round(&mut self, done: u32, stop: &StopCondition, asked: Rounds) {
         let under_way = self
             .active
             .iter()
             .map(|&index| self.adaptation.on_the_way_to(index, self.done[index]));
         let most = under_way.max().unwrap_or(0);
         // Moments of a shutter are shared out evenly, so that sampling is uniform with one.
-        let can_differ = self.shutter.is_none() && !self.adaptation.is_uniform();
-        let is_adaptive = stop.is_adaptive && can_differ && done == most;
-        if is_adaptive
-            && may_pilot
-            && let Some((number, samples)) = self.adaptation.due(done, stop.samples, &self.active)
-        {
-            return Some(WorkQueue::of_pilot(&self.active, number, samples));
-        }
+        let is_adaptive = stop.is_adaptive && self.shutter.is_none() && done == most;
         let noise = self.judged_at(done).and_then(|judged| judged.noise);
         let has_differences = self.adaptation.has_differences(&self.active);
         let end = match done < most {
@@ -87,7 +80,6 @@ impl Job {
         if is_divided {
             self.adaptation.plan(&self.active, &self.done, end, is_adaptive);
         }
-        None
     }
 
     /// Whether replicas tell the noise after so many samples, if a limit of it is asked for. Of a share it is not asked.

@@ -4,74 +4,107 @@ use glam::UVec2;
 
 use super::Film;
 use crate::color::luminance;
-use crate::render::mean_error::{BLOCK, BLOCKS, BlockError, block_of, share_of_doubling};
+use crate::render::blocks::{BLOCK, BLOCKS, PerBlock, block_of, blocks_of, parts};
+use crate::render::mean_error::{BlockError, Efficiency, PATCH};
 use crate::render::noise::{DARK, around, likely_luminance};
 use crate::render::tile::{PixelSum, TILE, Tile};
 
 impl Film {
     /// Notes the means of the blocks of a tile whose number of samples has become a power of two, and compares them with those of half as many.
     pub(super) fn compare_halves(&mut self, tile: Tile) {
-        let starts = |start: u32, length: u32| (start..start + length).step_by(BLOCK as usize);
-        for (x, y) in starts(tile.y, tile.height).flat_map(|y| starts(tile.x, tile.width).map(move |x| (x, y))) {
-            let count = self.counts[self.index(x, y)];
-            let block = self.tile_index(x, y) * BLOCKS + block_of(x, y);
-            let noted = self.errors[block].noted;
-            if !count.is_power_of_two() || count == noted {
-                continue;
-            }
-            let bottom = (y + BLOCK).min(tile.y + tile.height);
-            let width = BLOCK.min(tile.x + tile.width - x) as usize;
-            let rows = (y..bottom).map(|y| self.index(x, y)..self.index(x, y) + width);
-            let pixels: Vec<usize> = rows.flatten().collect();
-            let mean_of = |&pixel: &usize| luminance(self.sums[pixel].radiance / count as f32);
-            if 2 * noted == count {
-                let average = pixels.iter().map(|pixel| mean_of(pixel).abs()).sum::<f32>() / pixels.len() as f32;
-                // The halves of half as many samples were compared, too.
-                let has_quarter = self.errors[block].level == noted;
-                let mut error = BlockError {
-                    level: count,
-                    luminance: average,
-                    ..BlockError::default()
-                };
-                for pixel in &pixels {
-                    let (mean, [half, quarter]) = (mean_of(pixel), self.noted[*pixel]);
-                    let scale = mean.abs().max(DARK * average).max(f32::MIN_POSITIVE);
-                    error.difference += ((mean - half) / scale).powi(2);
-                    if has_quarter {
-                        error.difference_before += ((half - quarter) / scale).powi(2);
-                    }
-                    error.spread += squared_deviation(&self.sums[*pixel], count) / scale / scale;
+        let place = self.tile_index(tile.x, tile.y);
+        let mut are_new = false;
+        for patch in parts(tile, PATCH) {
+            let mut average = None;
+            for (of_tile, block) in blocks_of(patch) {
+                let count = self.counts[self.index(block.x, block.y)];
+                if !count.is_power_of_two() || count == self.errors[place * BLOCKS + of_tile].noted {
+                    continue;
                 }
-                self.errors[block] = error;
+                let average = *average.get_or_insert_with(|| self.mean_brightness(patch));
+                self.compare_halves_of(block, place * BLOCKS + of_tile, average);
+                are_new = true;
             }
-            let means: Vec<f32> = pixels.iter().map(mean_of).collect();
-            for (&pixel, mean) in pixels.iter().zip(means) {
-                let half = if count > 1 { self.noted[pixel][0] } else { 0.0 };
-                self.noted[pixel] = [mean, half];
-            }
-            self.errors[block].noted = count;
+        }
+        if are_new {
+            self.find_efficiency(place);
         }
     }
 
-    /// The share of a doubling of samples in the one before it, in a tile.
-    fn share_of_doubling(&self, tile: usize) -> f32 {
-        share_of_doubling(&self.errors[tile * BLOCKS..(tile + 1) * BLOCKS])
+    /// Finds out how efficient the samples of a tile are, by its blocks' errors.
+    pub(super) fn find_efficiency(&mut self, tile: usize) {
+        self.efficiencies[tile] = Efficiency::of(self.block_errors_of(tile));
+    }
+
+    /// The mean magnitude of the luminance of some pixels.
+    fn mean_brightness(&self, part: Tile) -> f32 {
+        let brightness = |index: usize| luminance(self.sums[index].radiance / self.counts[index].max(1) as f32).abs();
+        let sum: f32 = self.places_of(part).map(brightness).sum();
+        sum / (part.width * part.height) as f32
+    }
+
+    /// Notes the means of a block, whose number of samples has become a power of two. `average` is the brightness of its patch.
+    fn compare_halves_of(&mut self, block: Tile, place: usize, average: f32) {
+        let count = self.counts[self.index(block.x, block.y)];
+        let old = self.errors[place];
+        let mut error = match 2 * old.noted == count {
+            true => BlockError {
+                noted: count,
+                level: count,
+                luminance: average,
+                ..BlockError::default()
+            },
+            false => BlockError { noted: count, ..old },
+        };
+        let mut pixels = [0; (BLOCK * BLOCK) as usize];
+        for (pixel, index) in pixels.iter_mut().zip(self.places_of(block)) {
+            *pixel = index;
+        }
+        for &pixel in &pixels[..(block.width * block.height) as usize] {
+            let mean = luminance(self.sums[pixel].radiance / count as f32);
+            let [half, quarter] = self.noted[pixel];
+            self.noted[pixel] = [mean, if count > 1 { half } else { 0.0 }];
+            if error.level != count {
+                continue;
+            }
+            let scale = mean.abs().max(DARK * average).max(f32::MIN_POSITIVE);
+            error.difference += ((mean - half) / scale).powi(2);
+            // The halves of half as many samples were compared, too.
+            if old.level == old.noted {
+                error.difference_before += ((half - quarter) / scale).powi(2);
+            }
+            error.spread += squared_deviation(&self.sums[pixel], count) / scale / scale;
+        }
+        self.errors[place] = error;
+    }
+
+    fn block_errors_of(&self, tile: usize) -> &PerBlock<BlockError> {
+        let errors = &self.errors[tile * BLOCKS..];
+        errors.first_chunk().expect("there are errors of all tiles")
+    }
+
+    /// How the samples of each block of a tile differ.
+    pub(in crate::render) fn block_errors(&self, tile: Tile) -> &PerBlock<BlockError> {
+        self.block_errors_of(self.tile_index(tile.x, tile.y))
+    }
+
+    /// The mean luminances that were noted of a pixel at the last power of two of samples, and of half as many.
+    pub(in crate::render) fn halves(&self, x: u32, y: u32) -> [f32; 2] {
+        self.noted[self.index(x, y)]
+    }
+
+    /// The mean number of rays of a pixel's samples, at least that from the camera.
+    pub(in crate::render) fn rays_of_sample(&self, x: u32, y: u32) -> f32 {
+        let place = self.index(x, y);
+        (self.sums[place].rays / self.counts[place].max(1) as f32).max(1.0)
     }
 
     /// The mean luminance and the estimated square of its standard error of the pixels of a tile that have two samples or more.
     pub(in crate::render) fn mean_errors(&self, tile: Tile) -> impl Iterator<Item = (f32, f32)> {
-        let index = self.tile_index(tile.x, tile.y);
-        let share = self.share_of_doubling(index);
-        let efficiencies: [f32; BLOCKS] = std::array::from_fn(|block| {
-            let (x, y) = (block as u32 * BLOCK % TILE, block as u32 * BLOCK / TILE * BLOCK);
-            let is_inside = x < tile.width && y < tile.height;
-            let count = if is_inside {
-                self.counts[self.index(tile.x + x, tile.y + y)]
-            } else {
-                0
-            };
-            self.errors[index * BLOCKS + block].efficiency(count, share)
-        });
+        let mut efficiencies = [0.0; BLOCKS];
+        for (place, block) in blocks_of(tile) {
+            efficiencies[place] = self.efficiency(block.x, block.y);
+        }
         (tile.y..tile.y + tile.height)
             .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (x, y)))
             .filter_map(move |(x, y)| {
@@ -84,6 +117,13 @@ impl Film {
                     (mean, own + self.splat_variance(place))
                 })
             })
+    }
+
+    /// The variance of the mean luminance of a pixel's own samples, over the mean squared deviation of these.
+    fn efficiency(&self, x: u32, y: u32) -> f32 {
+        let (tile, block) = (self.tile_index(x, y), block_of(x, y));
+        let level = self.errors[tile * BLOCKS + block].level;
+        self.efficiencies[tile].at(block, level, self.counts[self.index(x, y)])
     }
 
     /// The estimated variance of the light of splats in the pixels that [`Self::mean_errors`] has.
@@ -130,10 +170,7 @@ impl Film {
         if count < 2 {
             return None;
         }
-        let tile = self.tile_index(x, y);
-        let block = &self.errors[tile * BLOCKS + block_of(x, y)];
-        let efficiency = block.efficiency(count, self.share_of_doubling(tile));
-        Some(squared_deviation(&self.sum(x, y), count) * efficiency)
+        Some(squared_deviation(&self.sum(x, y), count) * self.efficiency(x, y))
     }
 
     /// Says how many times what is estimated from a pixel's own samples their squared error is. Returns whether that is new.

@@ -5,9 +5,10 @@ use glam::{Vec2, Vec3};
 use super::Film;
 use crate::color::Rgb;
 use crate::material::MaterialId;
+use crate::render::blocks::BLOCKS;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::layers::{FilmLayers, LayerSums, Matte, MatteEntry};
-use crate::render::mean_error::{BLOCKS, BlockError};
+use crate::render::mean_error::BlockError;
 use crate::render::scene::FirstHit;
 use crate::render::splats::SplatSum;
 use crate::render::tile::{PixelSum, Tile, TileSamples};
@@ -84,6 +85,7 @@ impl Film {
                     luminance: from.f32()?,
                 };
             }
+            self.find_efficiency(self.tile_index(tile.x, tile.y));
             // The counts have the samples of the chunk that is not whole, which are added below.
             let chunks = from.u32()?;
             if chunks > 0 {
@@ -143,7 +145,7 @@ impl Film {
         Ok(())
     }
 
-    fn places_of(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
+    pub(super) fn places_of(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
         let start = self.index(tile.x, tile.y);
         let step = crate::render::tile::TILE as usize;
         (0..tile.height as usize).flat_map(move |y| (0..tile.width as usize).map(move |x| start + y * step + x))
@@ -194,10 +196,11 @@ fn write_sum(sum: &PixelSum, to: &mut Writer) {
     }
     to.f32(sum.depth);
     to.f32(sum.luminance_squared);
+    to.f32(sum.rays);
 }
 
 fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
-    let mut values = [0.0; 11];
+    let mut values = [0.0; 12];
     from.f32s(&mut values)?;
     Ok(PixelSum {
         radiance: Rgb::from_slice(&values[..3]),
@@ -205,6 +208,7 @@ fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
         normal: Vec3::from_slice(&values[6..9]),
         depth: values[9],
         luminance_squared: values[10],
+        rays: values[11],
     })
 }
 

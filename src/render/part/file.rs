@@ -15,7 +15,7 @@ use crate::render::tile::Tile;
 use crate::texture::is_exr;
 
 /// The version of the format of the state.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 const MAGIC: &[u8; 8] = b"SUNROOM+";
 /// The checksum, the length of the state, and [`MAGIC`].
 const TAIL: u64 = 4 + 8 + 8;
