@@ -1,6 +1,7 @@
 //! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different numbers of samples. What they are and why pictures
 //! stay unbiased: [`crate::render::adaptive`].
 
+use std::iter::successors;
 use std::ops::Range;
 
 use crate::render::adaptive::NoiseMap;
@@ -12,12 +13,14 @@ use crate::render::tile::{Tile, TileSamples};
 /// The mean samples of a visit to a tile.
 const VISIT: u32 = 16;
 
-/// A round of a tile whose blocks differ in their samples: so many visits, each of which brings every block on by its share.
+/// A round of a tile whose blocks differ in their samples, in visits. At each power of two of a block's samples a visit ends, so that halves can be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TileRound {
     /// The samples of the mean pixel before and after the round.
     mean: Range<u32>,
     visits: u32,
+    /// The number of visits in which blocks that double less than once get all their samples.
+    steps: u32,
     from: PerBlock<u32>,
     to: PerBlock<u32>,
     /// The present numbers.
@@ -25,17 +28,29 @@ pub(super) struct TileRound {
 }
 
 impl TileRound {
+    /// A round in which the mean pixel grows from the start of `mean` to its end, and blocks from `from` to `to`, or less where a round is too short for their powers
+    /// of two.
     pub fn new(mean: Range<u32>, from: PerBlock<u32>, to: PerBlock<u32>) -> Self {
+        let most = (mean.len() as u32).max(1);
+        let reachable = |from: u32| {
+            next_power(from)
+                .checked_mul(1 << (most - 1).min(31))
+                .unwrap_or(u32::MAX)
+        };
+        let to: PerBlock<u32> = std::array::from_fn(|block| to[block].min(reachable(from[block])));
         let blocks = || from.iter().zip(&to);
         let all: u64 = blocks().map(|(from, to)| u64::from(to - from)).sum();
-        let visits = all.div_ceil(from.len() as u64).div_ceil(VISIT.into()) as u32;
-        // At each power of two there is an end of a visit, so that halves can be compared.
-        let doublings = |(from, to): (&u32, &u32)| to.max(&1).ilog2() - from.max(&1).ilog2() + 1;
-        let doublings = blocks().map(doublings).max().unwrap_or(1);
-        let most = mean.len() as u32;
+        let steps = all.div_ceil(from.len() as u64).div_ceil(VISIT.into()).max(1) as u32;
+        let powers = |(from, to): (&u32, &u32)| {
+            let between = successors(Some(next_power(*from)), |power| power.checked_mul(2));
+            1 + between.take_while(|power| power < to).count() as u32
+        };
+        let powers = blocks().map(powers).max().unwrap_or(1);
+        let steps = steps.min((most + 1).saturating_sub(powers)).max(1);
         Self {
             mean,
-            visits: visits.max(doublings).clamp(1, most.max(1)),
+            visits: steps - 1 + powers,
+            steps,
             from,
             to,
             counts: from,
@@ -54,11 +69,9 @@ impl TileRound {
         let end = self.mean.start + (length * next / visits) as u32;
         let range = |block: usize| {
             let (from, to, count) = (self.from[block], self.to[block], self.counts[block]);
-            let wanted = from + (u64::from(to - from) * next / visits) as u32;
-            let end = match next == visits {
-                true => to,
-                false => wanted.min(count.saturating_add(1).next_power_of_two()),
-            };
+            let steps = u64::from(self.steps);
+            let wanted = from + (u64::from(to - from) * next.min(steps) / steps) as u32;
+            let end = wanted.min(next_power(count));
             // The first visit of a picture gives every block its first sample, which tells what is there.
             let least = if count == 0 { to.min(1) } else { count };
             count..end.max(least)
@@ -68,7 +81,7 @@ impl TileRound {
 
     /// What [`Adaptation::write`] has written of a round.
     fn read(from: &mut Reader) -> Result<Self, Damaged> {
-        let (mean, visits) = (from.u32()?..from.u32()?, from.u32()?);
+        let (mean, visits, steps) = (from.u32()?..from.u32()?, from.u32()?, from.u32()?);
         let mut blocks: [PerBlock<u32>; 3] = [[0; _]; 3];
         for number in blocks.iter_mut().flatten() {
             *number = from.u32()?;
@@ -79,10 +92,11 @@ impl TileRound {
             .zip(&counts)
             .zip(&to)
             .all(|((from, now), to)| from <= now && now <= to);
-        match grows && !mean.is_empty() && visits > 0 {
+        match grows && !mean.is_empty() && (1..=visits).contains(&steps) && visits as usize <= mean.len() {
             true => Ok(Self {
                 mean,
                 visits,
+                steps,
                 from: before,
                 to,
                 counts,
@@ -97,11 +111,19 @@ impl TileRound {
     }
 }
 
+/// The first power of two above a number of samples.
+fn next_power(samples: u32) -> u32 {
+    samples
+        .saturating_add(1)
+        .checked_next_power_of_two()
+        .unwrap_or(u32::MAX)
+}
+
 /// The adaptive part of a job.
 pub(super) struct Adaptation {
     noise: NoiseMap,
     /// The last round of each tile whose blocks differ in their samples.
-    rounds: Vec<Option<TileRound>>,
+    rounds: Vec<Option<Box<TileRound>>>,
 }
 
 impl Adaptation {
@@ -119,14 +141,10 @@ impl Adaptation {
 
     /// Takes note of samples of a tile that were added to the film.
     pub fn note(&mut self, index: usize, samples: &TileSamples, film: &Film) {
-        let counts = match (&samples.blocks, &mut self.rounds[index]) {
-            (Some(blocks), Some(round)) => {
-                round.advance(blocks);
-                round.counts
-            }
-            _ => [samples.samples.end; _],
-        };
-        self.noise.note(index, &counts, film);
+        if let (Some(blocks), Some(round)) = (&samples.blocks, &mut self.rounds[index]) {
+            round.advance(blocks);
+            self.noise.note(index, film);
+        }
     }
 
     /// The samples that a tile with `done` of them is on its way to: those at the end of its round, if it is in one.
@@ -137,13 +155,18 @@ impl Adaptation {
 
     /// Plans a round: the tiles at `active` have so many samples of the mean pixel, by tile in `done`, and get `end`. With `is_adaptive` their blocks
     /// differ as their neighbours say, and else they keep the differences that they have.
-    pub fn plan(&mut self, active: &[usize], done: &[u32], end: u32, is_adaptive: bool) {
-        let counts_of = |index: usize| {
-            self.rounds[index]
-                .as_ref()
-                .map_or([done[index]; _], |round| round.counts)
+    pub fn plan(&mut self, active: &[usize], done: &[u32], end: u32, is_adaptive: bool, film: &Film) {
+        if is_adaptive {
+            let may_begin = |index: &&usize| done[**index] > 0 && self.rounds[**index].is_none();
+            for &index in active.iter().filter(may_begin) {
+                self.noise.begin(index, film);
+            }
+        }
+        let counts_of = |&index: &usize| {
+            let round = self.rounds[index].as_ref();
+            round.map_or([done[index]; _], |round| round.counts)
         };
-        let counts: Vec<PerBlock<u32>> = (0..done.len()).map(counts_of).collect();
+        let counts: Vec<PerBlock<u32>> = active.iter().map(counts_of).collect();
         let begin = active.first().map_or(0, |&index| done[index]);
         let ends = match is_adaptive {
             true => self.noise.allocate(active, &counts, begin, end),
@@ -157,15 +180,15 @@ impl Adaptation {
             }
             let ends = match &ends {
                 Some(ends) => ends[place],
-                None if round.is_some() => counts[index].map(|count| count.saturating_add(end - begin)),
+                None if round.is_some() => counts[place].map(|count| count.saturating_add(end - begin)),
                 None => continue,
             };
-            self.rounds[index] = Some(TileRound::new(begin..end, counts[index], ends));
+            self.rounds[index] = Some(Box::new(TileRound::new(begin..end, counts[place], ends)));
         }
     }
 
     /// The rounds of all tiles.
-    pub fn rounds(&self) -> &[Option<TileRound>] {
+    pub fn rounds(&self) -> &[Option<Box<TileRound>>] {
         &self.rounds
     }
 
@@ -175,7 +198,7 @@ impl Adaptation {
         for round in &self.rounds {
             to.u32(u32::from(round.is_some()));
             if let Some(round) = round {
-                let numbers = [round.mean.start, round.mean.end, round.visits];
+                let numbers = [round.mean.start, round.mean.end, round.visits, round.steps];
                 let blocks = [round.from, round.to, round.counts].into_iter().flatten();
                 numbers.into_iter().chain(blocks).for_each(|number| to.u32(number));
             }
@@ -187,7 +210,7 @@ impl Adaptation {
         self.noise.read(from)?;
         for round in &mut self.rounds {
             *round = match from.flag()? {
-                true => Some(TileRound::read(from)?),
+                true => Some(Box::new(TileRound::read(from)?)),
                 false => None,
             };
         }
@@ -199,27 +222,56 @@ impl Adaptation {
 mod tests {
     use super::*;
 
-    #[test]
-    fn visits_bring_every_block_to_its_end_and_stop_at_powers_of_two() {
-        let mut to = [64; _];
-        (to[1], to[2], to[3]) = (512, 96, 1024);
-        let mut round = TileRound::new(64..128, [64; _], to);
-        let (mut done, mut seen) = (64, vec![64]);
+    /// The samples of a block after each visit.
+    fn visited(mut round: TileRound, block: usize) -> Vec<u32> {
+        let (mut done, mut seen) = (round.mean.start, vec![round.counts[block]]);
         while round.covers(done) {
             let (end, visited) = round.visit(done);
-            assert!(
-                end > done
-                    && visited
-                        .iter()
-                        .zip(round.counts)
-                        .all(|(range, count)| range.start == count)
-            );
+            let goes_on = visited
+                .iter()
+                .zip(round.counts)
+                .all(|(range, count)| range.start == count);
+            assert!(end > done && goes_on);
             round.advance(&visited);
-            seen.push(round.counts[3]);
+            seen.push(round.counts[block]);
             done = end;
         }
-        assert_eq!((done, round.counts), (128, to));
-        assert!([128, 256, 512].iter().all(|power| seen.contains(power)), "{seen:?}");
+        assert_eq!((done, round.counts), (round.mean.end, round.to));
+        seen
+    }
+
+    #[test]
+    fn visits_bring_every_block_to_its_end_and_stop_at_powers_of_two() {
+        let rounds = [
+            (64, 128),
+            (16, 32),
+            (16, 18),
+            (64, 72),
+            (100, 200),
+            (256, 300),
+            (30, 33),
+            (99, 100),
+        ];
+        for (begin, end) in rounds {
+            let [mut from, mut to] = [[begin; _]; 2];
+            let random = |block: usize| crate::sampling::hash::pcg3d([block as u32, begin, end]);
+            for (block, (from, to)) in from.iter_mut().zip(&mut to).enumerate() {
+                let [a, b, _] = random(block);
+                *from = begin / 4 + a % begin;
+                *to = *from + (b % 8) * end / 2;
+            }
+            let round = TileRound::new(begin..end, from, to);
+            for block in 0..from.len() {
+                let seen = visited(round.clone(), block);
+                let (first, last) = (seen[0], seen[seen.len() - 1]);
+                let powers = (0..20)
+                    .map(|power| 1 << power)
+                    .filter(|power| (first..last).contains(power));
+                powers.for_each(|power| assert!(seen.contains(&power), "{begin} to {end}: {power} in {seen:?}"));
+                // Only short rounds end early.
+                assert!(last == to[block] || end - begin < 6, "{last} of {}", to[block]);
+            }
+        }
     }
 
     #[test]

@@ -80,7 +80,7 @@ struct QueueState {
     /// The replicas that are not claimed yet, the next one last.
     beside: Vec<WorkItem>,
     /// The rounds of tiles whose blocks differ.
-    rounds: BTreeMap<usize, TileRound>,
+    rounds: BTreeMap<usize, Box<TileRound>>,
 }
 
 impl WorkQueue {
@@ -109,7 +109,7 @@ impl WorkQueue {
     }
 
     /// Has the blocks of these tiles differ in their samples.
-    pub fn set_rounds(&self, rounds: impl Iterator<Item = (usize, TileRound)>) {
+    pub fn set_rounds(&self, rounds: impl Iterator<Item = (usize, Box<TileRound>)>) {
         self.state().rounds = rounds.collect();
     }
 

@@ -8,14 +8,17 @@
 //! white blocks' first samples, the numbers of samples of the black ones are constants, and their means are as unbiased as in a uniform picture. Only the
 //! light of splats is that of all blocks: it is a mean over all paths, whose bias falls with their number.
 //!
-//! How far blocks follow those around them is decided by how well these foretell them elsewhere: the tiles are divided like the squares of a chess board as
+//! How far blocks follow those around them is decided by how well these foretell them elsewhere: tiles are of two kinds, like the squares of a chess board as
 //! well, and blocks in tiles of either kind do what would have been best for blocks of their colour in tiles of the other kind. Where that would gain
-//! nothing, sampling stays uniform.
+//! nothing, sampling stays uniform. So nothing is decided for blocks of one colour in tiles of one kind by what samples of any of these blocks have found.
 
-use super::adaptive_shares::{Candidate, LEAST, rounded, shares};
+use rayon::prelude::*;
+
+use super::adaptive_shares::{Candidate, LEAST, rounded, shares, stride};
 use super::blocks::{BLOCK, PerBlock, blocks_of};
 use super::bytes::{Damaged, Reader, Writer};
 use super::film::Film;
+use super::mean_error::BlockError;
 use super::noise::DARK;
 use super::tile::{TILE, Tile};
 
@@ -31,14 +34,14 @@ const COST_OF_OTHERS: f32 = 2.0;
 /// The reach of neighbours in blocks.
 const REACH: isize = 2;
 /// The weight of the nearest neighbours, beside the mean of all within reach.
-const NEAREST: f64 = 0.5;
+const NEAREST: f32 = 0.5;
 /// By about so many blocks it is decided how far to follow neighbours.
 const JUDGES: usize = 1 << 15;
 
-/// What the first samples of a block have found, so many of them.
+/// What the first samples of a block have found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
-    /// How far the halves of the samples differ: the mean over the pixels of the square, relative to their luminances or that of the block if it is greater.
+    /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or to that of the block if it is greater.
     noise: f32,
     /// The mean luminance.
     luminance: f32,
@@ -53,34 +56,40 @@ pub struct NoiseMap {
     /// The number of blocks in a row of the picture.
     columns: usize,
     blocks: usize,
-    /// What the first [`FIRST`] samples of each block have found, the first twice [`FIRST`], and so on.
+    /// What the first [`FIRST`] samples of each block have found, the first twice [`FIRST`], and so on, as far as it is known.
     levels: Vec<Vec<Found>>,
+    /// The power of two of samples that all blocks of a tile had when they began to differ; 0 before that.
+    even: Vec<u32>,
 }
 
 /// The blocks that are rendered.
 struct Board {
     columns: usize,
     /// What is known of them, with noise relative to luminances that are not those of what is nearly black; no cost for blocks that are not rendered.
-    squares: Vec<Found>,
+    blocks: Vec<Found>,
 }
 
-/// The colours of the board.
-const COLOURS: [usize; 2] = [0, 1];
+/// The groups of blocks, which are the colours in the kinds of tiles.
+const GROUPS: usize = 4;
 
 impl Board {
     fn colour_of(&self, place: usize) -> usize {
         (place % self.columns + place / self.columns) % 2
     }
 
-    /// The places of the blocks of a colour.
-    fn of_colour(&self, colour: usize) -> impl Iterator<Item = usize> {
-        (0..self.squares.len()).filter(move |&place| self.squares[place].cost > 0.0 && self.colour_of(place) == colour)
-    }
-
-    /// The kind of the tile that a block is in, 0 or 1 as on a chess board of tiles.
+    /// The kind of the tile that a block is in, 0 or 1.
     fn kind_of_tile(&self, place: usize) -> usize {
         let edge = (TILE / BLOCK) as usize;
         (place % self.columns / edge + place / self.columns / edge) % 2
+    }
+
+    fn group_of(&self, place: usize) -> usize {
+        2 * self.colour_of(place) + self.kind_of_tile(place)
+    }
+
+    /// The places of the blocks of a group that are rendered.
+    fn of_group(&self, group: usize) -> impl Iterator<Item = usize> {
+        (0..self.blocks.len()).filter(move |&place| self.blocks[place].cost > 0.0 && self.group_of(place) == group)
     }
 
     /// The blocks of the other colour within reach of a block, and whether they are the nearest ones.
@@ -91,20 +100,19 @@ impl Board {
         steps.filter(is_of_other).filter_map(move |(right, down)| {
             let (x, y) = (x + right, y + down);
             let is_inside = x >= 0 && y >= 0 && (x as usize) < self.columns;
-            let square = self
-                .squares
+            let block = self
+                .blocks
                 .get(is_inside.then_some(y as usize * self.columns + x as usize)?)?;
-            (square.cost > 0.0).then_some((square, right.abs().max(down.abs()) == 1))
+            (block.cost > 0.0).then_some((block, right.abs().max(down.abs()) == 1))
         })
     }
 
     /// The noise and the cost of a block as the blocks around it have them; None without any.
-    fn foretold(&self, place: usize) -> Option<[f64; 2]> {
+    fn foretold(&self, place: usize) -> Option<[f32; 2]> {
         let mut sums = [[0.0; 3]; 2];
-        for (square, is_near) in self.around(place) {
-            let found = [f64::from(square.noise), f64::from(square.cost), 1.0];
+        for (block, is_near) in self.around(place) {
             for sum in &mut sums[usize::from(!is_near)..] {
-                for (sum, found) in sum.iter_mut().zip(found) {
+                for (sum, found) in sum.iter_mut().zip([block.noise, block.cost, 1.0]) {
                     *sum += found;
                 }
             }
@@ -114,44 +122,44 @@ impl Board {
         Some(std::array::from_fn(|i| NEAREST * near[i] + (1.0 - NEAREST) * all[i]))
     }
 
-    /// Has the noise of blocks that are nearly black beside the others of their colour be relative to what is not.
+    /// Has the noise of blocks that are nearly black beside the others of their group be relative to what is not.
     fn raise_luminances(&mut self) {
-        let bright = COLOURS.map(|colour| {
-            let (sum, count) = self.of_colour(colour).fold((0.0, 0.0), |(sum, count), place| {
-                (sum + f64::from(self.squares[place].luminance), count + 1.0)
-            });
-            (sum / f64::max(count, 1.0)) as f32
-        });
-        for place in 0..self.squares.len() {
-            let least = DARK * bright[self.colour_of(place)];
-            let square = &mut self.squares[place];
-            square.noise *= (square.luminance / square.luminance.max(least).max(f32::MIN_POSITIVE)).powi(2);
+        let mut sums = [[0.0; 2]; GROUPS];
+        for (place, block) in self.blocks.iter().enumerate().filter(|(_, block)| block.cost > 0.0) {
+            let [sum, count] = &mut sums[self.group_of(place)];
+            (*sum, *count) = (*sum + f64::from(block.luminance), *count + 1.0);
+        }
+        let dark = sums.map(|[sum, count]| DARK * (sum / f64::max(count, 1.0)) as f32);
+        for place in 0..self.blocks.len() {
+            let least = dark[self.group_of(place)].max(f32::MIN_POSITIVE);
+            let block = &mut self.blocks[place];
+            block.noise *= (block.luminance / block.luminance.max(least)).powi(2);
         }
     }
 
-    /// How far blocks of a colour in some of the tiles may follow the blocks around them, by what that would have gained in the others; 0 for not at all.
-    fn power(&self, colour: usize, kind: usize) -> f64 {
-        let is_judge = |place: &usize| self.kind_of_tile(*place) != kind;
-        let places: Vec<usize> = self.of_colour(colour).filter(is_judge).collect();
+    /// How far blocks of a group may follow the blocks around them, by what that would have gained for blocks of their colour in the other tiles; 0 for not at all.
+    fn power(&self, group: usize) -> f64 {
+        let places: Vec<usize> = self.of_group(group ^ 1).collect();
         let judge = |&place: &usize| {
             let [noise, cost] = self.foretold(place)?;
+            let (place, least) = (place as u32, 0.0);
             Some(Candidate {
                 place,
                 noise,
                 cost,
-                least: 0.0,
+                least,
             })
         };
-        let judges: Vec<Candidate> = (places.iter().step_by(places.len() / JUDGES + 1))
-            .filter_map(judge)
-            .collect();
+        let judges = places.iter().step_by(stride(places.len(), JUDGES));
+        let judges: Vec<Candidate> = judges.filter_map(judge).collect();
         let inefficiency = |shares: &[f64]| {
             let (noise, cost) = (judges.iter().zip(shares)).fold((0.0, 0.0), |(noise, cost), (judge, share)| {
-                let square = &self.squares[judge.place];
-                (
-                    noise + f64::from(square.noise) / share,
-                    cost + f64::from(square.cost) * share,
-                )
+                let Found {
+                    noise: found,
+                    cost: took,
+                    ..
+                } = self.blocks[judge.place as usize];
+                (noise + f64::from(found) / share, cost + f64::from(took) * share)
             });
             noise * cost
         };
@@ -176,11 +184,13 @@ impl NoiseMap {
             columns,
             blocks: columns * bottom * (TILE / BLOCK) as usize,
             levels: Vec::new(),
+            even: vec![0; tiles.len()],
         }
     }
 
     /// Writes what was found.
     pub fn write(&self, to: &mut Writer) {
+        self.even.iter().for_each(|&samples| to.u32(samples));
         to.u32(self.levels.len() as u32);
         for Found { noise, luminance, cost } in self.levels.iter().flatten() {
             [noise, luminance, cost].into_iter().for_each(|&number| to.f32(number));
@@ -189,6 +199,9 @@ impl NoiseMap {
 
     /// Takes up what [`Self::write`] has written of the same tiles.
     pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
+        for samples in &mut self.even {
+            *samples = from.u32()?;
+        }
         self.levels.clear();
         for _ in 0..from.u32()? {
             let found = |_| {
@@ -207,21 +220,33 @@ impl NoiseMap {
         (block.y / BLOCK) as usize * self.columns + (block.x / BLOCK) as usize
     }
 
-    /// Takes note of new samples of a tile, which the film has, so many of each block.
-    pub fn note(&mut self, index: usize, counts: &PerBlock<u32>, film: &Film) {
+    /// Takes up what a film has of a tile whose blocks have equally many samples. They may differ from now on.
+    pub fn begin(&mut self, index: usize, film: &Film) {
+        let errors = film.block_errors(self.tiles[index]);
+        self.even[index] = errors[0].level;
+        self.take_up(index, film, |_, _| true);
+    }
+
+    /// Takes note of new samples of a tile whose blocks differ, which the film has.
+    pub fn note(&mut self, index: usize, film: &Film) {
+        let has_just_been_reached = |block: Tile, level: u32| film.samples(block.x, block.y) == level;
+        self.take_up(index, film, has_just_been_reached);
+    }
+
+    /// Takes up what the film has noted of the blocks of a tile, if `is_wanted` for the block and its power of two of samples.
+    fn take_up(&mut self, index: usize, film: &Film, is_wanted: impl Fn(Tile, u32) -> bool) {
         let errors = film.block_errors(self.tiles[index]);
         for (of_tile, block) in blocks_of(self.tiles[index]) {
-            let place = self.place(block);
-            let count = counts[of_tile];
-            let is_level = count >= FIRST && (count / FIRST).is_power_of_two() && count.is_multiple_of(FIRST);
-            if !is_level || errors[of_tile].level != count {
+            let BlockError { level, noted, .. } = errors[of_tile];
+            if level < FIRST || noted != level || !is_wanted(block, level) {
                 continue;
             }
-            let level = (count / FIRST).ilog2() as usize;
-            while self.levels.len() <= level {
+            let number = (level / FIRST).ilog2() as usize;
+            while self.levels.len() <= number {
                 self.levels.push(vec![Found::default(); self.blocks]);
             }
-            let known = &mut self.levels[level][place];
+            let place = self.place(block);
+            let known = &mut self.levels[number][place];
             if known.cost == 0.0 {
                 *known = found(block, film);
             }
@@ -235,21 +260,21 @@ impl NoiseMap {
             blocks.map(|(_, block)| self.place(block))
         };
         // However few samples a block gets, it has these.
-        let least = (LEAST * f64::from(samples)) as u32 / FIRST;
-        let highest = least.checked_ilog2().unwrap_or(0) as usize;
-        let known = &mut self.levels.iter().take(highest + 1).rev();
+        let even = active.iter().map(|&index| self.even[index]).min()?;
+        let sure = even.max((LEAST * f64::from(samples)) as u32) / FIRST;
+        let known = &mut self.levels.iter().take(sure.checked_ilog2()? as usize + 1).rev();
         let level = known.find(|level| places().all(|place| level[place].cost > 0.0))?;
         let mut board = Board {
             columns: self.columns,
-            squares: vec![Found::default(); self.blocks],
+            blocks: vec![Found::default(); self.blocks],
         };
-        places().for_each(|place| board.squares[place] = level[place]);
+        places().for_each(|place| board.blocks[place] = level[place]);
         board.raise_luminances();
         Some(board)
     }
 
     /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at equal cost, grows from `from` to `to`.
-    /// `counts` has the present numbers of each tile. None where sampling is uniform: without a gain, or while too little is known.
+    /// `counts` has the present numbers of each of these tiles. None where all get as many more: without a gain, or while too little is known.
     pub fn allocate(
         &self,
         active: &[usize],
@@ -258,40 +283,46 @@ impl NoiseMap {
         to: u32,
     ) -> Option<Vec<PerBlock<u32>>> {
         let board = self.board(active, from)?;
-        let powers = COLOURS.map(|colour| [0, 1].map(|kind| board.power(colour, kind)));
-        if powers == [[0.0; 2]; 2] {
+        let powers: [f64; GROUPS] = std::array::from_fn(|group| board.power(group));
+        if powers == [0.0; GROUPS] {
             return None;
         }
-        let mut candidates = [const { Vec::new() }; 4];
-        for &index in active {
+        let foretold: Vec<Option<[f32; 2]>> = (0..self.blocks)
+            .into_par_iter()
+            .map(|place| board.foretold(place))
+            .collect();
+        let mut candidates = [const { Vec::new() }; GROUPS];
+        let mut ends = vec![0; self.blocks];
+        for (&index, counts) in active.iter().zip(counts) {
             for (of_tile, block) in blocks_of(self.tiles[index]) {
                 let place = self.place(block);
-                let [noise, cost] = board.foretold(place)?;
-                let pixels = f64::from(block.width * block.height);
-                candidates[2 * board.colour_of(place) + board.kind_of_tile(place)].push(Candidate {
-                    place,
+                ends[place] = counts[of_tile].saturating_add(to - from);
+                let (Some([noise, cost]), pixels) = (foretold[place], (block.width * block.height) as f32) else {
+                    continue;
+                };
+                candidates[board.group_of(place)].push(Candidate {
+                    place: place as u32,
                     noise: noise * pixels,
                     cost: cost * pixels,
-                    least: f64::from(counts[index][of_tile]).max(LEAST * f64::from(to)),
+                    least: f64::from(counts[of_tile]).max(LEAST * f64::from(to)) as f32,
                 });
             }
         }
-        let mut ends = vec![0; self.blocks];
-        for (candidates, &power) in candidates.iter().zip(powers.as_flattened()) {
+        for (candidates, power) in candidates.iter().zip(powers).filter(|(_, power)| *power > 0.0) {
             let round = |samples: f64| f64::from(rounded(samples, from, to));
             let shares = shares(candidates, power, f64::from(to), round);
             for (candidate, samples) in candidates.iter().zip(shares) {
-                ends[candidate.place] = samples as u32;
+                ends[candidate.place as usize] = samples as u32;
             }
         }
-        let of_tile = |&index: &usize| {
-            let mut samples = counts[index];
+        let of_tile = |(&index, counts): (&usize, &PerBlock<u32>)| {
+            let mut samples = *counts;
             for (of_tile, block) in blocks_of(self.tiles[index]) {
                 samples[of_tile] = ends[self.place(block)].max(samples[of_tile]);
             }
             samples
         };
-        Some(active.iter().map(of_tile).collect())
+        Some(active.iter().zip(counts).map(of_tile).collect())
     }
 }
 
@@ -318,21 +349,23 @@ mod tests {
     use super::*;
     use crate::color::Rgb;
     use crate::render::tile::{PixelSum, TileSamples, tiles};
-    use crate::sampling::sequence_of;
+    use crate::sampling::{COLOUR, place_in_block};
 
     const WIDTH: u32 = 96;
     const HEIGHT: u32 = 70;
 
-    /// A map and a film after [`FIRST`] samples of luminance 1, which differ from half to half by what `noise` says of a pixel and in sign from pixel to pixel.
-    fn sampled(noise: impl Fn(u32, u32) -> f32) -> (NoiseMap, Film, Vec<Tile>) {
-        let all = tiles(WIDTH, HEIGHT);
-        let (mut map, mut film) = (NoiseMap::new(&all, WIDTH), Film::new(WIDTH, HEIGHT));
+    /// A map after [`FIRST`] samples of a picture, and the tiles of the picture. A pixel at (x, y) has the luminance `[l, _]` of `light`, with halves that differ by the
+    /// share `[_, d]`.
+    fn sampled_in([width, height]: [u32; 2], light: impl Fn(u32, u32) -> [f32; 2]) -> (NoiseMap, Vec<Tile>) {
+        let all = tiles(width, height);
+        let (mut map, mut film) = (NoiseMap::new(&all, width), Film::new(width, height));
         for (index, &tile) in all.iter().enumerate() {
             let ranges = [0..1, 1..2, 2..4, 4..8, 8..16];
             for samples in ranges {
                 let sign = if samples.start < 8 { -1.0 } else { 1.0 };
                 let pixel = |x: u32, y: u32| {
-                    let light = 1.0 + sign * noise(x, y);
+                    let [luminance, noise] = light(x, y);
+                    let light = luminance * (1.0 + sign * noise);
                     let count = samples.len() as f32;
                     PixelSum {
                         radiance: Rgb::splat(light * count),
@@ -345,10 +378,14 @@ mod tests {
                 let pixels = rows.flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));
                 let pixels = pixels.map(|(x, y)| pixel(x, y)).collect();
                 film.add(&TileSamples::of_pixels(tile, samples.clone(), pixels));
-                map.note(index, &[samples.end; _], &film);
             }
+            map.begin(index, &film);
         }
-        (map, film, all)
+        (map, all)
+    }
+
+    fn sampled(noise: impl Fn(u32, u32) -> f32) -> (NoiseMap, Vec<Tile>) {
+        sampled_in([WIDTH, HEIGHT], |x, y| [1.0, noise(x, y)])
     }
 
     fn allocated(map: &NoiseMap, tiles: &[Tile]) -> Option<Vec<PerBlock<u32>>> {
@@ -359,7 +396,7 @@ mod tests {
     #[test]
     fn samples_go_where_the_noise_is_and_cost_as_much() {
         let is_noisy = |x: u32, y: u32| (x / 16 + y / 16).is_multiple_of(4);
-        let (map, _, tiles) = sampled(|x, y| if is_noisy(x, y) { 0.5 } else { 0.02 });
+        let (map, tiles) = sampled(|x, y| if is_noisy(x, y) { 0.5 } else { 0.02 });
         let ends = allocated(&map, &tiles).expect("a gain");
         let (mut all, mut pixels, mut noisy) = (0, 0, Vec::new());
         for (tile, ends) in tiles.iter().zip(&ends) {
@@ -382,28 +419,35 @@ mod tests {
 
     #[test]
     fn even_noise_is_sampled_evenly() {
-        let (map, _, tiles) = sampled(|_, _| 0.3);
+        let (map, tiles) = sampled(|_, _| 0.3);
         assert_eq!(allocated(&map, &tiles), None);
-        let (map, _, tiles) = sampled(|_, _| 0.0);
+        let (map, tiles) = sampled(|_, _| 0.0);
         assert_eq!(allocated(&map, &tiles), None);
         // Noise that the blocks around a block tell nothing of.
         let random = |x: u32, y: u32| crate::sampling::hash::pcg3d([x / BLOCK, y / BLOCK, 7])[0] % 8 == 0;
-        let (map, _, tiles) = sampled(|x, y| if random(x, y) { 0.5 } else { 0.02 });
+        let (map, tiles) = sampled(|x, y| if random(x, y) { 0.5 } else { 0.02 });
         assert_eq!(allocated(&map, &tiles), None);
     }
 
     #[test]
     fn a_block_has_no_say_in_its_own_samples() {
-        let noise = |x: u32, y: u32| if x < 40 { 0.3 } else { 0.02 + 0.001 * y as f32 };
-        let (map, _, tiles) = sampled(noise);
+        // The light has dark parts, in which noise counts less.
+        let light = |x: u32, y: u32| {
+            let luminance = if x % 50 < 20 { 0.01 } else { 1.0 };
+            [luminance, if x < 40 { 0.3 } else { 0.02 + 0.001 * y as f32 }]
+        };
+        let (map, tiles) = sampled_in([WIDTH, HEIGHT], light);
         let usual = allocated(&map, &tiles).expect("a gain");
-        // Blocks of the colour of (50, 32), in tiles of the kind of that one, have other samples.
+        // Blocks of the colour of (50, 32), in tiles of the kind of that one, have found other light.
         let board = map.board(&Vec::from_iter(0..tiles.len()), FIRST).expect("all is known");
         let is_same = |x: u32, y: u32| {
             let [a, b] = [(50, 32), (x, y)].map(|(x, y)| (y / BLOCK) as usize * board.columns + (x / BLOCK) as usize);
-            board.colour_of(a) == board.colour_of(b) && board.kind_of_tile(a) == board.kind_of_tile(b)
+            board.group_of(a) == board.group_of(b)
         };
-        let (map, ..) = sampled(|x, y| if is_same(x, y) { 0.9 } else { noise(x, y) });
+        let (map, _) = sampled_in(
+            [WIDTH, HEIGHT],
+            |x, y| if is_same(x, y) { [30.0, 0.9] } else { light(x, y) },
+        );
         let other = allocated(&map, &tiles).expect("a gain");
         let (mut same, mut differ) = (0, false);
         for ((tile, usual), other) in tiles.iter().zip(&usual).zip(&other) {
@@ -420,26 +464,62 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_of_another_colour_have_random_numbers_of_their_own() {
-        let (map, _, tiles) = sampled(|_, _| 0.3);
-        let board = map.board(&Vec::from_iter(0..tiles.len()), FIRST).expect("all is known");
-        let pixels = || (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
-        let mut sequences = COLOURS.map(|_| std::collections::HashSet::new());
-        for (x, y) in pixels() {
-            let place = (y / BLOCK) as usize * board.columns + (x / BLOCK) as usize;
-            sequences[board.colour_of(place)].insert(sequence_of(x, y));
+    fn blocks_of_groups_without_a_gain_get_as_many_more() {
+        // Only the tiles of one kind have something to gain, which the others are to do.
+        let noise = |x: u32, y: u32| match ((x / TILE + y / TILE) % 2, x / 8 % 2) {
+            (0, 0) => 0.5,
+            _ => 0.02,
+        };
+        let (map, tiles) = sampled(noise);
+        let active: Vec<usize> = (0..tiles.len()).collect();
+        for to in [95, 100, 300] {
+            let counts = vec![[64; _]; tiles.len()];
+            let ends = map.allocate(&active, &counts, 64, to).expect("a gain");
+            for (tile, ends) in tiles
+                .iter()
+                .zip(ends)
+                .filter(|(tile, _)| (tile.x / TILE + tile.y / TILE).is_multiple_of(2))
+            {
+                blocks_of(*tile).for_each(|(place, _)| assert_eq!(ends[place], to));
+            }
         }
-        let [black, white] = &sequences;
-        assert!(black.is_disjoint(white) && black.len() == 6 * 5 && white.len() == 6 * 5);
+    }
+
+    #[test]
+    fn pictures_of_any_size_are_shared_out() {
+        for size in [[1, 1], [1, 90], [90, 1], [33, 33], [65, 3]] {
+            let (map, tiles) = sampled_in(size, |x, y| [1.0, if x + y < 20 { 0.5 } else { 0.02 }]);
+            for (tile, ends) in tiles.iter().zip(allocated(&map, &tiles).into_iter().flatten()) {
+                blocks_of(*tile).for_each(|(place, _)| assert!(ends[place] >= FIRST, "{size:?}"));
+            }
+        }
+    }
+
+    #[test]
+    fn colours_are_those_with_random_numbers_of_their_own() {
+        let (map, tiles) = sampled(|_, _| 0.3);
+        let board = map.board(&Vec::from_iter(0..tiles.len()), FIRST).expect("all is known");
+        for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
+            let place = (y / BLOCK) as usize * board.columns + (x / BLOCK) as usize;
+            assert_eq!(
+                board.colour_of(place),
+                (place_in_block(x, y) & COLOUR) as usize,
+                "{x}, {y}"
+            );
+        }
     }
 
     #[test]
     fn what_was_found_survives_writing() {
-        let (map, _, tiles) = sampled(|x, _| if x < 40 { 0.3 } else { 0.02 });
+        let (map, tiles) = sampled(|x, _| if x < 40 { 0.3 } else { 0.02 });
         let mut bytes = Writer::default();
         map.write(&mut bytes);
         let mut read = NoiseMap::new(&tiles, WIDTH);
         read.read(&mut Reader(&bytes.0)).expect("what was written");
-        assert_eq!(read.levels, map.levels);
+        assert_eq!((&read.levels, &read.even), (&map.levels, &map.even));
+        for length in [0, 3, 40, bytes.0.len() - 1] {
+            let mut cut = NoiseMap::new(&tiles, WIDTH);
+            assert!(cut.read(&mut Reader(&bytes.0[..length])).is_err(), "{length}");
+        }
     }
 }

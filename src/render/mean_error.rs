@@ -34,7 +34,7 @@ pub(super) struct BlockError {
     pub level: u32,
     /// The sum of half the halves' difference squared.
     pub difference: f32,
-    /// The same at half of `level`.
+    /// The same at half of `level`; negative where halves were not compared then.
     pub difference_before: f32,
     /// The sum of the mean squared deviations of single samples from their mean, at `level`.
     pub spread: f32,
@@ -47,7 +47,7 @@ pub(super) struct BlockError {
 pub(super) struct Efficiency {
     /// The share of a doubling in the one before it.
     share: f32,
-    /// How many times the squared differences of each patch are those of independent samples; 0 while that is unknown.
+    /// How many times the squared differences of each patch are those of independent samples, at level 1 by [`Self::share`]; 0 while that is unknown.
     patches: [f32; PATCHES],
 }
 
@@ -63,20 +63,27 @@ impl Default for Efficiency {
 impl Efficiency {
     /// That of a tile with these blocks.
     pub fn of(blocks: &PerBlock<BlockError>) -> Self {
+        let mut found = Self {
+            share: share_of_doubling(blocks),
+            ..Self::default()
+        };
         let mut sums = [[0.0; 2]; PATCHES];
-        for (error, place) in blocks.iter().zip(0..).filter(|(error, _)| error.level > 0) {
-            let [found, independent] = &mut sums[patch_of(place)];
-            *found += error.difference;
-            *independent += error.spread / (error.level - 1) as f32;
+        for (error, place) in blocks.iter().zip(0..).filter(|(error, _)| error.level > 1) {
+            let [differences, independent] = &mut sums[patch_of(place)];
+            *differences += error.difference;
+            *independent += error.spread / (error.level - 1) as f32 * found.gain(error.level);
         }
-        let ratio = |[found, independent]: [f32; 2]| match found > 0.0 && independent > 0.0 {
-            true => found / independent,
+        let ratio = |[differences, independent]: [f32; 2]| match differences > 0.0 && independent > 0.0 {
+            true => differences / independent,
             false => 0.0,
         };
-        Self {
-            share: share_of_doubling(blocks),
-            patches: sums.map(ratio),
-        }
+        found.patches = sums.map(ratio);
+        found
+    }
+
+    /// How many times the squared differences at a level are those of independent samples, over the same at level 1.
+    fn gain(&self, level: u32) -> f32 {
+        (2.0 * self.share).powi(level.ilog2() as i32)
     }
 
     /// The variance of the mean over `samples` of a pixel in a block, over the mean squared deviation of its samples. Halves of the block were compared at `level`.
@@ -85,7 +92,7 @@ impl Efficiency {
         if level < 2 || ratio <= 0.0 {
             return 1.0 / (samples.max(2) - 1) as f32;
         }
-        let unit = ratio / (level - 1) as f32;
+        let unit = ratio * self.gain(level) / (level - 1) as f32;
         unit * variance(samples, level, self.share, unit.recip())
     }
 }
@@ -100,7 +107,9 @@ fn patch_of(block: usize) -> usize {
 /// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less, as in the noise of a picture.
 fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     let bright = blocks.iter().map(|block| block.luminance).sum::<f32>() / blocks.len() as f32;
-    let known = blocks.iter().filter(|block| block.difference_before > 0.0);
+    let known = blocks
+        .iter()
+        .filter(|block| block.level > 0 && block.difference_before >= 0.0);
     let [last, before] = known.fold([0.0; 2], |[last, before], block| {
         let weight = (block.luminance / block.luminance.max(DARK * bright).max(f32::MIN_POSITIVE)).powi(2);
         [
@@ -260,22 +269,24 @@ mod tests {
 
     #[test]
     fn blocks_of_a_patch_may_have_different_numbers_of_samples() {
-        // All pixels have half the error of independent samples, at 16 and at 64 samples; blocks without samples say nothing.
+        // All pixels have half the error of independent samples at 16, which each doubling halves; blocks without samples say nothing.
         let mut blocks = [BlockError::default(); _];
         let columns = (TILE / BLOCK) as usize;
         for (place, level) in [(0, 16), (1, 64), (columns, 16), (columns + 1, 64)] {
             blocks[place] = BlockError {
                 noted: level,
                 level,
-                difference: 0.5 * 3.0 / (level - 1) as f32,
+                difference: 8.0 / level as f32 * 3.0 / (level - 1) as f32,
+                difference_before: 4.0 * 8.0 / level as f32 * 3.0 / (level - 1) as f32,
                 spread: 3.0,
-                ..BlockError::default()
+                luminance: 1.0,
             };
         }
         let efficiency = Efficiency::of(&blocks);
         for (place, level) in [(0, 16), (1, 64)] {
-            let found = efficiency.at(place, level, level) * (level - 1) as f32;
-            assert!((found - 0.5).abs() < 1e-4, "{level}: {found}");
+            // The differences are three times what is left.
+            let found = 3.0 * efficiency.at(place, level, level) * (level - 1) as f32;
+            assert!((found - 8.0 / level as f32).abs() < 1e-4, "{level}: {found}");
         }
         // What was not compared has the error of independent samples, in this patch and in others.
         assert_eq!(efficiency.at(2, 0, 10), 1.0 / 9.0);

@@ -4,9 +4,11 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
-use super::sampler::{Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block, sequence_of};
+use super::sampler::{
+    BLOCK_BITS, COLOUR, Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block,
+};
 use crate::math::PerLane;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
+use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
 #[derive(Clone, Debug)]
@@ -19,13 +21,11 @@ impl SamplerLanes {
     /// The samplers of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
     pub(crate) fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
-        let [mut place, mut column, mut row] = [WordLanes::ZERO; 3];
-        for lane in 0..LANES {
-            let (x, y) = (x.as_array()[lane], y.as_array()[lane]);
-            place.as_mut_array()[lane] = place_in_block(x, y);
-            [column.as_mut_array()[lane], row.as_mut_array()[lane]] = sequence_of(x, y);
+        let [_, of_block, _] = pcg3d([x >> BLOCK_BITS, y >> BLOCK_BITS, word(seed)]);
+        let mut place = WordLanes::ZERO;
+        for (lane, place) in place.as_mut_array().iter_mut().enumerate() {
+            *place = place_in_block(x.as_array()[lane], y.as_array()[lane]);
         }
-        let [_, of_block, _] = pcg3d([column, row, word(seed)]);
         Self {
             kind,
             counter: Counter {
@@ -85,7 +85,8 @@ impl SamplerLanes {
             index,
         } = self.counter;
         let is_spread = dimension.simd_lt(word(SPREAD_DIMENSIONS));
-        let [shuffle_seed, seed_x, seed_y] = pcg3d([pixel & !is_spread, block, dimension]);
+        let sequence = (pixel & !is_spread) | (place & word(COLOUR) & is_spread);
+        let [shuffle_seed, seed_x, seed_y] = pcg3d([sequence, block, dimension]);
         let mut index = reverse_bits(scramble_reversed(index, shuffle_seed));
         let seeds = [seed_x, seed_y];
         // Beyond the first surface no path needs it.
@@ -272,6 +273,7 @@ mod tests {
     use glam::{UVec2, Vec2};
 
     use super::*;
+    use crate::math::lanes::LANES;
     use crate::sampling::warp;
 
     #[test]

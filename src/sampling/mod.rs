@@ -19,7 +19,7 @@ pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, P
 pub use mis::power_heuristic;
 pub(crate) use sampler::SPREAD_DIMENSIONS;
 #[cfg(test)]
-pub(crate) use sampler::sequence_of;
+pub(crate) use sampler::{COLOUR, place_in_block};
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::{Rectangle, SphericalRectangle};
 pub(crate) use spherical_triangle::SphericalTriangle;

@@ -3,11 +3,11 @@
 //! `Independent` is white noise. `Sobol` is the first two dimensions of the Sobol sequence with hashed Owen scrambling, padded: every
 //! draw is a differently scrambled and differently shuffled copy of the same good 2D sequence (Burley, Practical Hash-based Owen
 //! Scrambling, JCGT 9(4), 2020), so there is no limit on dimensions and no correlation between draws. Within one draw the first 2^k
-//! samples of a pixel form a (0, k, 2)-net. In the first few draws, which are of the camera and the first surface, pixels next to each
-//! other share one sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
+//! samples of a pixel form a (0, k, 2)-net. In the first few draws, which are of the camera and the first surface, pixels near each
+//! other share a sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
 //! the eye, or in a blurred picture, is less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via
-//! hierarchical ordering of pixels, 2020; there for one known number of samples, here whatever that is). In later draws pixels are independent
-//! of each other, and in all draws quads of pixels that share an edge are: adaptive sampling has one decide about the other.
+//! hierarchical ordering of pixels, 2020; there for one known number of samples, here whatever that is). These are pixels of quads of one colour, as on a chess board:
+//! quads that share an edge are independent, because adaptive sampling has one decide about the other. In later draws all pixels are independent of each other.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -28,8 +28,11 @@ pub enum SequenceKind {
 /// The dimensions below which draws are spread over neighbouring pixels as well.
 pub(crate) const SPREAD_DIMENSIONS: u32 = 7;
 
-/// The logarithm of the edge of a block of pixels that share a sequence for these draws.
+/// The logarithm of the edge of a block of pixels that share two sequences for these draws.
 pub(super) const BLOCK_BITS: u32 = 4;
+
+/// The bit of a place that tells the colour of its quad.
+pub(crate) const COLOUR: u32 = 1;
 
 /// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next to them.
 pub(super) const QUADS: u32 = 0x55;
@@ -62,27 +65,23 @@ pub(super) struct Counter<Word> {
     pub index: Word,
 }
 
-/// What tells the sequence of a pixel from others: the block of the pixel, and of which colour its quad is in a chess board of quads.
-pub(crate) fn sequence_of(x: u32, y: u32) -> [u32; 2] {
+/// A pixel's number within its block, the most significant bit lowest: that bit is the colour of the pixel's quad, as on a chess board of quads, and the others go
+/// along a curve of Morton through the quads of that colour, whose row within four pixels follows from the column.
+pub(crate) fn place_in_block(x: u32, y: u32) -> u32 {
     let colour = (x ^ y) >> 1 & 1;
-    [(x >> BLOCK_BITS) << 1 | colour, y >> BLOCK_BITS]
-}
-
-/// A pixel's number within its block along the curve of Morton, the most significant bit lowest.
-pub(super) fn place_in_block(x: u32, y: u32) -> u32 {
     let bits = |of: u32| {
         let quad = |bit: u32| (of >> bit & 1) << (2 * (BLOCK_BITS - 1 - bit));
         (0..BLOCK_BITS).map(quad).sum::<u32>()
     };
-    bits(y) | bits(x) << 1
+    let row = y & 1 | y >> 1 & 0b110 | colour << (BLOCK_BITS - 1);
+    bits(row) | bits(x) << 1
 }
 
 impl Sampler {
     /// The sampler of sample `sample_index` of `pixel`. Any seed is as good as any other.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
-        let [x, y] = sequence_of(pixel.x, pixel.y);
-        let [_, of_block, _] = pcg3d([x, y, seed]);
+        let [_, of_block, _] = pcg3d([pixel.x >> BLOCK_BITS, pixel.y >> BLOCK_BITS, seed]);
         Self {
             kind,
             counter: Counter {
@@ -140,7 +139,8 @@ impl Sampler {
             index,
         } = self.counter;
         let is_spread = dimension < SPREAD_DIMENSIONS;
-        let [shuffle_seed, seed_x, seed_y] = pcg3d([if is_spread { 0 } else { pixel }, block, dimension]);
+        let sequence = if is_spread { place & COLOUR } else { pixel };
+        let [shuffle_seed, seed_x, seed_y] = pcg3d([sequence, block, dimension]);
         let seeds = [seed_x, seed_y];
         let mut index = scramble_reversed(index, shuffle_seed).reverse_bits();
         if is_spread {

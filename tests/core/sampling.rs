@@ -78,34 +78,44 @@ fn every_prefix_is_stratified_in_all_elementary_intervals() {
     }
 }
 
-/// For 2^n samples (rows, from one on) of squares of 2, 4, 8 and 16 pixels' edge: in each elementary interval of 2^t of all their points are 2^t.
-const SLACK_OF_SQUARES: [[u32; 4]; 13] = [
-    [0, 0, 1, 1],
-    [0, 0, 2, 2],
-    [0, 0, 1, 1],
-    [0, 0, 1, 1],
-    [0, 1, 2, 2],
-    [1, 1, 1, 1],
-    [1, 1, 2, 1],
+/// The pixels that share a sequence: in 2 x 2, 4 x 8, 8 x 16 and 16 x 16 pixels those whose quads have one colour, as on a chess board of quads.
+fn pixels_together(corner: UVec2, log_width: u32, colour: u32) -> Vec<UVec2> {
+    let width = 1 << log_width;
+    let height = [2, 8, 16, 16][log_width as usize - 1];
+    let corner = corner + UVec2::X * if width == 2 { 2 * colour } else { 0 };
+    let all = (0..width * height).map(|pixel: u32| corner + UVec2::new(pixel % width, pixel / width));
+    all.filter(|pixel| (pixel.x / 2 + pixel.y / 2) % 2 == colour).collect()
+}
+
+/// For 2^n samples (rows, from one on) of such pixels: in each elementary interval of 2^t of all their points are 2^t.
+const SLACK_OF_NEIGHBOURS: [[u32; 4]; 13] = [
+    [0, 0, 1, 2],
+    [0, 0, 2, 3],
+    [0, 0, 1, 2],
+    [0, 0, 1, 2],
+    [0, 1, 2, 3],
+    [1, 1, 1, 2],
+    [1, 1, 2, 3],
     [2, 2, 1, 2],
-    [2, 2, 2, 2],
-    [2, 3, 2, 2],
-    [2, 1, 1, 3],
-    [2, 2, 2, 2],
-    [1, 3, 3, 3],
+    [2, 2, 2, 3],
+    [2, 3, 2, 3],
+    [2, 1, 1, 2],
+    [2, 2, 2, 3],
+    [1, 3, 3, 4],
 ];
 
 #[test]
 fn samples_of_neighbouring_pixels_complete_each_other() {
-    for dimension in [0, 3, 6] {
-        for (n, slack) in (0..).zip(SLACK_OF_SQUARES) {
-            for (log_edge, t) in (1..).zip(slack) {
-                let log_count: u32 = n + 2 * log_edge;
-                let pixels = (0..1 << (2 * log_edge)).map(|pixel: u32| {
-                    let edge = 1 << log_edge;
-                    UVec2::new(16 * 5 + pixel % edge, 16 * 9 + pixel / edge)
-                });
+    for (dimension, colour) in [0, 3, 6]
+        .into_iter()
+        .flat_map(|dimension| [(dimension, 0), (dimension, 1)])
+    {
+        for (n, slack) in (0..).zip(SLACK_OF_NEIGHBOURS) {
+            for (log_width, t) in (1..).zip(slack) {
+                let pixels = pixels_together(UVec2::new(16 * 5, 16 * 9), log_width, colour);
+                let log_count = n + pixels.len().ilog2();
                 let points: Vec<Vec2> = pixels
+                    .into_iter()
                     .flat_map(|pixel| (0..1 << n).map(move |index| (pixel, index)))
                     .map(|(pixel, index)| Sampler::new(SequenceKind::Sobol, pixel, index, 2).at_2d(dimension))
                     .collect();
@@ -118,7 +128,7 @@ fn samples_of_neighbouring_pixels_complete_each_other() {
                     let is_even = counts.iter().all(|&count| count == 1 << t);
                     assert!(
                         is_even,
-                        "edge 2^{log_edge}, 2^{n} samples, {columns} x {rows}, dimension {dimension}"
+                        "width 2^{log_width}, 2^{n} samples, {columns} x {rows}, dimension {dimension}"
                     );
                 }
             }
@@ -126,28 +136,27 @@ fn samples_of_neighbouring_pixels_complete_each_other() {
     }
 }
 
-/// By what the mean square error of squares of 4 x 4 pixels is less than it would be if pixels were independent, for the mean of `value` of two
+/// By what the mean square error of sixteen pixels that share a sequence is less than it would be if pixels were independent, for the mean of `value` of two
 /// draws from `dimension` on.
-fn gain_of_squares(samples: u32, dimension: u32, value: fn(DVec2, DVec2) -> f64, exact: f64) -> f64 {
-    const BLOCKS: u32 = 32;
-    let error = |x: u32, y: u32| {
+fn gain_of_neighbours(samples: u32, dimension: u32, value: fn(DVec2, DVec2) -> f64, exact: f64) -> f64 {
+    let error = |pixel: &UVec2| {
         let sum: f64 = (0..samples)
             .map(|index| {
-                let sampler = Sampler::new(SequenceKind::Sobol, UVec2::new(x, y), index, 4);
+                let sampler = Sampler::new(SequenceKind::Sobol, *pixel, index, 4);
                 let [a, b] = [dimension, dimension + 1].map(|dimension| sampler.at_2d(dimension).as_dvec2());
                 value(a, b)
             })
             .sum();
         sum / f64::from(samples) - exact
     };
-    let (mut of_pixels, mut of_squares) = (0.0, 0.0);
-    for block in 0..BLOCKS * BLOCKS {
-        let errors = (0..16).map(|pixel| error(block % BLOCKS * 4 + pixel % 4, block / BLOCKS * 4 + pixel / 4));
-        let errors: Vec<f64> = errors.collect();
+    let (mut of_pixels, mut of_all) = (0.0, 0.0);
+    for group in 0..1024 {
+        let corner = UVec2::new(group / 2 % 32 * 4, group / 64 * 8);
+        let errors: Vec<f64> = pixels_together(corner, 2, group % 2).iter().map(error).collect();
         of_pixels += errors.iter().map(|error| error * error).sum::<f64>() / 16.0;
-        of_squares += (errors.iter().sum::<f64>() / 16.0).powi(2);
+        of_all += (errors.iter().sum::<f64>() / 16.0).powi(2);
     }
-    of_pixels / 16.0 / of_squares
+    of_pixels / 16.0 / of_all
 }
 
 #[test]
@@ -159,16 +168,16 @@ fn errors_of_neighbours_cancel() {
     let product = |a: DVec2, b: DVec2| (a.x - 0.5) * (b.y - 0.5);
     for samples in [1, 2, 4, 8, 64, 256] {
         let gains = [
-            gain_of_squares(samples, 3, smooth, exact_of_smooth),
-            gain_of_squares(samples, 3, edge, exact_of_edge),
-            gain_of_squares(samples, 3, product, 0.0),
+            gain_of_neighbours(samples, 3, smooth, exact_of_smooth),
+            gain_of_neighbours(samples, 3, edge, exact_of_edge),
+            gain_of_neighbours(samples, 3, product, 0.0),
         ];
         // Where two draws count as a product, errors of both may add up; more than so much is lost nowhere.
         let least = [10.0, 2.5, 0.5];
         let is_enough = gains.iter().zip(least).all(|(&gain, least)| gain > least);
         assert!(is_enough, "{samples} samples: {gains:.2?} of {least:?}");
-        // A thousand squares of a normal distribution: their mean is known to about 4.5 %.
-        let later = gain_of_squares(samples, 7, smooth, exact_of_smooth);
+        // A thousand groups of a normal distribution: their mean is known to about 4.5 %.
+        let later = gain_of_neighbours(samples, 7, smooth, exact_of_smooth);
         assert!((0.8..1.25).contains(&later), "later draws are independent: {later}");
     }
 }

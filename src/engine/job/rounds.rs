@@ -43,7 +43,7 @@ impl Job {
             self.judge(film);
         }
         if !goes_on {
-            self.begin_round(done, stop, asked);
+            self.begin_round(done, stop, asked, film);
         }
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
         let queue = WorkQueue::new(&tiles, stop.samples.min(self.round.1), previews, step);
@@ -54,7 +54,7 @@ impl Job {
     }
 
     /// Plans the round after `done` samples.
-    fn begin_round(&mut self, done: u32, stop: &StopCondition, asked: Rounds) {
+    fn begin_round(&mut self, done: u32, stop: &StopCondition, asked: Rounds, film: &RenderFilm) {
         let under_way = self
             .active
             .iter()
@@ -78,7 +78,8 @@ impl Job {
         let is_divided = asked.0.is_some() || is_adaptive || has_differences;
         self.round = (asked, if is_divided { end } else { u32::MAX });
         if is_divided {
-            self.adaptation.plan(&self.active, &self.done, end, is_adaptive);
+            self.adaptation
+                .plan(&self.active, &self.done, end, is_adaptive, &film.film);
         }
     }
 

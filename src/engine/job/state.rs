@@ -287,7 +287,6 @@ mod tests {
                 "the noise is not reached"
             );
             assert_eq!(whole.job.adaptation.has_differences(&whole.job.active), is_adaptive);
-            // A pilot of all four tiles fits between two interruptions: one that is broken off begins anew.
             for between in [5, 7, 18, 50] {
                 let mut picture = Picture::new(&scene, &view);
                 let mut interruptions = 0;

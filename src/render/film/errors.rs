@@ -52,6 +52,8 @@ impl Film {
                 noted: count,
                 level: count,
                 luminance: average,
+                // The halves of half as many samples may have been compared, too.
+                difference_before: if old.level == old.noted { 0.0 } else { -1.0 },
                 ..BlockError::default()
             },
             false => BlockError { noted: count, ..old },
@@ -69,8 +71,7 @@ impl Film {
             }
             let scale = mean.abs().max(DARK * average).max(f32::MIN_POSITIVE);
             error.difference += ((mean - half) / scale).powi(2);
-            // The halves of half as many samples were compared, too.
-            if old.level == old.noted {
+            if error.difference_before >= 0.0 {
                 error.difference_before += ((half - quarter) / scale).powi(2);
             }
             error.spread += squared_deviation(&self.sums[pixel], count) / scale / scale;
