@@ -32,11 +32,7 @@ impl TileRound {
     /// of two.
     pub fn new(mean: Range<u32>, from: PerBlock<u32>, to: PerBlock<u32>) -> Self {
         let most = (mean.len() as u32).max(1);
-        let reachable = |from: u32| {
-            next_power(from)
-                .checked_mul(1 << (most - 1).min(31))
-                .unwrap_or(u32::MAX)
-        };
+        let reachable = |from: u32| next_power(from).saturating_mul(1 << (most - 1).min(31));
         let to: PerBlock<u32> = std::array::from_fn(|block| to[block].min(reachable(from[block])));
         let blocks = || from.iter().zip(&to);
         let all: u64 = blocks().map(|(from, to)| u64::from(to - from)).sum();

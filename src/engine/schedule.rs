@@ -77,8 +77,8 @@ struct QueueState {
     /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
-    /// The replicas that are not claimed yet, the next one last.
-    beside: Vec<WorkItem>,
+    /// The replicas that are not claimed yet, the next ones last.
+    replicas: Vec<Arc<[Missing]>>,
     /// The rounds of tiles whose blocks differ.
     rounds: BTreeMap<usize, Box<TileRound>>,
 }
@@ -94,7 +94,7 @@ impl WorkQueue {
                 previews: previews.iter().rev().copied().collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
-                beside: Vec::new(),
+                replicas: Vec::new(),
                 rounds: BTreeMap::new(),
             }),
         }
@@ -104,7 +104,7 @@ impl WorkQueue {
     pub fn of_replicas(missing: &[Missing]) -> Self {
         let queue = Self::new(&[], 0, &[], 1);
         let pieces = missing.chunks(REPLICAS_AT_ONCE).rev();
-        queue.state().beside = pieces.map(|piece| WorkItem::Replicas(piece.into())).collect();
+        queue.state().replicas = pieces.map(Arc::from).collect();
         queue
     }
 
@@ -122,8 +122,8 @@ impl WorkQueue {
                 step: state.step,
             });
         }
-        if let Some(item) = state.beside.pop() {
-            return Some(item);
+        if let Some(replicas) = state.replicas.pop() {
+            return Some(WorkItem::Replicas(replicas));
         }
         let &Reverse((done, index)) = state.waiting.peek()?;
         if done >= state.target {

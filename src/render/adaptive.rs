@@ -424,7 +424,7 @@ mod tests {
         let (map, tiles) = sampled(|_, _| 0.0);
         assert_eq!(allocated(&map, &tiles), None);
         // Noise that the blocks around a block tell nothing of.
-        let random = |x: u32, y: u32| crate::sampling::hash::pcg3d([x / BLOCK, y / BLOCK, 7])[0] % 8 == 0;
+        let random = |x: u32, y: u32| crate::sampling::hash::pcg3d([x / BLOCK, y / BLOCK, 7])[0].is_multiple_of(8);
         let (map, tiles) = sampled(|x, y| if random(x, y) { 0.5 } else { 0.02 });
         assert_eq!(allocated(&map, &tiles), None);
     }

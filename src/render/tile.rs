@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
-use super::blocks::{PerBlock, block_of, blocks_of};
+use super::blocks::{PerBlock, block_of, blocks_of, parts};
 use super::fireflies;
 use super::lanes::Job;
 use super::layers::{LayerSums, PixelLayers};
@@ -35,17 +35,8 @@ pub struct Tile {
 
 /// The tiles of a picture, row by row; those at the right and lower edge may be smaller.
 pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
-    let starts = |size: u32| (0..size).step_by(TILE as usize);
-    starts(height)
-        .flat_map(|y| {
-            starts(width).map(move |x| Tile {
-                x,
-                y,
-                width: TILE.min(width - x),
-                height: TILE.min(height - y),
-            })
-        })
-        .collect()
+    let (x, y) = (0, 0);
+    parts(Tile { x, y, width, height }, TILE).collect()
 }
 
 /// Sums over the samples of one pixel.
