@@ -102,7 +102,7 @@ impl Board {
             let is_inside = x >= 0 && y >= 0 && (x as usize) < self.columns;
             let block = self
                 .blocks
-                .get(is_inside.then_some(y as usize * self.columns + x as usize)?)?;
+                .get(is_inside.then(|| y as usize * self.columns + x as usize)?)?;
             (block.cost > 0.0).then_some((block, right.abs().max(down.abs()) == 1))
         })
     }
