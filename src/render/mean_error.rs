@@ -61,7 +61,7 @@ impl Default for Efficiency {
 }
 
 impl Efficiency {
-    /// That of a tile with these blocks.
+    /// The efficiency of a tile with these blocks.
     pub fn of(blocks: &PerBlock<BlockError>) -> Self {
         let mut found = Self {
             share: share_of_doubling(blocks),
