@@ -31,8 +31,8 @@ pub const FIRST: u32 = 16;
 const WORTHWHILE: f64 = 1.1;
 /// How far neighbours may be followed: the powers of the samples that would be best if each block's noise were known and samples were independent.
 const POWERS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// The time that a ray takes that is not from the camera, with the surface where it begins, in units of what a camera ray takes. (Parts of the gold dragon: 68 ns
-/// for a sample of the sky, 330 for one of the floor with 3.4 rays, 551 for one of the dragon with 4.4.)
+/// The time that a ray takes that is not from the camera, with the surface where it begins, in units of what a camera ray takes. (Parts of the gold dragon, on two
+/// threads: 68 ns for a sample of the sky, 330 for one of the floor with 3.4 rays, 551 for one of the dragon with 4.4.)
 const COST_OF_OTHERS: f32 = 2.0;
 /// The reach of neighbours in blocks.
 const REACH: isize = 2;
