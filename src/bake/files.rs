@@ -1,6 +1,6 @@
 //! The files of a bake.
 
-use std::collections::HashSet;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,12 +14,12 @@ use super::ktx2;
 use super::manifest::{LightmapFiles, Manifest, ReflectionFiles, VolumeFiles};
 use super::probes::{ProbeKind, ProbePicture};
 use crate::color::Rgb;
-use crate::files::{LARGEST_DATA, check_writable, read_text, write_atomically};
+use crate::files::{FileSet, LARGEST_DATA, WriteError, check_writable, checksum, finish_set, read, read_text};
 use crate::render::image_io::{FileFormat, FileOptions, encode_layered};
 use crate::render::layered_image::LayeredImage;
 
 const LEVEL: &str = "level.glb";
-/// It is written last, so that the files that it names are there.
+/// It names the others.
 const MANIFEST: &str = "lightmaps.json";
 /// How the names of all other files begin.
 const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
@@ -46,6 +46,8 @@ impl OutputFolder {
         };
         fs::create_dir_all(folder).map_err(fails)?;
         check_writable(&folder.join(MANIFEST)).map_err(fails)?;
+        // What cannot be finished is replaced by this bake.
+        let _ = finish_set(&folder.join(MANIFEST));
         Ok(prepared)
     }
 
@@ -91,9 +93,9 @@ pub struct Content {
 }
 
 impl Content {
-    /// What the level has that a bake has written into the folder; None if there is none.
+    /// What the level has that a bake has written into the folder; None if there is none, or only some of its files.
     pub fn of_folder(folder: &Path) -> Option<Self> {
-        let manifest = manifest_of(folder)?;
+        let manifest = manifest_of(folder).filter(|manifest| are_of_one_bake(folder, manifest))?;
         let probes = |list: &str| manifest[list].as_array().map_or(0, Vec::len);
         Some(Self {
             samples: manifest["samples"].as_u64()?.try_into().ok()?,
@@ -115,20 +117,22 @@ impl fmt::Display for Content {
     }
 }
 
-/// The folder that files are written to.
-struct Folder<'a>(&'a Path);
+/// The files of a bake, which replace those of the bake before together.
+struct Files<'a> {
+    folder: &'a Path,
+    set: FileSet,
+    /// The checksums of the files so far, for the manifest.
+    sums: BTreeMap<String, String>,
+}
 
-impl Folder<'_> {
-    /// Writes a file in one step.
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), BakeError> {
-        let path = self.0.join(name);
-        write_atomically(&path, bytes).map_err(|error| BakeError::Write {
-            path,
-            reason: error.to_string(),
-        })
+impl Files<'_> {
+    fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), BakeError> {
+        self.set.add(&self.folder.join(name), bytes)?;
+        self.sums.insert(name.to_owned(), checksum(bytes));
+        Ok(())
     }
 
-    fn write_lightmap(&self, number: usize, picture: &LightmapPicture) -> Result<LightmapFiles, BakeError> {
+    fn write_lightmap(&mut self, number: usize, picture: &LightmapPicture) -> Result<LightmapFiles, BakeError> {
         let files = LightmapFiles {
             exr: format!("lightmap-{number}.exr"),
             ktx2: format!("lightmap-{number}.ktx2"),
@@ -144,7 +148,7 @@ impl Folder<'_> {
         image.add_rgb("", &white);
         let content = encode_layered(&image, FileFormat::Exr, &FileOptions::default());
         let content = content.map_err(|error| BakeError::Write {
-            path: self.0.join(&files.exr),
+            path: self.folder.join(&files.exr),
             reason: error.to_string(),
         })?;
         self.write(&files.exr, &content)?;
@@ -153,9 +157,20 @@ impl Folder<'_> {
     }
 }
 
-/// Writes all files, each in one step. Files of the bake before that are not needed any more are removed.
+impl From<WriteError> for BakeError {
+    fn from(WriteError { path, source }: WriteError) -> Self {
+        let reason = source.to_string();
+        Self::Write { path, reason }
+    }
+}
+
+/// Replaces the files of the bake before by those of this one. Those that are not needed any more are removed.
 pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), BakeError> {
-    let target = Folder(folder);
+    let mut target = Files {
+        folder,
+        set: FileSet::new(&folder.join(MANIFEST)),
+        sums: BTreeMap::new(),
+    };
     target.write(LEVEL, &blueprint.level)?;
     let pictures = baked.lightmaps.iter().enumerate();
     let lightmaps: Result<Vec<LightmapFiles>, BakeError> = pictures
@@ -194,14 +209,11 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
             _ => {}
         }
     }
-    let of_lightmaps = lightmaps.iter().flat_map(|files| [&files.exr, &files.ktx2]);
-    let of_reflections = reflection_probes
-        .iter()
-        .flat_map(|files| [&files.specular, &files.diffuse]);
-    let of_volumes = irradiance_volumes.iter().map(|files| &files.ktx2);
-    let kept: HashSet<&String> = of_lightmaps.chain(of_reflections).chain(of_volumes).collect();
-    let mut outdated = files_of(folder);
-    outdated.retain(|name| !kept.contains(name));
+    for name in files_of(folder) {
+        if !target.sums.contains_key(&name) {
+            target.set.remove(&folder.join(name));
+        }
+    }
     let manifest = Manifest {
         format: Manifest::FORMAT,
         version: Manifest::VERSION,
@@ -218,17 +230,14 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
         nodes: blueprint.nodes.clone(),
         reflection_probes,
         irradiance_volumes,
+        crc32: std::mem::take(&mut target.sums),
     };
     let text = manifest.text().map_err(|error| BakeError::Write {
         path: folder.join(MANIFEST),
         reason: error.to_string(),
     })?;
     target.write(MANIFEST, &text)?;
-    // What is there no longer needs no removal.
-    outdated
-        .iter()
-        .for_each(|name| drop(fs::remove_file(folder.join(name))));
-    Ok(())
+    Ok(target.set.replace()?)
 }
 
 /// The manifest of the bake that is in the folder.
@@ -236,6 +245,16 @@ fn manifest_of(folder: &Path) -> Option<Value> {
     let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).ok()?;
     let manifest: Value = serde_json::from_str(&text).ok()?;
     (manifest["format"] == Manifest::FORMAT).then_some(manifest)
+}
+
+/// Whether the files beside a manifest are those that were written with it. Older versions have noted nothing of that.
+fn are_of_one_bake(folder: &Path, manifest: &Value) -> bool {
+    let mut sums = manifest["crc32"].as_object().into_iter().flatten();
+    sums.all(|(name, sum)| {
+        is_name_of_bake(name)
+            && !name.contains(['/', '\\'])
+            && read(&folder.join(name), LARGEST_DATA).is_ok_and(|bytes| *sum == checksum(&bytes))
+    })
 }
 
 /// The names of the lightmaps and probes of the bake that is in the folder.

@@ -1,5 +1,7 @@
 //! The file that says how the files of a bake belong together: `lightmaps.json`. docs/baking.md describes it.
 
+use std::collections::BTreeMap;
+
 use glam::{Affine3A, Mat4};
 use serde::Serialize;
 
@@ -38,6 +40,8 @@ pub struct Manifest {
     pub reflection_probes: Vec<ReflectionFiles>,
     /// The light for what has no lightmap.
     pub irradiance_volumes: Vec<VolumeFiles>,
+    /// The [checksums](crate::files::checksum) of all other files by name: they tell whether the files are of one bake.
+    pub crc32: BTreeMap<String, String>,
 }
 
 /// The place of a cube from -0.5 to 0.5, column by column, in the space of the level.

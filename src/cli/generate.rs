@@ -1,9 +1,11 @@
 //! `sunroom completions` and `sunroom man`: what shells and readers of manuals need, generated from the definitions of the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Command};
+use clap_mangen::Man;
+use sunroom::files::{FileSet, WriteError};
 
 use super::{outputs, report};
 
@@ -29,9 +31,27 @@ pub fn completions(mut program: Command, args: CompletionsArgs) -> ExitCode {
 }
 
 pub fn man(program: Command, args: ManArgs) -> ExitCode {
-    let written = std::fs::create_dir_all(&args.folder).and_then(|()| clap_mangen::generate_to(program, &args.folder));
-    match written {
+    let mut program = program.disable_help_subcommand(true);
+    program.build();
+    match write_pages(&program, &args.folder) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::error(format_args!("{}: {error}", args.folder.display())),
+        Err(error) => report::error(error),
     }
+}
+
+/// Writes the pages of a command and of those below it, all or none.
+fn write_pages(program: &Command, folder: &Path) -> Result<(), WriteError> {
+    let failed = |source| WriteError {
+        path: folder.to_owned(),
+        source,
+    };
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let place = |command: &Command| folder.join(Man::new(command.clone()).get_filename());
+    let mut set = FileSet::new(&place(program));
+    let mut waiting = vec![program];
+    while let Some(command) = waiting.pop() {
+        set.add_with(&place(command), |file| Man::new(command.clone()).render(file))?;
+        waiting.extend(command.get_subcommands().filter(|below| !below.is_hide_set()));
+    }
+    set.replace()
 }

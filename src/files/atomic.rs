@@ -12,17 +12,25 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
-const PREFIX: &str = ".sunroom-";
+use super::record::is_kept;
+use super::set::finish_all;
+
+/// How the names of temporary files begin.
+pub(super) const PREFIX: &str = ".sunroom-";
 const SUFFIX: &str = ".part";
 
 /// Temporary files younger than this are never removed, since another program may have made one and not locked it yet. That takes
 /// microseconds; an hour allows for a suspended program and for the clock of a file server.
 const LEFTOVER_AGE: Duration = Duration::from_secs(3600);
 
+/// The most links that are followed to a file, as in the kernel of Linux.
+const MOST_LINKS: usize = 40;
+
 /// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure the old content is
-/// there. A symbolic link stays one, an old file keeps its permissions. Folders, devices and pipes are refused.
+/// there. A symbolic link stays one, also one to a file that is not there yet; an old file keeps its permissions. Folders, devices and pipes
+/// are refused, and so are files that the program has read, if that was [asked for](super::keep_reads).
 ///
 /// The first write of a process into a folder also removes the temporary files that killed programs have left there.
 pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
@@ -32,18 +40,9 @@ pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()
 /// [`write_atomically`] for content that `write` writes piece by piece.
 pub fn write_atomically_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let target = Target::new(path)?;
-    let mut file = target.temporary_file()?;
-    if let Ok(old) = fs::metadata(&target.path) {
-        file.as_file().set_permissions(old.permissions())?;
-    }
-    // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
-    let mut buffered = io::BufWriter::new(file.as_file_mut());
-    write(&mut buffered)?;
-    buffered.flush()?;
-    drop(buffered);
-    file.as_file().sync_all()?;
-    file.persist(&target.path).map_err(|error| error.error)?;
-    remove_leftovers_once(target.folder());
+    let folder = target.folder().to_owned();
+    target.write(write)?.replace()?;
+    remove_leftovers_once(&folder);
     Ok(())
 }
 
@@ -53,17 +52,25 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     Target::new(path)?.temporary_file().map(drop)
 }
 
-/// A file to be replaced. Links are followed.
-struct Target {
-    path: PathBuf,
+/// A file to be replaced.
+#[derive(Debug)]
+pub(super) struct Target {
+    /// As links lead to it.
+    pub path: PathBuf,
+}
+
+/// The new content of a file, which lies beside it. It is removed with this value.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    // It is closed, so that a set may have more files than a program may have open.
+    file: TempPath,
+    target: PathBuf,
 }
 
 impl Target {
     /// An error if nothing can be written there whatever the permissions are.
-    fn new(path: &Path) -> io::Result<Self> {
-        let target = Self {
-            path: path.canonicalize().unwrap_or_else(|_| path.to_owned()),
-        };
+    pub fn new(path: &Path) -> io::Result<Self> {
+        let target = Self { path: followed(path)? };
         let folder = target.folder();
         if !folder.is_dir() {
             let message = format!("there is no folder {}", folder.display());
@@ -76,19 +83,22 @@ impl Target {
                 let message = "it is a device or a pipe, not a file";
                 Err(io::Error::new(ErrorKind::InvalidInput, message))
             }
+            Ok(_) if is_kept(&target.path) => {
+                let message = "the scene is made of this file; choose another name";
+                Err(io::Error::other(message))
+            }
+            // A temporary file has a short name, and would not show that this one is too long.
+            Err(error) if error.kind() == ErrorKind::InvalidFilename => Err(error),
             _ => Ok(target),
         }
     }
 
-    fn folder(&self) -> &Path {
-        match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        }
+    pub fn folder(&self) -> &Path {
+        folder_of(&self.path)
     }
 
     /// An empty file beside the target, locked; it is removed when it is dropped.
-    fn temporary_file(&self) -> io::Result<NamedTempFile> {
+    pub fn temporary_file(&self) -> io::Result<NamedTempFile> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(SUFFIX);
         // The permissions of an ordinary new file: by default only the owner may read temporary files.
@@ -100,10 +110,80 @@ impl Target {
         let _ = file.as_file().try_lock();
         Ok(file)
     }
+
+    /// Writes the new content beside the old.
+    pub fn write(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Waiting> {
+        let mut file = self.temporary_file()?;
+        if let Ok(old) = fs::metadata(&self.path) {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        fill(&mut file, write)?;
+        Ok(Waiting {
+            file: file.into_temp_path(),
+            target: self.path,
+        })
+    }
+}
+
+impl Waiting {
+    /// The file with the new content.
+    pub fn path(&self) -> &Path {
+        &self.file
+    }
+
+    /// The file that is replaced.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// The same, but the file with the new content stays when this value goes.
+    pub fn kept(mut self) -> Self {
+        self.file.disable_cleanup(true);
+        self
+    }
+
+    /// Puts the new content in the place of the old.
+    pub fn replace(self) -> io::Result<()> {
+        self.file.persist(&self.target).map_err(|error| error.error)
+    }
+}
+
+/// Writes the content of a temporary file to the disk.
+pub(super) fn fill(file: &mut NamedTempFile, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
+    let mut buffered = io::BufWriter::new(file.as_file_mut());
+    write(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
+    file.as_file().sync_all()
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The file that a path leads to, also where links lead to a file that is not there. An error if they lead in a circle.
+pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..=MOST_LINKS {
+        let Ok(target) = place.read_link() else {
+            // The folder's path is the same whether the file is there or not.
+            let in_folder = || Some(folder_of(&place).canonicalize().ok()?.join(place.file_name()?));
+            return Ok(place.canonicalize().ok().or_else(in_folder).unwrap_or(place));
+        };
+        place = folder_of(&place).join(target);
+    }
+    Err(io::Error::new(
+        ErrorKind::InvalidInput,
+        "it is a link that leads in a circle",
+    ))
 }
 
 /// Removes leftovers unless this process has done so before: a folder with many files takes long to list.
-fn remove_leftovers_once(folder: &Path) {
+pub(super) fn remove_leftovers_once(folder: &Path) {
     static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
     if seen.get_or_insert_default().insert(folder.to_owned()) {
@@ -114,23 +194,35 @@ fn remove_leftovers_once(folder: &Path) {
 
 /// Removes the temporary files of programs that run no more. What cannot be listed, locked or removed stays.
 fn remove_leftovers(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if is_old_temporary_file(&entry) {
-            let file = File::options().read(true).write(true).open(entry.path());
-            // The lock is held until the file is gone, so that no two programs remove it.
-            if let Ok(file) = file
-                && file.try_lock().is_ok()
-            {
-                let _ = fs::remove_file(entry.path());
-            }
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let old: Vec<PathBuf> = entries
+        .filter(is_old_temporary_file)
+        .map(|entry| entry.path())
+        .collect();
+    if old.is_empty() {
+        return;
+    }
+    // The files of a set may lie in a folder beside the one that names them.
+    let waiting: HashSet<PathBuf> = folder.ancestors().take(2).flat_map(finish_all).collect();
+    for path in old.iter().filter(|path| !waiting.contains(*path)) {
+        let file = File::options().read(true).write(true).open(path);
+        // The lock is held until the file is gone, so that no two programs remove it.
+        if let Ok(file) = file
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(path);
         }
     }
 }
 
+/// Whether a file is called as temporary files are.
+pub(super) fn is_file_of_write(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes())
+}
+
 fn is_old_temporary_file(entry: &DirEntry) -> bool {
-    let name = entry.file_name();
-    let name = name.as_encoded_bytes();
-    let is_ours = name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes());
+    let is_ours = is_file_of_write(&entry.path());
     // The metadata of an entry are those of a link itself, not of its target.
     let about = entry.metadata().ok().filter(|about| is_ours && about.is_file());
     let modified = about.and_then(|about| about.modified().ok());
@@ -216,5 +308,40 @@ mod tests {
         let message = write_atomically(&link, "picture").unwrap_err().to_string();
         assert_eq!(message, "it is a device or a pipe, not a file");
         assert!(fs::metadata(&link).expect("it is there").file_type().is_fifo());
+    }
+
+    #[test]
+    fn names_that_are_too_long_are_found_by_the_check() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        check_writable(&folder.path().join("a".repeat(255))).expect("it can be written");
+        let error = check_writable(&folder.path().join("a".repeat(256))).expect_err("too long");
+        assert_eq!(error.kind(), ErrorKind::InvalidFilename);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("far")).expect("a temporary folder");
+        symlink("far/a.txt", path("a.txt")).expect("a temporary folder");
+        symlink("a.txt", path("b.txt")).expect("a temporary folder");
+        symlink("absent/a.txt", path("c.txt")).expect("a temporary folder");
+        symlink("d.txt", path("d.txt")).expect("a temporary folder");
+        // The file is not there at first.
+        for text in ["first", "second"] {
+            write_atomically(&path("b.txt"), text).expect("it can be written");
+            assert_eq!(fs::read_to_string(path("far/a.txt")).expect("it is there"), text);
+            assert!(path("a.txt").is_symlink() && path("b.txt").is_symlink());
+        }
+        let message = |name: &str| check_writable(&path(name)).expect_err(name).to_string();
+        assert!(
+            message("c.txt").starts_with("there is no folder"),
+            "{}",
+            message("c.txt")
+        );
+        assert_eq!(message("d.txt"), "it is a link that leads in a circle");
+        assert!(path("c.txt").is_symlink() && path("d.txt").is_symlink());
     }
 }

@@ -1,4 +1,5 @@
-//! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces files as a whole.
+//! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces files as a whole, and [`FileSet`] several
+//! that belong together.
 //!
 //! What a scene names is opened through its [`Access`], which may be limited to some folders.
 //!
@@ -10,10 +11,12 @@ mod exr_compression;
 mod locking;
 mod reading;
 mod record;
+mod set;
 
 pub use self::access::Access;
 pub use self::atomic::{check_writable, write_atomically, write_atomically_with};
 pub use self::exr_compression::ExrCompression;
 pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};
-pub use self::record::{note_read, record_reads, recorded_reads};
+pub use self::record::{SameFiles, keep_reads, note_read, record_reads, recorded_reads};
+pub use self::set::{FileSet, WriteError, checksum, finish_set};

@@ -30,6 +30,9 @@ pub enum FileError {
     OverBudget(String),
     #[error("is not UTF-8 text")]
     NotUtf8,
+    /// Says why the files cannot be made to belong together again, and what to do.
+    #[error("is one of several files that were being replaced together when the program ended: {0}")]
+    BrokenOff(String),
     /// An [`Access`](super::Access) refused the file.
     #[error("lies outside the scene's folder, and the scene is not allowed to read it, whether it exists or not")]
     Outside,

@@ -1,15 +1,27 @@
-//! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can tell what a scene consists of.
+//! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can tell what a scene consists of, and
+//! replaces none of it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 static OPENED: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
+
+/// Whether the files that are remembered are not to be replaced.
+static KEPT: AtomicBool = AtomicBool::new(false);
 
 /// Has every file of scenes remembered that this process reads from now on.
 pub fn record_reads() {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     opened.get_or_insert_default();
+}
+
+/// Has every file of scenes remembered that this process reads from now on, and refuses to write any of them.
+pub fn keep_reads() {
+    record_reads();
+    KEPT.store(true, Ordering::Relaxed);
 }
 
 /// The files that were read since [`record_reads`], in the order of their names.
@@ -22,5 +34,100 @@ pub fn recorded_reads() -> Vec<PathBuf> {
 pub fn note_read(path: &Path) {
     if let Some(opened) = &mut *OPENED.lock().unwrap_or_else(PoisonError::into_inner) {
         opened.insert(path.to_owned());
+    }
+}
+
+/// Whether this file was read and is not to be replaced, under whatever name it was.
+pub(super) fn is_kept(path: &Path) -> bool {
+    KEPT.load(Ordering::Relaxed) && SameFiles::of(recorded_reads()).has(path)
+}
+
+/// Tells whether a name is one of some files, be it a link to one of them or written in letters of another case.
+#[derive(Debug)]
+pub struct SameFiles(HashSet<Identity>);
+
+impl SameFiles {
+    /// Those of the files that are there.
+    pub fn of(files: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
+        Self(
+            files
+                .into_iter()
+                .filter_map(|file| Identity::of(file.as_ref()))
+                .collect(),
+        )
+    }
+
+    /// Whether the name is that of one of them.
+    pub fn has(&self, path: &Path) -> bool {
+        Identity::of(path).is_some_and(|identity| self.0.contains(&identity))
+    }
+}
+
+/// The same for all names of one file: on Unix the device and the number that the file has there.
+#[derive(Debug, PartialEq, Eq, Hash)]
+pub(super) struct Identity {
+    #[cfg(unix)]
+    numbers: [u64; 2],
+    #[cfg(not(unix))]
+    path: PathBuf,
+}
+
+#[cfg(unix)]
+impl Identity {
+    fn new(about: &std::fs::Metadata) -> Self {
+        use std::os::unix::fs::MetadataExt;
+        Self {
+            numbers: [about.dev(), about.ino()],
+        }
+    }
+
+    /// That of the file that a path leads to; None if there is none.
+    pub fn of(path: &Path) -> Option<Self> {
+        path.metadata().ok().map(|about| Self::new(&about))
+    }
+
+    /// Whether it is that of an open file.
+    pub fn is_of(&self, file: &File) -> bool {
+        file.metadata().is_ok_and(|about| *self == Self::new(&about))
+    }
+}
+
+#[cfg(not(unix))]
+impl Identity {
+    /// That of the file that a path leads to; None if there is none.
+    pub fn of(path: &Path) -> Option<Self> {
+        path.canonicalize().ok().map(|path| Self { path })
+    }
+
+    /// Whether it is that of an open file, as far as that can be known.
+    pub fn is_of(&self, _: &File) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn all_names_of_a_file_are_known() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        for name in ["a", "b"] {
+            std::fs::write(path(name), "").expect("a writable folder");
+        }
+        std::os::unix::fs::symlink("a", path("link")).expect("a writable folder");
+        std::fs::hard_link(path("a"), path("other")).expect("a writable folder");
+        let files = SameFiles::of([path("a"), path("absent")]);
+        for (name, expected) in [
+            ("a", true),
+            ("link", true),
+            ("other", true),
+            ("b", false),
+            ("absent", false),
+        ] {
+            assert_eq!(files.has(&path(name)), expected, "{name}");
+        }
     }
 }

@@ -30,6 +30,11 @@ pub enum GltfError {
     View { index: usize },
     #[error("buffer {index} has {held} bytes where {promised} are promised")]
     Buffer { index: usize, held: usize, promised: usize },
+    /// The file of a buffer has another checksum than the one that was written with the glTF file.
+    #[error(
+        "the file of buffer {index} is not the one that was written with this file: export the scene again, or copy all of its files"
+    )]
+    OtherBuffer { index: usize },
     #[error("primitive {index}: {what}")]
     Primitive { index: usize, what: String },
     #[error("node {0} is its own ancestor, or the child of two nodes")]

@@ -1,5 +1,7 @@
 //! A glTF file taken apart into files that other programs of the scene format read: meshes as PLY, pictures as PNG, JPEG or EXR.
 
+use std::collections::BTreeSet;
+
 use super::objects::{object, with};
 use super::picture::Picture;
 use super::scene::{Imported, References};
@@ -13,13 +15,26 @@ pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
 
 /// Makes the scene, whose meshes and pictures are given to `keep`. `read` is as for [`Gltf::open`].
 pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Result<Imported, GltfError> {
-    gltf.scene(&mut Parts { gltf, keep, read })
+    let mut parts = Parts {
+        gltf,
+        keep,
+        read,
+        replaced: BTreeSet::new(),
+    };
+    let mut imported = gltf.scene(&mut parts)?;
+    let replaced = parts.replaced.iter().map(|index| {
+        format!("the file of image {index} is not the one that was written with this file: it was changed, or is of another export")
+    });
+    imported.warnings.extend(replaced);
+    Ok(imported)
 }
 
 struct Parts<'a, 'k, 'r> {
     gltf: &'a Gltf,
     keep: &'a mut KeepFile<'k>,
     read: &'a mut ReadFile<'r>,
+    /// The images whose files are not those that were written with the glTF file.
+    replaced: BTreeSet<usize>,
 }
 
 impl Parts<'_, '_, '_> {
@@ -36,6 +51,9 @@ impl References for Parts<'_, '_, '_> {
 
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError> {
         let made = self.gltf.picture(picture, self.read)?;
+        if !made.is_as_written {
+            self.replaced.insert(picture.image);
+        }
         self.keep(format!("picture-{index}.{}", made.extension), &made.bytes)
     }
 }

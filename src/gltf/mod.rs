@@ -111,6 +111,9 @@ impl Gltf {
                     promised: buffer.byte_length,
                 });
             }
+            if buffer.uri.is_some() && !root.is_as_written(&buffer.extras, &content) {
+                return Err(GltfError::OtherBuffer { index });
+            }
             buffers.push(content);
         }
         Ok(Self {

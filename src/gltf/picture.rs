@@ -40,6 +40,8 @@ pub struct PictureFile {
     pub bytes: Vec<u8>,
     /// The extension: `png`, `jpg` or `exr`.
     pub extension: &'static str,
+    /// False if another picture has taken the place of the one that was written with the glTF file.
+    pub is_as_written: bool,
 }
 
 impl Gltf {
@@ -48,6 +50,8 @@ impl Gltf {
         let index = picture.image;
         let bad = |what: String| GltfError::Image { index, what };
         let bytes = self.image_file(index, read)?;
+        let image = self.root.images.get(index);
+        let is_as_written = image.is_none_or(|image| self.root.is_as_written(&image.extras, &bytes));
         let format = image::guess_format(&bytes).map_err(|error| bad(error.to_string()))?;
         let extension = match format {
             image::ImageFormat::Png => "png",
@@ -58,6 +62,7 @@ impl Gltf {
             return Ok(PictureFile {
                 bytes: bytes.into_owned(),
                 extension,
+                is_as_written,
             });
         }
         let (image, _memory) =
@@ -73,6 +78,7 @@ impl Gltf {
         Ok(PictureFile {
             bytes: bytes.into_inner(),
             extension,
+            is_as_written,
         })
     }
 }

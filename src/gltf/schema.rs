@@ -7,6 +7,8 @@ use std::collections::HashMap;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::files::checksum;
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Root {
@@ -29,10 +31,21 @@ pub struct Root {
     pub extensions: RootExtensions,
 }
 
+impl Root {
+    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Those of other programs may have been copied from a file
+    /// of ours.
+    pub fn is_as_written(&self, extras: &Value, content: &[u8]) -> bool {
+        let generator = self.asset.generator.as_str().unwrap_or_default();
+        let written = extras["sunroom_crc32"].as_str();
+        !generator.starts_with("Sunroom ") || written.is_none_or(|written| written == checksum(content))
+    }
+}
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Asset {
     pub version: String,
+    pub generator: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -301,6 +314,7 @@ pub struct Image {
     pub name: Option<String>,
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
+    pub extras: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -391,6 +405,7 @@ pub struct BufferView {
 pub struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+    pub extras: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]

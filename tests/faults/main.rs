@@ -12,6 +12,7 @@ mod program;
 mod reloading;
 mod rendering;
 mod saving;
+mod sets;
 mod stopping;
 mod table;
 mod window;
@@ -20,12 +21,13 @@ mod window_support;
 
 use table::Section;
 
-const SECTIONS: [&Section; 11] = [
+const SECTIONS: [&Section; 12] = [
     &rendering::SECTION,
     &stopping::SECTION,
     &baking::SECTION,
     &saving::SECTION,
     &killed::SECTION,
+    &sets::SECTION,
     &reloading::SECTION,
     &memory::SECTION,
     &cache::SECTION,

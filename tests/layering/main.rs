@@ -37,7 +37,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("document", &["math", "color", "files"], false),
     (
         "gltf",
-        &["math", "color", "memory", "geometry", "texture", "document"],
+        &["math", "color", "files", "memory", "geometry", "texture", "document"],
         false,
     ),
     ("bake", &["KERNEL", "files", "gltf"], false),

@@ -1,7 +1,10 @@
 //! The file `lightmaps.json` as an asset.
 
+use std::collections::BTreeMap;
+
 use bevy::asset::io::Reader;
 use bevy::asset::{Asset, AssetLoader, LoadContext};
+use bevy::log::warn;
 use bevy::reflect::TypePath;
 use serde::Deserialize;
 use thiserror::Error;
@@ -20,6 +23,9 @@ pub struct LevelManifest {
     /// The light for what has no lightmap.
     #[serde(default)]
     pub irradiance_volumes: Vec<VolumeFiles>,
+    /// The CRC-32 of each file of the bake by its name.
+    #[serde(default)]
+    crc32: BTreeMap<String, String>,
 }
 
 /// The files of a lightmap, beside the manifest.
@@ -98,11 +104,24 @@ impl AssetLoader for ManifestLoader {
         &self,
         reader: &mut dyn Reader,
         (): &(),
-        _: &mut LoadContext<'_>,
+        context: &mut LoadContext<'_>,
     ) -> Result<LevelManifest, ManifestError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        LevelManifest::read(&bytes)
+        let manifest = LevelManifest::read(&bytes)?;
+        // Games need no `.exr` files. What is missing is told where it is loaded.
+        for (file, sum) in manifest.crc32.iter().filter(|(file, _)| !file.ends_with(".exr")) {
+            if let Ok(path) = context.path().resolve_embed_str(file)
+                && let Ok(bytes) = context.read_asset_bytes(path).await
+                && format!("{:08x}", crc32fast::hash(&bytes)) != *sum
+            {
+                warn!(
+                    "{file} is of another bake than {}: bake the level again, or copy all of its files",
+                    context.path()
+                );
+            }
+        }
+        Ok(manifest)
     }
 
     // Asked by the type of the asset, so that it takes no other `.json` file.

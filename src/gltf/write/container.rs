@@ -1,6 +1,6 @@
 //! The files: one binary container (section 4.4), or JSON with a buffer and pictures beside it.
 
-use super::model::{Buffer, Image};
+use super::model::{Buffer, FileExtras, Image};
 use super::{GltfWriteError, GltfWriter};
 
 /// A file beside the one that names it.
@@ -23,6 +23,7 @@ impl GltfWriter {
                 uri: None,
                 mime_type,
                 buffer_view,
+                extras: None,
             });
         }
         let mut data = std::mem::take(&mut self.bytes);
@@ -31,6 +32,7 @@ impl GltfWriter {
             self.root.buffers.push(Buffer {
                 byte_length: data.len(),
                 uri: None,
+                extras: None,
             });
         }
         let mut json = self.json(false)?;
@@ -73,6 +75,7 @@ impl GltfWriter {
                 uri: Some(escaped(&name)),
                 mime_type: None,
                 buffer_view: None,
+                extras: FileExtras::of(&picture.bytes),
             });
             let bytes = picture.bytes;
             files.push(BesideFile { name, bytes });
@@ -83,6 +86,7 @@ impl GltfWriter {
             self.root.buffers.push(Buffer {
                 byte_length: bytes.len(),
                 uri: Some(escaped(&name)),
+                extras: FileExtras::of(&bytes),
             });
             files.push(BesideFile { name, bytes });
         }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::material::{Material, MaterialExtensions, TextureInfo, is_usual};
+use crate::files::checksum;
 
 /// The whole file.
 #[derive(Debug, Default, Serialize)]
@@ -236,6 +237,21 @@ pub(super) struct Image {
     pub mime_type: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer_view: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<FileExtras>,
+}
+
+/// What tells whether the file beside this one is that which was written with it.
+#[derive(Debug, Serialize)]
+pub(super) struct FileExtras {
+    pub sunroom_crc32: String,
+}
+
+impl FileExtras {
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        let sunroom_crc32 = checksum(bytes);
+        Some(Self { sunroom_crc32 })
+    }
 }
 
 /// A camera.
@@ -346,6 +362,8 @@ pub(super) struct Buffer {
     pub byte_length: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uri: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<FileExtras>,
 }
 
 impl Root {

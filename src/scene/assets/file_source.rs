@@ -12,7 +12,7 @@ use bevy::asset::io::{
 };
 use bevy::prelude::*;
 
-use crate::files::FileError;
+use crate::files::{FileError, finish_set};
 use crate::memory;
 use crate::scene::{SceneAccess, VolumeFormat};
 
@@ -38,7 +38,12 @@ impl AssetReader for FileSource {
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }
-        match memory::check_data(path) {
+        let checked = memory::check_data(path).or_else(|error| match error.is_not_found() {
+            // A program that was killed may have left it beside its place.
+            true => finish_set(path).and_then(|()| memory::check_data(path)),
+            false => Err(error),
+        });
+        match checked {
             Ok(()) => Ok(VecReader::new(Vec::new())),
             Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(path)),
             Err(error) => Err(AssetReaderError::Io(Arc::new(error.into()))),

@@ -78,6 +78,7 @@ impl AssetLoader for SceneLoader {
         context: &mut LoadContext<'_>,
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
+        files::finish_set(&path)?;
         let bytes = files::read(&path, largest(&path))?;
         files::note_read(&path);
         if is_gltf(&bytes, &path) {
@@ -129,7 +130,8 @@ fn read_scene_within(
 
 /// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
-    let bytes = files::read(path, largest(path)).map_err(|source| unreadable(path, source))?;
+    let read = files::finish_set(path).and_then(|()| files::read(path, largest(path)));
+    let bytes = read.map_err(|source| unreadable(path, source))?;
     files::note_read(path);
     parse(bytes, path, defines, access)
 }

@@ -28,13 +28,13 @@ use self::poses::Folders;
 use self::shapes::Shapes;
 use super::Film;
 use super::description::{SceneDescription, SensorDescription};
-use crate::files::{Access, write_atomically};
+use crate::files::{Access, FileSet, WriteError};
 use crate::gltf::write::GltfWriter;
 
 /// The files of an export, which are not written yet.
 #[derive(Debug)]
 pub struct Export {
-    /// The files in the order in which they are to be written: the one that names the others comes last.
+    /// The files; the one that names the others comes last.
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// One sentence for each thing that the files do not say as the scene does.
     pub messages: Vec<String>,
@@ -232,14 +232,21 @@ fn report_media_around(scene: &SceneDescription, messages: &mut Messages) {
 }
 
 impl Export {
-    /// Writes the files, each in one step.
+    /// Writes the files, which replace older ones together.
     pub fn write(&self) -> Result<(), ExportError> {
+        let Some((main, _)) = self.files.last() else {
+            return Ok(());
+        };
+        let mut set = FileSet::new(main);
         for (path, bytes) in &self.files {
-            write_atomically(path, bytes).map_err(|source| ExportError::File {
-                path: path.clone(),
-                source,
-            })?;
+            set.add(path, bytes)?;
         }
-        Ok(())
+        Ok(set.replace()?)
+    }
+}
+
+impl From<WriteError> for ExportError {
+    fn from(WriteError { path, source }: WriteError) -> Self {
+        Self::File { path, source }
     }
 }

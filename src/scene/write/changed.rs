@@ -12,11 +12,10 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 use super::error::SaveError;
-use super::file::write_file;
 use super::known::{KnownTexts, is_text_of};
 use crate::document::source::read_text;
 use crate::document::{Severity, SourceError, SourceFile};
-use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};
+use crate::files::{Access, FileError, FileSet, FolderBusy, FolderLock, lock_folder};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::file_moment::follow_file;
@@ -159,11 +158,12 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     Ok(())
 }
 
-/// Writes the files unless one of the expected ones has changed; returns what was written, or None. Expected files that are gone are written again,
-/// and with `overwrites` those that were changed are replaced.
+/// Writes the files and those of the set unless one of the expected ones has changed; returns the texts that were written, or None. Expected files that
+/// are gone are written again, and with `overwrites` those that were changed are replaced.
 pub(super) fn replace_files(
     expected: &[Expected],
     files: Vec<(PathBuf, String)>,
+    mut set: FileSet,
     overwrites: bool,
 ) -> Result<Option<Vec<(PathBuf, String)>>, SaveError> {
     let mut all = Vec::new();
@@ -181,8 +181,9 @@ pub(super) fn replace_files(
     }
     all.extend(files);
     for (path, text) in &all {
-        write_file(path, text)?;
+        set.add(path, text)?;
     }
+    set.replace()?;
     Ok(Some(all))
 }
 

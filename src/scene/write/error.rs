@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::document::{self, SourceError};
+use crate::files::WriteError;
 
 /// The reason why a scene is not saved. The file has not changed then.
 #[derive(Debug, thiserror::Error)]
@@ -41,5 +42,11 @@ fn also_edited(count: Option<usize>) -> String {
         None => String::new(),
         Some(1) => ", and one thing was edited both there and here".to_owned(),
         Some(count) => format!(", and {count} things were edited both there and here"),
+    }
+}
+
+impl From<WriteError> for SaveError {
+    fn from(WriteError { path, source }: WriteError) -> Self {
+        Self::File { path, source }
     }
 }

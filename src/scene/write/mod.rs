@@ -8,7 +8,6 @@ mod changed;
 mod defaults;
 pub(in crate::scene) mod entities;
 mod error;
-mod file;
 pub mod gather;
 mod known;
 mod parts;
@@ -29,7 +28,6 @@ use bevy::prelude::World;
 
 pub use self::changed::OnChange;
 pub use self::error::SaveError;
-use self::file::write_file;
 pub use self::known::KnownTexts;
 pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
@@ -47,16 +45,17 @@ use super::read::settle;
 use crate::document::animation::stand_still;
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Document, SourceFile};
-use crate::files::{self, Access, LARGEST_DATA};
+use crate::files::{self, Access, FileSet, LARGEST_DATA};
 
-/// Writes a scene over the text that it was read from: see [`files()`]. Each file is replaced in one step.
+/// Writes a scene over the text that it was read from: see [`files()`]. All files are replaced together.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
     let (files, moves) = plan(scene, path)?;
-    copy_parts(&moves)?;
+    let mut set = FileSet::new(&settle(path));
+    copy_parts(&moves, &mut set)?;
     for (path, text) in files {
-        write_file(&path, text)?;
+        set.add(&path, text)?;
     }
-    Ok(())
+    Ok(set.replace()?)
 }
 
 /// The texts to write when a scene is saved at `path`, of which that one is the last. Unedited parts are as they were written; edits in
@@ -97,21 +96,23 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
         // Mitsuba knows no keys: the moment that is shown remains.
         stand_still(Arc::make_mut(&mut document.root));
     }
-    copy_parts(&moves)?;
+    let mut set = FileSet::new(path);
+    copy_parts(&moves, &mut set)?;
     if extensions == Extensions::Approximate {
         let origin = scene.remains.origin.as_ref();
         let access = origin.map_or_else(Access::everywhere, |origin| origin.access.clone());
         let search = MeshSearch::of_format(folder(&target), &document.search_folders).within(access.clone());
         let find = |name: &str| search.find_file(name, folder(&target));
-        VolumeFiles::new(&target, &find, access).translate_all(Arc::make_mut(&mut document.root))?;
+        VolumeFiles::new(&target, &find, access, &mut set).translate_all(Arc::make_mut(&mut document.root))?;
     }
     // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());
     spectra::as_colors(Arc::make_mut(&mut document.root));
     for (path, text) in portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
-        write_file(&path, text)?;
+        set.add(&path, text)?;
     }
-    write_file(path, document::to_xml(&document)?)
+    set.add(path, document::to_xml(&document)?)?;
+    Ok(set.replace()?)
 }
 
 /// Extensions of other kinds of files, into which a scene is not meant to be written.
@@ -146,7 +147,7 @@ fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError
     })
 }
 
-fn copy_parts(moves: &Moves) -> Result<(), SaveError> {
+fn copy_parts(moves: &Moves, set: &mut FileSet) -> Result<(), SaveError> {
     for (part, place) in moves {
         let failed = |path: &Path| {
             let path = path.to_owned();
@@ -155,7 +156,7 @@ fn copy_parts(moves: &Moves) -> Result<(), SaveError> {
         let folder = folder(place);
         std::fs::create_dir_all(folder).map_err(failed(folder))?;
         let content = files::read(part, LARGEST_DATA).map_err(std::io::Error::from);
-        write_file(place, content.map_err(failed(part))?)?;
+        set.add(place, content.map_err(failed(part))?)?;
     }
     Ok(())
 }

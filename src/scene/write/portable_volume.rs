@@ -7,10 +7,9 @@ use std::sync::Arc;
 use bevy::math::{Affine3A, Mat4};
 
 use super::error::SaveError;
-use super::file::write_file;
 use super::patch::value_of;
 use crate::document::{Category, Child, Object, TransformOp, Value};
-use crate::files::Access;
+use crate::files::{Access, FileSet};
 use crate::scene::VolumeFormat;
 use crate::scene::assets::volume_map::load_volume;
 use crate::scene::medium::GRID;
@@ -23,6 +22,8 @@ pub(super) struct VolumeFiles<'f> {
     /// Finds a file by its name in the scene.
     find: &'f dyn Fn(&str) -> Option<PathBuf>,
     access: Access,
+    /// The files that are being written.
+    set: &'f mut FileSet,
     /// The files that no grid may be written to: the scene names them, or has a grid there already.
     taken: HashSet<PathBuf>,
     /// The grids that have been written, by their assets: the names of their files, and their own transforms.
@@ -30,11 +31,17 @@ pub(super) struct VolumeFiles<'f> {
 }
 
 impl<'f> VolumeFiles<'f> {
-    pub(super) fn new(target: &'f Path, find: &'f dyn Fn(&str) -> Option<PathBuf>, access: Access) -> Self {
+    pub(super) fn new(
+        target: &'f Path,
+        find: &'f dyn Fn(&str) -> Option<PathBuf>,
+        access: Access,
+        set: &'f mut FileSet,
+    ) -> Self {
         Self {
             target,
             find,
             access,
+            set,
             taken: HashSet::new(),
             written: Vec::new(),
         }
@@ -119,7 +126,7 @@ impl<'f> VolumeFiles<'f> {
         let mut names = (1..).map(|number| format!("{stem}.volume-{number}.vol"));
         let name = names.find(is_free).unwrap_or_default();
         self.taken.insert(self.target.with_file_name(&name));
-        write_file(&self.target.with_file_name(&name), volume.to_vol())?;
+        self.set.add(&self.target.with_file_name(&name), volume.to_vol())?;
         let world_from_local = volume.world_from_local;
         self.written.push((asset, name.clone(), world_from_local));
         Ok((name, world_from_local))

@@ -16,7 +16,7 @@ use super::known::KnownTexts;
 use super::snapshot::Snapshot;
 use super::{copy_parts, home, plan};
 use crate::document::{self, Diagnostics};
-use crate::files::{Access, FolderLock};
+use crate::files::{Access, FileSet, FolderLock};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
@@ -108,8 +108,9 @@ impl Save {
         let (scene, entities) = self.scene.describe();
         let time = scene.time;
         let (files, moves) = plan(&scene, &target)?;
-        copy_parts(&moves)?;
-        let Some(files) = replace_files(&rest.expected, files, self.overwrites)? else {
+        let mut set = FileSet::new(&target);
+        copy_parts(&moves, &mut set)?;
+        let Some(files) = replace_files(&rest.expected, files, set, self.overwrites)? else {
             return Ok(None);
         };
         let defines = rest.defines.as_deref().unwrap_or_default();

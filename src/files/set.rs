@@ -1,0 +1,643 @@
+//! Replaces several files that belong together: a level and its lightmaps, a glTF file and its buffer, a scene and its meshes.
+//!
+//! All new contents are first written beside their places, which is where disks become full and where time goes. Then a note is made that says
+//! which file goes where, and the files are renamed, the one that names the others last. Before the note all files are the old ones. From the
+//! note on, all will be the new ones: a program that is killed among the renames leaves the note, and who reads or replaces the set next
+//! finishes it ([`finish_set`]). That takes no space on the disk. The note is removed at the end.
+//!
+//! The note lies in the folder of the file that names the others. It may come from others with that folder, so it can only do what those
+//! could do themselves: rename files within the folder and below it, where the files that are replaced or removed are as they were when it was made.
+
+use std::collections::HashSet;
+use std::fs::{self, File, Metadata, TryLockError};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Component, Path, PathBuf};
+use std::time::{Duration, Instant, UNIX_EPOCH};
+
+use flate2::Crc;
+use serde::{Deserialize, Serialize};
+
+use super::atomic::{PREFIX, Target, Waiting, fill, followed, is_file_of_write, remove_leftovers_once};
+use super::reading::{FileError, LARGEST_NOTE, open};
+use super::record::Identity;
+
+/// Notes are called [`PREFIX`], the checksum of the name of the file that names the others, and this.
+const NOTE_SUFFIX: &str = ".set";
+
+/// The longest wait for another program that is renaming the files of the same set, which takes milliseconds.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
+
+/// Times of files may be this much apart, in seconds, and be the same: some file systems keep even seconds only.
+const CLOCK: u64 = 2;
+
+/// The CRC-32 of some bytes, as in ZIP and PNG files, in eight hexadecimal digits.
+pub fn checksum(bytes: &[u8]) -> String {
+    let mut crc = Crc::new();
+    crc.update(bytes);
+    format!("{:08x}", crc.sum())
+}
+
+/// The reason why a file is not written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+fn failed(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_owned();
+    |source| WriteError { path, source }
+}
+
+/// New contents of files, which replace the old ones together. Until then they lie beside them, and are removed with this value.
+#[derive(Debug)]
+pub struct FileSet {
+    main: PathBuf,
+    /// The files as they were named.
+    files: Vec<(PathBuf, Waiting)>,
+    outdated: Vec<PathBuf>,
+}
+
+impl FileSet {
+    /// A set without files. `main` is the file that names the others.
+    pub fn new(main: &Path) -> Self {
+        Self {
+            main: main.to_owned(),
+            files: Vec::new(),
+            outdated: Vec::new(),
+        }
+    }
+
+    /// Adds a file with this content. It does not replace folders, devices and files that the program has read.
+    pub fn add(&mut self, path: &Path, content: impl AsRef<[u8]>) -> Result<(), WriteError> {
+        self.add_with(path, |file| file.write_all(content.as_ref()))
+    }
+
+    /// [`Self::add`] for content that `write` writes piece by piece.
+    pub fn add_with(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
+        let waiting = Target::new(path).and_then(|target| target.write(write));
+        self.files.push((path.to_owned(), waiting.map_err(failed(path))?));
+        Ok(())
+    }
+
+    /// Has a file of the older set removed that the new one has no more, once the new files are in their places.
+    pub fn remove(&mut self, path: &Path) {
+        self.outdated.push(path.to_owned());
+    }
+
+    /// Replaces the files. After an error before the first of them all are as they were; a later one is mended by [`finish_set`], if it can be.
+    pub fn replace(self) -> Result<(), WriteError> {
+        self.replace_until(usize::MAX)
+    }
+
+    /// As [`Self::replace`], but stops after so many renames and removals, as if the program was killed.
+    fn replace_until(mut self, stop: usize) -> Result<(), WriteError> {
+        // The order of the others stays.
+        self.files.sort_by_key(|(path, _)| *path == self.main);
+        let main = Target::new(&self.main).map_err(failed(&self.main))?;
+        let folder = main.folder().to_owned();
+        let note = Note::publish(&self, &main)?;
+        let files = self.files.into_iter().map(|(path, waiting)| {
+            // What the note promises stays there.
+            let waiting = if note.is_some() { waiting.kept() } else { waiting };
+            (path, waiting)
+        });
+        let mut left = stop;
+        for (path, waiting) in files.collect::<Vec<_>>() {
+            if left == 0 {
+                return Ok(());
+            }
+            left -= 1;
+            waiting.replace().map_err(failed(&path))?;
+        }
+        for path in &self.outdated {
+            if left == 0 {
+                return Ok(());
+            }
+            left -= 1;
+            // What is there no longer needs no removal.
+            let _ = fs::remove_file(path);
+        }
+        if left > 0 {
+            if let Some(note) = note {
+                let _ = fs::remove_file(&note.path);
+            }
+            remove_leftovers_once(&folder);
+        }
+        Ok(())
+    }
+}
+
+/// The length of a file and the time of its last change, in seconds since 1970.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Stamp {
+    length: u64,
+    time: u64,
+}
+
+impl Stamp {
+    fn new(about: &Metadata) -> Self {
+        let time = about.modified().ok();
+        let time = time.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        Self {
+            length: about.len(),
+            time: time.map_or(0, |time| time.as_secs()),
+        }
+    }
+
+    /// That of a plain file; None if there is none. A link does not count as the file that it leads to.
+    fn of(path: &Path) -> Option<Self> {
+        let about = fs::symlink_metadata(path).ok()?;
+        about.is_file().then(|| Self::new(&about))
+    }
+
+    fn is(self, other: Self) -> bool {
+        self.length == other.length && self.time.abs_diff(other.time) <= CLOCK
+    }
+
+    fn are_same(one: Option<Self>, other: Option<Self>) -> bool {
+        match (one, other) {
+            (Some(one), Some(other)) => one.is(other),
+            (one, other) => one == other,
+        }
+    }
+}
+
+/// A file that is to be renamed. Names are relative to the folder of the note; those of places that are not below it are absolute.
+#[derive(Debug, Serialize, Deserialize)]
+struct Rename {
+    from: PathBuf,
+    to: PathBuf,
+    new: Stamp,
+    /// What is replaced; None if there was nothing.
+    old: Option<Stamp>,
+}
+
+/// What a note says.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Plan {
+    files: Vec<Rename>,
+    /// The files that are removed at last.
+    outdated: Vec<(PathBuf, Stamp)>,
+}
+
+impl Plan {
+    fn of(set: &FileSet, folder: &Path) -> io::Result<Self> {
+        let relative = |path: &Path| path.strip_prefix(folder).unwrap_or(path).to_owned();
+        let files = set.files.iter().map(|(_, waiting)| {
+            Ok(Rename {
+                from: relative(waiting.path()),
+                to: relative(waiting.target()),
+                new: Stamp::of(waiting.path()).ok_or(ErrorKind::NotFound)?,
+                old: Stamp::of(waiting.target()),
+            })
+        });
+        let outdated = set.outdated.iter().filter_map(|path| {
+            let path = path.canonicalize().ok()?;
+            Some((relative(&path), Stamp::of(&path)?))
+        });
+        Ok(Self {
+            files: files.collect::<io::Result<_>>()?,
+            outdated: outdated.collect(),
+        })
+    }
+
+    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot.
+    fn finish(&self, folder: &Path) -> Result<(), String> {
+        let mut renames = Vec::new();
+        for file in &self.files {
+            let place = folder.join(&file.to);
+            let name = file.to.display();
+            let Some(from) = Stamp::of(&folder.join(&file.from)) else {
+                match Stamp::of(&place).is_some_and(|there| there.is(file.new)) {
+                    true => continue,
+                    false => return Err(format!("{name} is not the new one, which is gone")),
+                }
+            };
+            if !from.is(file.new) || !Stamp::are_same(Stamp::of(&place), file.old) {
+                return Err(format!("{name} was changed since"));
+            }
+            if !is_inside(folder, &file.from) || !is_inside(folder, &file.to) || !is_file_of_write(&file.from) {
+                return Err(format!("{name} is in another folder"));
+            }
+            renames.push((folder.join(&file.from), place));
+        }
+        for (from, to) in renames {
+            fs::rename(from, &to).map_err(|error| format!("{}: {error}", to.display()))?;
+        }
+        for (name, stamp) in &self.outdated {
+            let path = folder.join(name);
+            if is_inside(folder, name) && Stamp::of(&path).is_some_and(|there| there.is(*stamp)) {
+                let _ = fs::remove_file(path);
+            }
+        }
+        Ok(())
+    }
+
+    /// The files that wait to be renamed.
+    fn waiting(&self, folder: &Path) -> impl Iterator<Item = PathBuf> {
+        let names = self.files.iter().map(|file| &file.from);
+        let own = names.filter(|name| is_inside(folder, name) && is_file_of_write(name));
+        own.map(|name| folder.join(name))
+    }
+}
+
+/// Whether a relative name stays below the folder, also by the links on its way.
+fn is_inside(folder: &Path, name: &Path) -> bool {
+    let is_plain = name.components().all(|part| matches!(part, Component::Normal(_)));
+    let around = folder.join(name.parent().unwrap_or(Path::new("")));
+    let real = around.canonicalize().ok().zip(folder.canonicalize().ok());
+    is_plain && real.is_some_and(|(around, folder)| around.starts_with(folder))
+}
+
+/// A note that is in its place, locked for as long as this value lives.
+#[derive(Debug)]
+struct Note {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Note {
+    /// Makes the note of a set; None if it needs none. Notes of others in that place are finished first, or replaced if they cannot be.
+    fn publish(set: &FileSet, main: &Target) -> Result<Option<Self>, WriteError> {
+        let is_alone = set.files.len() < 2 && set.outdated.is_empty();
+        let folder = main.folder();
+        let path = note_path(&main.path);
+        if is_alone && !path.exists() {
+            return Ok(None);
+        }
+        let deadline = Instant::now() + LONGEST_WAIT;
+        loop {
+            let left = finish(&path);
+            if let Err(FileError::Io(error)) = left {
+                return Err(failed(&set.main)(error));
+            }
+            let stale = match &left {
+                // It is replaced, and what it kept is in no use then.
+                Err(_) => read_plan(&path)
+                    .ok()
+                    .map(|plan| plan.waiting(folder).collect::<Vec<_>>()),
+                Ok(()) => None,
+            };
+            if is_alone && left.is_ok() {
+                return Ok(None);
+            }
+            // Names that are no text cannot be in a note, nor in the files that name others.
+            let plan = Plan::of(set, folder).map_err(failed(&set.main))?;
+            let Ok(text) = serde_json::to_vec(&plan) else {
+                return Ok(None);
+            };
+            let written = main.temporary_file().and_then(|mut file| {
+                fill(&mut file, |file| file.write_all(&text))?;
+                Ok(file)
+            });
+            let written = written.map_err(failed(&set.main))?;
+            let published = match left.is_ok() {
+                true => written.persist_noclobber(&path),
+                false => written.persist(&path),
+            };
+            let published = published.map_err(|error| error.error);
+            match published {
+                Ok(file) => {
+                    sync_folder(folder);
+                    stale.into_iter().flatten().for_each(|path| drop(fs::remove_file(path)));
+                    return Ok(Some(Self { path, _file: file }));
+                }
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && Instant::now() < deadline => {}
+                Err(error) => return Err(failed(&set.main)(error)),
+            }
+        }
+    }
+}
+
+/// The note of the set of a file, which is given as the links to it lead.
+fn note_path(main: &Path) -> PathBuf {
+    let name = main.file_name().unwrap_or_default().as_encoded_bytes();
+    main.with_file_name(format!("{PREFIX}{}{NOTE_SUFFIX}", checksum(name)))
+}
+
+fn is_note(name: &[u8]) -> bool {
+    name.starts_with(PREFIX.as_bytes()) && name.ends_with(NOTE_SUFFIX.as_bytes())
+}
+
+/// Has the note on the disk before what it announces. Where folders cannot be flushed, the system decides.
+fn sync_folder(folder: &Path) {
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+}
+
+/// Finishes what a killed program has begun: the replacement of a file and of those that belong to it. To be called before the file is read. An
+/// error says that the files do not belong together and cannot be made to.
+pub fn finish_set(main: &Path) -> Result<(), FileError> {
+    match followed(main) {
+        Ok(main) => finish(&note_path(&main)),
+        // Reading it says what is wrong.
+        Err(_) => Ok(()),
+    }
+}
+
+/// Finishes what the note says, if there is one. Waits for a program that is doing so.
+fn finish(note: &Path) -> Result<(), FileError> {
+    let deadline = Instant::now() + LONGEST_WAIT;
+    let broken = |why: String| {
+        let note = note.display();
+        FileError::BrokenOff(format!(
+            "{why}; write them again, or remove {note} to keep the files as they are"
+        ))
+    };
+    loop {
+        if !fs::symlink_metadata(note).is_ok_and(|about| about.is_file()) {
+            return Ok(());
+        }
+        let file = match open(note, LARGEST_NOTE) {
+            Ok(file) => file,
+            Err(error) if error.is_not_found() => return Ok(()),
+            Err(error) => return Err(broken(error.to_string())),
+        };
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_millis(2));
+                continue;
+            }
+            Err(TryLockError::WouldBlock) => {
+                let message = "another program is replacing this file and those that belong to it";
+                return Err(io::Error::new(ErrorKind::WouldBlock, message).into());
+            }
+            // Where files cannot be locked, it is done without a lock.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        // Another program may have finished it before the lock was free, and begun the next.
+        if !Identity::of(note).is_some_and(|there| there.is_of(&file)) {
+            continue;
+        }
+        let plan = read_plan(note).map_err(broken)?;
+        plan.finish(note.parent().unwrap_or(Path::new(""))).map_err(broken)?;
+        return fs::remove_file(note).map_err(|error| broken(error.to_string()));
+    }
+}
+
+fn read_plan(note: &Path) -> Result<Plan, String> {
+    let text = super::read(note, LARGEST_NOTE).map_err(|error| error.to_string())?;
+    serde_json::from_slice(&text).map_err(|error| error.to_string())
+}
+
+/// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be finished.
+pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
+    let mut waiting = HashSet::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_note(entry.file_name().as_encoded_bytes())
+            && finish(&entry.path()).is_err()
+            && let Ok(plan) = read_plan(&entry.path())
+        {
+            waiting.extend(plan.waiting(folder));
+        }
+    }
+    waiting
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with a main file, one beside it and one below it, of three sets: an older one, and a newer one of other files.
+    struct Shop(tempfile::TempDir);
+
+    const MAIN: &str = "scene.gltf";
+    const FIRST: [&str; 3] = ["scene.bin", "scene-files/a.ply", MAIN];
+    const SECOND: [&str; 3] = ["scene.bin", "scene-files/b.ply", MAIN];
+
+    impl Shop {
+        fn new() -> Self {
+            let shop = Self(tempfile::tempdir().expect("a temporary folder"));
+            fs::create_dir(shop.path("scene-files")).expect("a writable folder");
+            for name in FIRST {
+                fs::write(shop.path(name), "first").expect("a writable folder");
+            }
+            shop
+        }
+
+        fn path(&self, name: &str) -> PathBuf {
+            self.0.path().join(name)
+        }
+
+        fn second(&self) -> FileSet {
+            // The order in which they are added is not that of the renames.
+            let mut set = FileSet::new(&self.path(MAIN));
+            for name in SECOND.iter().rev() {
+                set.add(&self.path(name), "second").expect("it can be written");
+            }
+            set.remove(&self.path("scene-files/a.ply"));
+            set
+        }
+
+        /// What the files hold by name; names of temporary files and notes are shortened.
+        fn content(&self) -> Vec<(String, String)> {
+            let mut all = Vec::new();
+            for folder in ["", "scene-files/"] {
+                for entry in fs::read_dir(self.path(folder)).expect("it is there").flatten() {
+                    let name = entry.file_name().to_string_lossy().into_owned();
+                    if entry.path().is_file() {
+                        let text = fs::read_to_string(entry.path()).expect("a text");
+                        all.push((format!("{folder}{name}"), text));
+                    }
+                }
+            }
+            all.sort();
+            all
+        }
+
+        fn is(&self, names: [&str; 3], text: &str) -> bool {
+            let mut expected = names.map(|name| (name.to_owned(), text.to_owned()));
+            expected.sort();
+            self.content() == expected
+        }
+
+        fn finish(&self) -> Result<(), String> {
+            finish_set(&self.path(MAIN)).map_err(|error| error.to_string())
+        }
+
+        /// The note, and its only temporary file.
+        fn note(&self) -> PathBuf {
+            note_path(&self.path(MAIN).canonicalize().expect("it is there"))
+        }
+    }
+
+    /// Three renames, one removal and that of the note.
+    const STEPS: usize = 4;
+
+    #[test]
+    fn a_set_is_replaced_as_a_whole() {
+        let shop = Shop::new();
+        let set = shop.second();
+        drop(set);
+        assert!(shop.is(FIRST, "first"));
+        shop.second().replace().expect("it can be written");
+        assert!(shop.is(SECOND, "second"), "{:?}", shop.content());
+    }
+
+    #[test]
+    fn the_reader_finishes_what_a_killed_program_began() {
+        for stop in 0..=STEPS {
+            let shop = Shop::new();
+            shop.second().replace_until(stop).expect("it can be written");
+            // The main file is the last one.
+            let main = fs::read_to_string(shop.path(MAIN)).expect("it is there");
+            assert_eq!(main == "second", stop >= 3, "{stop}");
+            assert!(shop.note().exists());
+            shop.finish().expect("it can be finished");
+            assert!(shop.is(SECOND, "second"), "{stop}: {:?}", shop.content());
+            assert!(!shop.note().exists());
+        }
+    }
+
+    #[test]
+    fn the_next_writer_finishes_what_a_killed_program_began() {
+        for stop in 0..=STEPS {
+            let shop = Shop::new();
+            shop.second().replace_until(stop).expect("it can be written");
+            let mut third = FileSet::new(&shop.path(MAIN));
+            third.add(&shop.path(MAIN), "third").expect("it can be written");
+            third.replace().expect("it can be written");
+            let expected = [
+                ("scene-files/b.ply", "second"),
+                ("scene.bin", "second"),
+                (MAIN, "third"),
+            ];
+            let expected = expected.map(|(name, text)| (name.to_owned(), text.to_owned()));
+            assert_eq!(shop.content(), expected, "{stop}");
+        }
+    }
+
+    #[test]
+    fn a_first_set_has_no_older_files() {
+        for stop in 0..=2 {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = |name: &str| folder.path().join(name);
+            let mut set = FileSet::new(&path("a.gltf"));
+            for name in ["a.bin", "a.gltf"] {
+                set.add(&path(name), name).expect("it can be written");
+            }
+            set.replace_until(stop).expect("it can be written");
+            finish_set(&path("a.gltf")).expect("it can be finished");
+            let names = fs::read_dir(folder.path()).expect("it is there").count();
+            assert_eq!(
+                (path("a.gltf").exists(), path("a.bin").exists(), names),
+                (true, true, 2)
+            );
+        }
+    }
+
+    #[test]
+    fn what_was_changed_since_is_not_replaced() {
+        for (name, stop) in [(MAIN, 1), ("scene.bin", 1), ("scene.bin", 3)] {
+            let shop = Shop::new();
+            shop.second().replace_until(stop).expect("it can be written");
+            fs::write(shop.path(name), "the user's own").expect("a writable folder");
+            let before = shop.content();
+            let message = shop.finish().expect_err("files of the user");
+            assert!(
+                message.contains(&format!("{name} was changed since"))
+                    || message.contains(&format!("{name} is not the new one")),
+                "{message}"
+            );
+            assert!(
+                message.contains(&format!("remove {}", shop.note().display())),
+                "{message}"
+            );
+            assert_eq!(shop.content(), before);
+            // Another set takes the place of it, and nothing of the old one stays.
+            shop.second().replace().expect("it can be written");
+            shop.finish().expect("there is nothing to finish");
+            let left = shop.content();
+            assert!(left.iter().all(|(name, _)| !name.contains(".sunroom")), "{left:?}");
+        }
+    }
+
+    #[test]
+    fn notes_of_others_rename_and_remove_nothing_elsewhere() {
+        let shop = Shop::new();
+        let inner = shop.path("inner");
+        fs::create_dir(&inner).expect("a writable folder");
+        let part = inner.join(".sunroom-evil.part");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("..", inner.join("link")).expect("a writable folder");
+        fs::write(&part, "evil").expect("a writable folder");
+        fs::write(inner.join("own.txt"), "evil").expect("a writable folder");
+        let stamp = Stamp::of(&part).expect("it is there");
+        let old = Stamp::of(&shop.path("scene.bin")).expect("it is there");
+        let absolute = shop.path("new.txt");
+        for (from, to, is_there) in [
+            (".sunroom-evil.part", "../new.txt", false),
+            (".sunroom-evil.part", "../scene.bin", true),
+            (".sunroom-evil.part", "link/new.txt", false),
+            (".sunroom-evil.part", absolute.to_str().expect("a text"), false),
+            ("own.txt", "new.txt", false),
+        ] {
+            let plan = Plan {
+                files: vec![Rename {
+                    from: from.into(),
+                    to: to.into(),
+                    new: stamp,
+                    old: is_there.then_some(old),
+                }],
+                outdated: vec![("../scene.bin".into(), old)],
+            };
+            let note = note_path(&inner.join(MAIN));
+            fs::write(&note, serde_json::to_vec(&plan).expect("a text")).expect("a writable folder");
+            let message = finish_set(&inner.join(MAIN)).expect_err(to).to_string();
+            assert!(message.contains("in another folder"), "{message}");
+            assert!(part.exists() && !absolute.exists() && shop.path("scene.bin").exists());
+        }
+    }
+
+    #[test]
+    fn waiting_files_are_no_leftovers() {
+        let shop = Shop::new();
+        shop.second().replace_until(1).expect("it can be written");
+        let waiting = finish_all(shop.0.path());
+        assert!(waiting.is_empty() && shop.is(SECOND, "second"));
+        // One that cannot be finished keeps its files.
+        let shop = Shop::new();
+        shop.second().replace_until(0).expect("it can be written");
+        fs::write(shop.path(MAIN), "the user's own").expect("a writable folder");
+        let waiting = finish_all(shop.0.path());
+        assert_eq!(waiting.len(), 3);
+        assert!(waiting.iter().all(|path| path.exists()));
+    }
+
+    #[test]
+    fn a_note_that_is_being_worked_on_is_waited_for() {
+        let shop = Shop::new();
+        shop.second().replace_until(1).expect("it can be written");
+        let file = File::open(shop.note()).expect("it is there");
+        file.lock().expect("nobody else has it");
+        let main = shop.path(MAIN);
+        let reader = std::thread::spawn(move || finish_set(&main).map_err(|error| error.to_string()));
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(!reader.is_finished());
+        drop(file);
+        reader.join().expect("no panic").expect("it can be finished");
+        assert!(shop.is(SECOND, "second"));
+    }
+
+    #[test]
+    fn nothing_is_replaced_if_one_file_cannot_be() {
+        let shop = Shop::new();
+        fs::create_dir(shop.path("folder")).expect("a writable folder");
+        let long = "a".repeat(300);
+        for name in ["folder", "absent/b.ply", &long] {
+            let mut set = FileSet::new(&shop.path(MAIN));
+            set.add(&shop.path(MAIN), "second").expect("it can be written");
+            let error = set.add(&shop.path(name), "second").expect_err(name);
+            assert_eq!(error.path, shop.path(name));
+            drop(set);
+            assert!(shop.is(FIRST, "first"), "{:?}", shop.content());
+        }
+    }
+}
