@@ -28,7 +28,7 @@ use sunroom::bake::progress::about_invalid;
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
 use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
-use sunroom::files::{check_writable, record_reads};
+use sunroom::files::{check_writable, keep_reads};
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::Hidden;
 use sunroom::scene::{OpenScene, SceneStatus, read};
@@ -41,7 +41,7 @@ use self::progress::BakeProgress;
 
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{INTERRUPTED, TERMINATED};
-use super::outputs::is_same_file;
+use super::outputs::{check_scene_stays, is_same_file};
 use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};
@@ -125,15 +125,19 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
     if args.checkpoints.checkpoint.is_some() {
         note_termination(cancel.clone());
     }
-    if args.samples.is_some() || args.checkpoints.are_given() {
-        record_reads();
-    }
+    keep_reads();
     let Some(mut app) = packed(args, &cancel)? else {
         return Ok(None);
     };
     let Some(level) = level(args)? else {
         return Ok(None);
     };
+    let replaced = files::replaceable(&args.output).into_iter();
+    check_scene_stays(
+        replaced
+            .chain([args.output.clone()])
+            .chain(args.checkpoints.checkpoint.clone()),
+    )?;
     let mut packed = app.world_mut().resource_mut::<PackedScene>();
     if let (Some(seed), Some(view)) = (args.seed, &mut packed.view) {
         view.seed = seed;

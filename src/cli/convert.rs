@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sunroom::document::paths::settle;
-use sunroom::files::Access;
+use sunroom::files::{Access, keep_reads};
 use sunroom::scene::SceneDescription;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::{Hidden, export, is_export};
@@ -16,7 +16,7 @@ use sunroom::scene::volume_check::check_volumes;
 use sunroom::scene::write::{self, Extensions};
 
 use super::args::{MemoryArgs, SceneArgs, TrustArgs};
-use super::outputs::is_same_file;
+use super::outputs::{check_scene_stays, is_same_file};
 use super::report;
 
 #[derive(Args)]
@@ -44,6 +44,7 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         return report::error("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml");
     }
     args.memory.apply();
+    keep_reads();
     let access = match args.trust.trust(&args.scene.scene) {
         Ok(trust) => trust.access(&settle(&args.scene.scene)),
         Err(error) => return report::error(error),
@@ -68,6 +69,9 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     // It would lose what only the old file has: comments, includes, `$name`s.
     if is_same_file(&args.scene.scene, &args.output) {
         return report::error("this would replace the scene it is made from; give another name");
+    }
+    if let Err(error) = check_scene_stays([&args.output]) {
+        return report::error(error);
     }
     if is_export(&args.output) {
         return export_to(&scene, &document.access, &args);

@@ -4,11 +4,12 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use sunroom::document::paths::settle;
-use sunroom::files::check_writable;
+use sunroom::files::{SameFiles, check_writable, recorded_reads};
 use sunroom::render::image_io::{
     FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
 };
 use sunroom::render::layered_image::LayeredImage;
+use sunroom::scene::export::ExportError;
 
 use super::report::{self, Failure};
 
@@ -23,7 +24,7 @@ pub fn is_stdout(path: &Path) -> bool {
 /// Whether both names are of one file, be it there or not. Links are followed.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| settle(path));
-    place(a) == place(b)
+    place(a) == place(b) || SameFiles::of([a]).has(b)
 }
 
 /// Whether the outputs have this file among them.
@@ -51,6 +52,19 @@ pub fn check_inputs_stay(outputs: &[PathBuf], inputs: &[PathBuf], what: &str) ->
             Err(format!(
                 "{output}: this output is {what}, which is not replaced: name another file"
             ))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses an output that is a file of the scene. To be called once the scene is loaded.
+pub fn check_scene_stays(outputs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<(), ExportError> {
+    let files = SameFiles::of(recorded_reads());
+    let is_lost = |path: &Path| !is_stdout(path) && files.has(path);
+    match outputs.into_iter().find(|output| is_lost(output.as_ref())) {
+        Some(output) => {
+            let path = output.as_ref().to_owned();
+            Err(ExportError::InUse { path })
         }
         None => Ok(()),
     }

@@ -19,7 +19,7 @@ use sunroom::engine::{Limits, PackedScene, RenderControl, RenderFilm, RenderStat
 use sunroom::engine::{
     choose_integrator, describe_picture, layered_picture, load_to_completion, open_shutter, render_watched,
 };
-use sunroom::files::record_reads;
+use sunroom::files::keep_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::auto::{Method, pays_for_pilot};
 use sunroom::render::denoise::denoise_film;
@@ -62,6 +62,8 @@ type Error = Box<dyn std::error::Error>;
 fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let first_outputs = args.sequence.first_outputs(&args.output)?;
     outputs::check_pictures(&first_outputs)?;
+    // Its names are the longest.
+    outputs::check_pictures(&args.sequence.last_outputs(&args.output))?;
     args.shares.check(&args.output)?;
     check_together(args)?;
     args.checkpoints.check(
@@ -76,9 +78,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     if args.checkpoints.checkpoint.is_some() {
         note_termination(cancel.clone());
     }
-    if args.shares.is_given() || args.checkpoints.are_given() {
-        record_reads();
-    }
+    keep_reads();
     let begin = Instant::now();
     let mut app = render_only(
         OpenScene {
@@ -136,6 +136,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         true => vec![default_output(app.world(), &args.scene.scene, &args.sequence)?],
         false => args.output.clone(),
     };
+    outputs::check_scene_stays(args.checkpoints.checkpoint.as_deref())?;
+    outputs::check_scene_stays(args.sequence.outputs(&named).flatten())?;
     let compression = file_options(app.world(), args).exr_compression;
     check_compression(app.world(), compression, &named)?;
     if let Some(address) = &args.display_server {

@@ -102,6 +102,23 @@ impl SequenceArgs {
         Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
     }
 
+    /// The files of the last picture, whose names may be longer than those of the first.
+    pub fn last_outputs(&self, outputs: &[PathBuf]) -> Vec<PathBuf> {
+        match &self.frames {
+            Some(frames) => outputs.iter().map(|path| frame_path(path, *frames.end())).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    /// The files of each picture, one picture after the other.
+    pub fn outputs<'p>(&self, outputs: &'p [PathBuf]) -> Box<dyn Iterator<Item = Vec<PathBuf>> + 'p> {
+        let Some(frames) = self.frames.clone() else {
+            return Box::new(std::iter::once(outputs.to_vec()));
+        };
+        let of_frame = move |frame| -> Vec<PathBuf> { outputs.iter().map(|path| frame_path(path, frame)).collect() };
+        Box::new(frames.map(of_frame))
+    }
+
     /// What the samples of a frame depend on beside the scene, by name. `moments` are in frames.
     pub fn settings(&self, frame: u32, moments: &[f64], has_motion: bool) -> Settings {
         let seconds = |moments: &mut dyn Iterator<Item = f64>| {

@@ -25,6 +25,7 @@ use super::{
     FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh, VolumeFormat, VolumeMap,
     Volumes,
 };
+use crate::files::SameFiles;
 
 /// The time for which events are held back, so that one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
@@ -62,6 +63,11 @@ impl SceneWatch {
     /// The files that the open scene consists of, and places where it looks for files in vain.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.reloads.keys().map(PathBuf::as_path)
+    }
+
+    /// Whether the open scene consists of this file, under whatever name.
+    pub fn has_file(&self, path: &Path) -> bool {
+        SameFiles::of(self.files()).has(path)
     }
 
     fn start(&mut self) {

@@ -8,6 +8,7 @@ mod checkpoints;
 mod commands;
 mod diff;
 mod foreign_files;
+mod inputs;
 mod killing;
 #[cfg(feature = "window")]
 mod monkey;

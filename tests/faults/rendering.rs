@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::program::{OLD, Running, Workshop, picture, with_mounts};
+use crate::program::{OLD, Running, SCENE, Workshop, picture, with_mounts};
 use crate::table::{Row, section};
 
 section! { "Rendering"
@@ -14,6 +14,22 @@ section! { "Rendering"
         "An output is a link to a device.",
         "Before rendering: `error: cannot write …a.png: it is a device or a pipe, not a file`, exit code 1.",
         "Nothing new; the device is still one, also where root could have replaced it.";
+    output_is_a_link_to_nothing:
+        "An output is a link to a file that is not there.",
+        "Nothing, exit code 0.",
+        "The picture where the link leads; the link is still one.";
+    output_is_a_link_in_a_circle:
+        "An output is a link that leads to itself.",
+        "Before rendering: `error: cannot write …a.png: it is a link that leads in a circle`, exit code 1.",
+        "Nothing new.";
+    output_is_a_picture_of_the_scene:
+        "An output is a picture that the scene shows.",
+        "Before rendering: `error: a.png: the scene is made of this file; choose another name`, exit code 1.",
+        "Nothing new.";
+    output_has_too_long_a_name:
+        "The name of an output is too long.",
+        "Before rendering: `error: cannot write …a.png: File name too long`, exit code 1.",
+        "Nothing new.";
     output_has_no_folder:
         "The folder of an output does not exist.",
         "Before rendering: `error: cannot write …a.png: there is no folder …`, exit code 1.",
@@ -91,6 +107,41 @@ fn output_is_a_device(row: &Row) {
     assert_eq!(shop.names("."), ["a.png", "device", "scene.xml", "tmp"]);
     let kind = std::fs::metadata(shop.path("a.png")).expect("it is there").file_type();
     assert!(kind.is_char_device() || kind.is_fifo(), "{kind:?}");
+}
+
+fn output_is_a_link_to_nothing(row: &Row) {
+    let shop = Workshop::new();
+    std::fs::create_dir(shop.path("far")).expect("a temporary folder");
+    std::os::unix::fs::symlink("far/b.png", shop.path("a.png")).expect("a temporary folder");
+    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "a.png", "-q"]));
+    assert!(shop.path("a.png").is_symlink());
+    picture(&shop.path("far/b.png"));
+    assert_eq!(shop.names("."), ["a.png", "far", "scene.xml", "tmp"]);
+}
+
+fn output_is_a_link_in_a_circle(row: &Row) {
+    let shop = Workshop::new();
+    std::os::unix::fs::symlink("a.png", shop.path("a.png")).expect("a temporary folder");
+    is_refused_before_rendering(row, &shop, &[], &["a.png"]);
+    assert!(shop.path("a.png").is_symlink());
+    assert_eq!(shop.names("."), ["a.png", "scene.xml", "tmp"]);
+}
+
+fn output_is_a_picture_of_the_scene(row: &Row) {
+    let shop = Workshop::new();
+    let render = ["render", "scene.xml", "-o", "a.png", "-q"];
+    assert_eq!(shop.run(&[], &render).status.code(), Some(0));
+    let lamp = r#"<emitter type="envmap"><string name="filename" value="a.png"/></emitter></scene>"#;
+    shop.write("scene.xml", SCENE.replace("</scene>", lamp));
+    let before = std::fs::read(shop.path("a.png")).expect("it is there");
+    is_refused_before_rendering(row, &shop, &[], &["a.png"]);
+    assert!(std::fs::read(shop.path("a.png")).expect("it is there") == before);
+}
+
+fn output_has_too_long_a_name(row: &Row) {
+    let shop = Workshop::new();
+    is_refused_before_rendering(row, &shop, &[], &[&format!("{}.png", "a".repeat(300))]);
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
 }
 
 fn output_has_no_folder(row: &Row) {

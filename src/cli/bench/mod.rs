@@ -62,6 +62,8 @@ fn compared(
     planned: &[compare::Subject],
     measure: impl FnOnce() -> Result<Results, Error>,
 ) -> Result<usize, Error> {
+    let (written, read) = (common.json.as_slice(), common.against.as_slice());
+    outputs::check_inputs_stay(written, read, "what it is compared with")?;
     let earlier = match &common.against {
         Some(path) => {
             let earlier = Results::read(path)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use crate::files::SameFiles;
 use crate::scene::ShapeKind;
 use crate::scene::description::SceneDescription;
 use crate::scene::pictures::pictures_of_lights;
@@ -14,11 +15,9 @@ pub fn first_in_use<'f>(
     of_libraries: &BTreeSet<PathBuf>,
     mut files: impl Iterator<Item = &'f Path>,
 ) -> Option<&'f Path> {
-    let used = used_files(scene);
-    let used = used.iter().chain(of_libraries);
-    let used: BTreeSet<PathBuf> = used.filter_map(|path| path.canonicalize().ok()).collect();
+    let used = SameFiles::of(used_files(scene).iter().chain(of_libraries));
     // A file that is not there yet is in no use.
-    files.find(|file| file.canonicalize().is_ok_and(|file| used.contains(&file)))
+    files.find(|file| used.has(file))
 }
 
 fn used_files(scene: &SceneDescription) -> BTreeSet<PathBuf> {

@@ -14,7 +14,7 @@ use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::window::preview::Previews;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
-use crate::scene::{SceneState, SceneStatus};
+use crate::scene::{SceneState, SceneStatus, SceneWatch};
 
 const SETTLING_FRAMES: u32 = 3;
 
@@ -101,8 +101,9 @@ pub(crate) fn drive_exit_door(
                     move |captured: On<ScreenshotCaptured>,
                           mut door: ResMut<ExitDoor>,
                           mut control: ResMut<RenderControl>,
+                          scene: Res<SceneWatch>,
                           mut exit: MessageWriter<AppExit>| {
-                        let outcome = save_window(&captured.image, &path);
+                        let outcome = save_window(&captured.image, &path, &scene);
                         door.step = Step::Done;
                         control.exact_samples = None;
                         match outcome {

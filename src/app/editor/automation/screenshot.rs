@@ -8,6 +8,7 @@ use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::window::preview::Previews;
 use crate::app::terminal;
 use crate::files::write_atomically;
+use crate::scene::SceneWatch;
 
 /// The longest wait for the previews of materials. They are rendered in the time that everything else leaves, so that on a busy machine they may take
 /// minutes.
@@ -43,8 +44,15 @@ impl WindowWait {
     }
 }
 
-/// A captured window as PNG.
-pub(crate) fn save_window(image: &Image, path: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
+/// Saves a captured window as PNG. It does not replace files of the scene.
+pub(crate) fn save_window(
+    image: &Image,
+    path: &std::path::Path,
+    scene: &SceneWatch,
+) -> Result<(), Box<dyn std::error::Error>> {
+    if scene.has_file(path) {
+        return Err("the scene is made of this file; choose another name".into());
+    }
     let picture = image.clone().try_into_dynamic()?;
     let mut png = std::io::Cursor::new(Vec::new());
     picture.to_rgb8().write_to(&mut png, image::ImageFormat::Png)?;

@@ -21,10 +21,11 @@ use crate::layer::Layer;
 use crate::render::image_io::{
     FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
+use crate::scene::export::ExportError;
 use crate::scene::write::{self, OnChange, SaveError};
 use crate::scene::{
     self, ActiveSensor, Film, FilmStorage, IntegratorSettings, Keys, OpenScene, Placements, SceneFile, SceneState,
-    SceneStatus, insert,
+    SceneStatus, SceneWatch, insert,
 };
 
 /// The path of texts of the clipboard: files in them are named in full.
@@ -146,6 +147,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err(CommandError::file("There is no picture to save."));
     }
+    check_scene_stays(world, path)?;
     let display = world.resource::<ViewSettings>().display;
     let is_exr = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr);
     let is_displayed = FileFormat::from_path(path).is_ok_and(FileFormat::is_displayed);
@@ -173,6 +175,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if !is_displayed && let Some(noisy) = finished::noisy_picture(world) {
         // Both are one picture: saving it again replaces both, and the dialog asks about both.
         let path = noisy_beside(path);
+        check_scene_stays(world, &path)?;
         let mut noisy = single_picture(world, &noisy);
         finished::describe(world, &mut noisy);
         let options = file_options(film_storage(world), display.tone());
@@ -197,6 +200,17 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     }
     say_saved(world, format!("Saved {}{shown}", path.display()));
     Ok(())
+}
+
+/// Refuses to write a picture over a file of the scene.
+fn check_scene_stays(world: &World, path: &Path) -> Result<(), CommandError> {
+    let is_of_scene = world
+        .get_resource::<SceneWatch>()
+        .is_some_and(|watch| watch.has_file(path));
+    match is_of_scene {
+        true => Err(CommandError::file(ExportError::InUse { path: path.to_owned() })),
+        false => Ok(()),
+    }
 }
 
 /// How the film of the camera is stored, as the scene says it.

@@ -41,7 +41,7 @@ use crate::app::editor::words::figures::counted;
 use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, LARGEST_NOTE};
-use crate::scene::{SceneState, SceneStatus};
+use crate::scene::{SceneState, SceneStatus, SceneWatch};
 use baking::BakeWait;
 use error::{ScriptError, ScriptNotBegun};
 use parse::{Step, Wait};
@@ -344,9 +344,10 @@ impl Script {
                 world.spawn(Screenshot::primary_window()).observe(
                     move |captured: On<ScreenshotCaptured>,
                           mut script: ResMut<Script>,
+                          scene: Res<SceneWatch>,
                           mut exit: MessageWriter<AppExit>| {
                         script.screenshot_awaited = false;
-                        if let Err(error) = save_window(&captured.image, &path) {
+                        if let Err(error) = save_window(&captured.image, &path, &scene) {
                             let (file, line) = (script.path.display(), script.number);
                             terminal::line(format_args!("error: {file}:{line}: {error}"));
                             exit.write(AppExit::error());
