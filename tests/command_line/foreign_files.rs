@@ -710,9 +710,12 @@ mod untrusted {
     #[cfg(unix)]
     #[test]
     fn a_link_in_the_place_of_a_cache_permits_nothing() {
+        use std::os::unix::fs::MetadataExt;
         let shop = shop();
-        std::fs::create_dir_all(shop.path("tmp/sunroom")).expect("a writable folder");
-        std::os::unix::fs::symlink("/", shop.path("tmp/sunroom/gltf")).expect("a link");
+        let user = shop.folder().metadata().expect("it is there").uid();
+        let own = shop.path(&format!("tmp/sunroom-{user}"));
+        std::fs::create_dir_all(&own).expect("a writable folder");
+        std::os::unix::fs::symlink("/", own.join("gltf")).expect("a link");
         let scene = shop.write("scene/scene.gltf", gltf("../outside/positions.bin"));
         let outcome = run_with(
             shop.folder(),

@@ -28,6 +28,10 @@ section! { "The cache for parts of glTF files"
         "The disk becomes full while a part is written to the cache.",
         "`…a.gltf: mesh-0.ply cannot be kept: File too large (os error 27)`, exit code 1.",
         "No part, and no picture.";
+    folder_for_temporary_files_is_shared:
+        "There is no home folder, and another user has a folder `sunroom` for temporary files.",
+        "Nothing, exit code 0.",
+        "The picture, and the parts in a folder of the user's own, into which nobody else can look.";
     part_is_damaged:
         "A part in the cache is damaged: shorter, or as long with other bytes.",
         "Nothing, exit code 0.",
@@ -59,9 +63,21 @@ fn render(shop: &Workshop, before: &[&str], cache: Option<&Path>, home: Option<&
     crate::program::Running::start(&mut command).end()
 }
 
+/// The folder of the program in one for caches. In that for temporary files every user has one.
+fn own_folder(caches: &Path) -> PathBuf {
+    use std::os::unix::fs::MetadataExt;
+    let user = std::fs::metadata(caches).map_or(0, |about| about.uid());
+    let shared = caches.join(format!("sunroom-{user}"));
+    if shared.exists() {
+        shared
+    } else {
+        caches.join("sunroom")
+    }
+}
+
 /// The parts below a folder for caches.
 fn parts(caches: &Path) -> Vec<PathBuf> {
-    let folders = std::fs::read_dir(caches.join("sunroom/gltf"))
+    let folders = std::fs::read_dir(own_folder(caches).join("gltf"))
         .into_iter()
         .flatten()
         .flatten();
@@ -99,6 +115,21 @@ fn there_is_no_home(row: &Row) {
     let shop = workshop();
     row.holds(&render(&shop, &[], None, None));
     is_rendered_with_parts_in(&shop, &shop.path("tmp"));
+}
+
+fn folder_for_temporary_files_is_shared(row: &Row) {
+    use std::os::unix::fs::PermissionsExt;
+    let shop = workshop();
+    // Root could write into a folder of another user: a file stands for it.
+    shop.write("tmp/sunroom", "of another");
+    let folder = shop.path("tmp");
+    row.holds(&render(&shop, &[], None, None));
+    is_rendered_with_parts_in(&shop, &folder);
+    let mode = std::fs::metadata(own_folder(&folder))
+        .expect("it is there")
+        .permissions()
+        .mode();
+    assert_eq!(mode & 0o077, 0);
 }
 
 fn cache_is_a_link(row: &Row) {
