@@ -124,8 +124,8 @@ impl Instance {
         local_to(rays, &rows, self.world_from_local.translation.into())
     }
 
-    /// World bounds, a little wider than exact, so that they hold every hit whatever the rounding of the transforms.
-    pub fn world_bounds(&self) -> Aabb {
+    /// World bounds without a margin for rounding, for people to see and to measure by. Of a mesh they are those of its local box.
+    pub fn exact_bounds(&self) -> Aabb {
         let linear = &self.world_from_local.matrix3;
         let center = Vec3::from(self.world_from_local.translation);
         let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
@@ -135,7 +135,7 @@ impl Instance {
             max: center + Vec3::from(half),
         };
         let length = |squares: Vec3A| Vec3A::from_array(squares.to_array().map(f32::sqrt));
-        let tight = match &self.primitive {
+        match &self.primitive {
             Primitive::Mesh(blas) => blas.bounds().transformed(&self.world_from_local),
             Primitive::Sphere => around(length(x * x + y * y + z * z)),
             Primitive::Rectangle => around(x.abs() + y.abs()),
@@ -147,10 +147,16 @@ impl Instance {
                     max: ring.max + Vec3::from(z).max(Vec3::ZERO),
                 }
             }
-        };
+        }
+    }
+
+    /// World bounds, a little wider than exact, so that they hold every hit whatever the rounding of the transforms.
+    pub fn world_bounds(&self) -> Aabb {
+        let tight = self.exact_bounds();
         if tight.is_empty() {
             return Aabb::EMPTY;
         }
+        let center = Vec3::from(self.world_from_local.translation);
         let rounding = gamma(16) * (tight.min.abs().max(tight.max.abs()) + 2.0 * center.abs());
         Aabb {
             min: tight.min - rounding,

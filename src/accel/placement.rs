@@ -64,8 +64,8 @@ impl Placement {
         Affine3A::from_mat3_translation(exact.matrix3.as_mat3(), exact.translation.as_vec3())
     }
 
-    /// The world bounds of a group with the local bounds `group`, a little wider than exact.
-    pub(super) fn world_bounds(&self, group: &Aabb) -> Aabb {
+    /// The world bounds of a group with the local bounds `group`.
+    pub(super) fn exact_bounds(&self, group: &Aabb) -> Aabb {
         if group.is_empty() {
             return Aabb::EMPTY;
         }
@@ -74,7 +74,18 @@ impl Placement {
         let absolute = DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
         let center = world_from_group.transform_point3(group.center().as_dvec3());
         let half = absolute * (0.5 * (group.max.as_dvec3() - group.min.as_dvec3()));
-        let (min, max) = ((center - half).as_vec3(), (center + half).as_vec3());
+        Aabb {
+            min: (center - half).as_vec3(),
+            max: (center + half).as_vec3(),
+        }
+    }
+
+    /// The [`exact_bounds`](Self::exact_bounds), a little wider.
+    pub(super) fn world_bounds(&self, group: &Aabb) -> Aabb {
+        let Aabb { min, max } = self.exact_bounds(group);
+        if group.is_empty() {
+            return Aabb::EMPTY;
+        }
         let rounding = gamma(16) * (min.abs().max(max.abs()) + 2.0 * self.origin.abs());
         Aabb {
             min: min - rounding,

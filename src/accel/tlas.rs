@@ -185,6 +185,24 @@ impl Tlas {
         }
     }
 
+    /// The bounds that [`bounds_of`](Self::bounds_of) gives without their margin for rounding, for people to see and to measure by. A group of very many
+    /// shapes keeps its margin.
+    pub fn exact_bounds_of(&self, item: u32) -> Option<Aabb> {
+        /// So many shapes are looked through for each placement.
+        const MANY: usize = 256;
+        let item = item as usize;
+        let Some(place) = item.checked_sub(self.instances.len()) else {
+            return self.instances.get(item).map(Instance::exact_bounds);
+        };
+        let placement = self.placements.get(place)?;
+        let group = self.groups.get(placement.group as usize);
+        let Some(group) = group.filter(|group| group.placements.is_empty() && group.instances.len() <= MANY) else {
+            return Some(self.placed_bounds(placement));
+        };
+        let members = group.instances.iter().map(Instance::exact_bounds);
+        Some(placement.exact_bounds(&members.fold(Aabb::EMPTY, Aabb::union)))
+    }
+
     /// World bounds of everything but the instances and placements of these numbers, in rising order, as [`Hit::instance`] counts them; empty if there is nothing
     /// else.
     pub fn bounds_without(&self, left_out: &[u32]) -> Aabb {

@@ -293,7 +293,7 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
     let geometry = &packed.scene.as_ref()?.geometry;
     let items = (0..).zip(packed.entity_of_instance.iter());
     let own = items.filter(|(_, its)| **its == entity);
-    let bounds = own.filter_map(|(item, _)| geometry.bounds_of(item));
+    let bounds = own.filter_map(|(item, _)| geometry.exact_bounds_of(item));
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     (!bounds.is_empty()).then_some(bounds)
 }
@@ -307,7 +307,7 @@ pub fn bounds_of_item(packed: &PackedScene, item: u32) -> Option<Aabb> {
     let is_own = |item: &u32| entities.get(*item as usize) == Some(entity);
     let before = (0..item).rev().take_while(is_own);
     let own = before.chain((item..).take_while(is_own));
-    let bounds = own.filter_map(|item| geometry.bounds_of(item));
+    let bounds = own.filter_map(|item| geometry.exact_bounds_of(item));
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     (!bounds.is_empty()).then_some(bounds)
 }
@@ -319,7 +319,7 @@ pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<A
         let places: EntityHashMap<usize> = entities.iter().copied().zip(0..).collect();
         for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
             if let Some(&place) = places.get(entity)
-                && let Some(own) = scene.geometry.bounds_of(item)
+                && let Some(own) = scene.geometry.exact_bounds_of(item)
             {
                 bounds[place] = bounds[place].union(own);
             }
@@ -345,7 +345,8 @@ pub(crate) mod tests {
     use bevy::prelude::World;
 
     use super::*;
-    use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
+    use crate::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
+    use crate::geometry::primitives::unit_cube;
     use crate::render::scene::RenderScene;
 
     /// Unit spheres at these places, each an entity.
@@ -415,5 +416,34 @@ pub(crate) mod tests {
         let found = bounds_of_each(&packed, &[entities[1], stranger]);
         assert!(found[0].is_some_and(|bounds| (bounds.center() - Vec3::X * 5.0).length() < 1e-4));
         assert_eq!(found[1], None);
+    }
+
+    /// Rays need the margin that is left out here; a size of 9 is no other number for it.
+    #[test]
+    fn bounds_are_exact() {
+        let pose =
+            Affine3A::from_scale_rotation_translation(Vec3::new(4.5, 0.5, 3.0), bevy::math::Quat::IDENTITY, Vec3::Y);
+        let (cube, entity) = (unit_cube(), World::new().spawn_empty().id());
+        let mesh = Primitive::Mesh(Arc::new(Blas::build(Arc::new(cube), SplitMethod::Sah)));
+        for primitive in [Primitive::Sphere, mesh] {
+            let packed = PackedScene {
+                scene: Some(scene_of([(primitive, pose)].into_iter())),
+                entity_of_instance: [entity].into(),
+                ..PackedScene::default()
+            };
+            let found = [
+                bounds_of(&packed, entity),
+                bounds_of_item(&packed, 0),
+                bounds_of_each(&packed, &[entity])[0],
+            ];
+            let expected = Aabb::from_points([Vec3::new(-4.5, 0.5, -3.0), Vec3::new(4.5, 1.5, 3.0)]);
+            assert_eq!(found, [Some(expected); 3]);
+            let geometry = &packed.scene.as_ref().expect("a scene").geometry;
+            assert!(
+                geometry
+                    .bounds_of(0)
+                    .is_some_and(|wide| wide.max.cmpgt(expected.max).all())
+            );
+        }
     }
 }

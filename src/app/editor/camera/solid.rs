@@ -112,7 +112,7 @@ pub fn solids_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Vec<Soli
         if let Some(&place) = places.get(entity) {
             found[place].extend(match geometry.instances().get(item as usize) {
                 Some(instance) => Some(Solid::of(instance)),
-                None => geometry.bounds_of(item).map(Solid::of_bounds),
+                None => geometry.exact_bounds_of(item).map(Solid::of_bounds),
             });
         }
     }
