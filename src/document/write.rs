@@ -234,7 +234,11 @@ impl<'l> Writer<'l> {
             TransformOp::Scale(by) => self.tag("scale", &[("value", &triple(by)?)], true),
             TransformOp::Rotate { axis, degrees } => {
                 let angle = list(&[degrees], name, owner)?;
-                self.tag("rotate", &[("value", &triple(axis)?), ("angle", &angle)], true)
+                let mut coordinates = ["x", "y", "z"].into_iter().zip(Vec3::AXES);
+                match coordinates.find(|(_, known)| *known == axis) {
+                    Some((coordinate, _)) => self.tag("rotate", &[(coordinate, "1"), ("angle", &angle)], true),
+                    None => self.tag("rotate", &[("value", &triple(axis)?), ("angle", &angle)], true),
+                }
             }
             TransformOp::Matrix(matrix) => {
                 let rows = matrix.transpose().to_cols_array();

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Vec3};
 
 use super::{
-    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Keys, LengthUnit, Material,
-    Medium, Placements, Sensor, Shape, ShapeKind,
+    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, EulerAngles, Film, IntegratorSettings, Keys, LengthUnit,
+    Material, Medium, Placements, Sensor, Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
@@ -131,6 +131,8 @@ pub struct Identity {
     pub span: Span,
     /// The source in the file; None for what was made in the editor.
     pub authored: Option<Authored>,
+    /// The angles of its rotation, if the transform gives such.
+    pub angles: Option<EulerAngles>,
     /// The values at other times; None for what stands still.
     pub keys: Option<Keys>,
 }

@@ -144,7 +144,7 @@ impl Thing {
             }
             _ => false,
         };
-        is_alike && (&one.id, &one.name, &one.keys) == (&two.id, &two.name, &two.keys)
+        is_alike && (&one.id, &one.name, &one.angles, &one.keys) == (&two.id, &two.name, &two.angles, &two.keys)
     }
 
     /// The components that the description gives the thing's entity.
@@ -154,6 +154,7 @@ impl Thing {
             order: Some(DocumentOrder(identity.order)),
             id: identity.id.clone().map(SceneId),
             name: Some(Name::new(identity.name.clone())),
+            angles: identity.angles,
             keys: identity.keys.clone(),
             ..ObjectState::default()
         };

@@ -69,6 +69,9 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             }
         };
         world.entity_mut(entity).insert(Name::new(name));
+        if let Some(angles) = identity.angles {
+            world.entity_mut(entity).insert(angles);
+        }
         if let Some(keys) = &identity.keys {
             world.entity_mut(entity).insert(keys.clone());
         }

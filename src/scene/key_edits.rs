@@ -80,9 +80,12 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
         if before == value && !is_said_otherwise {
             continue;
         }
+        let is_turned = steps::is_turned(before, value);
         let value = value.cloned().or_else(|| unwritten(&new, path, track));
         let value = value.map(|value| match (value, track.at(time)) {
-            (Value::Transform(value), Value::Transform(old)) => Value::Transform(steps::revised(&old, &value)),
+            (Value::Transform(value), Value::Transform(old)) => {
+                Value::Transform(steps::revised(&old, &value, is_turned))
+            }
             (value, _) => value,
         });
         let track = match value {
@@ -198,13 +201,19 @@ fn plugin_of(world: &World, state: &ObjectState) -> Option<Object> {
     let folder = folder(&home);
     let to_world = state.to_world.map_or(Affine3A::IDENTITY, |pose| pose.0);
     if let Some(shape) = &state.shape {
-        Some(objects::shape(shape, &to_world, state.area_light.as_ref(), folder))
+        Some(objects::shape(
+            shape,
+            &to_world,
+            state.angles,
+            state.area_light.as_ref(),
+            folder,
+        ))
     } else if let Some(material) = &state.material {
         Some(objects::material(material, folder))
     } else if let Some(medium) = &state.medium {
         Some(objects::medium(medium, folder))
     } else if let Some(emitter) = &state.emitter {
-        Some(lights::emitter(emitter, &to_world, folder))
+        Some(lights::emitter(emitter, &to_world, state.angles, folder))
     } else {
         let (sensor, film) = state.sensor.as_ref().zip(state.film.as_ref())?;
         Some(objects::sensor(sensor, film, &to_world))

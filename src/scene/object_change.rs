@@ -5,9 +5,9 @@ use bevy::prelude::*;
 
 use super::object_state::{with_components, write_component};
 use super::{
-    AreaLight, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, Hidden, InMedium, InstanceOf,
-    InteriorMedium, Keys, Locked, Material, Medium, MemberOf, ObjectState, Placements, SceneId, SecondNested, Sensor,
-    Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
+    AreaLight, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film, FirstNested, Hidden, InMedium,
+    InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, ObjectState, Placements, SceneId,
+    SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
 };
 
 /// The side of a change: the state before or after it.

@@ -3,12 +3,15 @@
 //! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is [`super::Authored`]: what the file
 //! says of an entity is no edit of it.
 
+use std::mem::discriminant;
+
 use bevy::prelude::*;
 
+use super::carry_over::{Vectors, carry_over};
 use super::{
-    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, Hidden, InMedium,
-    InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, Placements, SceneId, SecondNested, Sensor,
-    Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film, FirstNested, Hidden,
+    InMedium, InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, Placements, SceneId, SecondNested,
+    Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 macro_rules! object_state {
@@ -63,7 +66,7 @@ macro_rules! object_state {
 
             /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
             /// may be written otherwise than `base` and mean the same.
-            pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
+            fn merged_parts(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
                     ..Merged::default()
@@ -90,6 +93,7 @@ macro_rules! with_components {
             id: SceneId,
             name: Name,
             to_world: ToWorld,
+            angles: EulerAngles,
             shape: Shape,
             material: Material,
             medium: Medium,
@@ -129,6 +133,36 @@ pub struct Merged {
 }
 
 impl ObjectState {
+    /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
+    /// may be written otherwise than `base` and mean the same. The numbers of a shape are merged one by one: its centre may be edited on one side and its
+    /// radius on the other.
+    pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
+        let shapes = [base, theirs, start, ours].map(|state| state.shape.as_ref());
+        let [Some(base_shape), Some(their_shape), Some(start_shape), Some(our_shape)] = shapes else {
+            return Self::merged_parts(base, theirs, start, ours);
+        };
+        let are_of_one_kind = discriminant(&their_shape.kind) == discriminant(&our_shape.kind);
+        let is_edited_twice = their_shape != base_shape && our_shape != start_shape;
+        if !is_edited_twice || !are_of_one_kind || their_shape == our_shape {
+            return Self::merged_parts(base, theirs, start, ours);
+        }
+        let (mut shape, mut other) = (our_shape.clone(), their_shape.clone());
+        carry_over(base_shape, their_shape, &mut shape, Vectors::Whole);
+        carry_over(start_shape, our_shape, &mut other, Vectors::Whole);
+        // The same in either order, if no number was edited on both sides.
+        let is_replaced = shape != other;
+        let with_shape = |state: &Self| Self {
+            shape: Some(shape.clone()),
+            ..state.clone()
+        };
+        let merged = Self::merged_parts(base, &with_shape(theirs), start, &with_shape(ours));
+        Merged {
+            kept: merged.kept || shape != *their_shape,
+            replaced: merged.replaced || is_replaced,
+            ..merged
+        }
+    }
+
     /// Returns the state without its place in the file.
     pub fn unordered(&self) -> Self {
         Self {
@@ -238,5 +272,25 @@ mod tests {
         let both = merged(&state(3.0, 0.0));
         assert_eq!(both.state, state(2.0, 0.0));
         assert!(both.replaced && !both.kept);
+    }
+
+    #[test]
+    fn the_numbers_of_a_shape_are_merged_one_by_one() {
+        let state = |center: Vec3, radius| ObjectState {
+            shape: Some(Shape {
+                kind: ShapeKind::Sphere { center, radius },
+                ..Shape::default()
+            }),
+            ..ObjectState::default()
+        };
+        let (start, ours) = (state(Vec3::ZERO, 1.0), state(Vec3::X, 1.0));
+        let merged = |theirs: &ObjectState| ObjectState::merged(&start, theirs, &start, &ours);
+        let grown = merged(&state(Vec3::ZERO, 2.0));
+        assert_eq!(grown.state, state(Vec3::X, 2.0));
+        assert!(grown.kept && !grown.replaced);
+        // Neither side has asked for anything between the two centres.
+        let moved = merged(&state(Vec3::NEG_X, 2.0));
+        assert_eq!(moved.state, state(Vec3::NEG_X, 2.0));
+        assert!(moved.replaced);
     }
 }

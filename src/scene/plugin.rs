@@ -95,6 +95,7 @@ impl Plugin for ScenePlugin {
             .register_type::<Film>()
             .register_type::<LengthUnit>()
             .register_type::<ToWorld>()
+            .register_type::<EulerAngles>()
             .register_type::<SceneId>()
             .register_type::<DocumentOrder>()
             .register_type::<MeshHandle>();

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
+use super::encode::poses::short_together;
+use super::euler::upright_rest;
 use super::{DocumentOrder, Solid, ToWorld};
 
 /// A surface. Its material is [`super::UsesMaterial`], its emission [`super::AreaLight`].
@@ -33,10 +35,45 @@ impl Shape {
     /// The range of [`lightmap_scale`](Self::lightmap_scale).
     pub const LIGHTMAP_SCALES: std::ops::RangeInclusive<f32> = 0.0..=100.0;
 
-    /// The middle of the shape in its own space, as users know it: the centre of a sphere, the origin for others.
+    /// The place of the shape in its own space, as users know it: the centre of a sphere, the first end of a cylinder, the first corner of a triangle, the
+    /// origin for others.
     pub fn middle(&self) -> Vec3 {
         match self.kind {
             ShapeKind::Sphere { center, .. } => center,
+            ShapeKind::Cylinder { p0, .. } => p0,
+            ShapeKind::Triangle { corners } => corners[0],
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// The shape with its [`middle`](Self::middle) elsewhere in its own space. None for shapes that are at the origin of that.
+    pub(crate) fn moved_to(&self, middle: Vec3) -> Option<Self> {
+        let mut moved = self.clone();
+        let by = middle.as_dvec3() - self.middle().as_dvec3();
+        // The sum of numbers of few digits has few digits.
+        let beside = |place: Vec3| short_together([(place.as_dvec3() + by).as_vec3()], 7)[0];
+        match &mut moved.kind {
+            ShapeKind::Sphere { center, .. } => *center = middle,
+            ShapeKind::Cylinder { p0, p1, .. } => {
+                *p1 = beside(*p1);
+                *p0 = middle;
+            }
+            ShapeKind::Triangle {
+                corners: [first, second, third],
+            } => {
+                *second = beside(*second);
+                *third = beside(*third);
+                *first = middle;
+            }
+            _ => return None,
+        }
+        Some(moved)
+    }
+
+    /// The angles at which the shape is at rest in a world with this upward direction: building parts stand upright then. Its rotation is shown from there.
+    pub(crate) fn rest_angles(&self, up: Vec3) -> Vec3 {
+        match self.kind {
+            ShapeKind::Solid(_) => upright_rest(up),
             _ => Vec3::ZERO,
         }
     }

@@ -487,7 +487,9 @@ fn text_of(path: &Path) -> String {
 /// x of each shape in the file, in its order.
 fn places(path: &Path) -> Vec<f32> {
     let shapes = read_scene(path).shapes;
-    shapes.iter().map(|shape| shape.to_world.translation.x).collect()
+    let place =
+        |shape: &sunroom::scene::description::ShapeDescription| shape.to_world.transform_point3(shape.shape.middle());
+    shapes.iter().map(|shape| place(shape).x).collect()
 }
 
 fn is_asked(world: &World) -> bool {

@@ -18,6 +18,7 @@ mod editing;
 mod gizmo;
 mod keys;
 mod media;
+mod numbers;
 mod orientation;
 mod panels;
 mod shell;

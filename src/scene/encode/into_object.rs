@@ -14,7 +14,8 @@ use crate::scene::medium::{GRID, USE_GRID_BBOX};
 use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
 use crate::scene::{
-    Bitmap, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeFormat, VolumeParameter,
+    Bitmap, EulerAngles, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeFormat,
+    VolumeParameter,
 };
 
 /// Writes every parameter it meets.
@@ -132,7 +133,7 @@ impl IntoObject<'_> {
                 Value::Rgb(color) if color.max_element() > 1.0 => constant_volume(color),
                 value => return self.put(name, value),
             },
-            VolumeParameter::Box { value, to_world } => with_to_world(constant_volume(color(value)), to_world),
+            VolumeParameter::Box { value, to_world } => with_to_world(constant_volume(color(value)), to_world, None),
             VolumeParameter::Grid(grid) => {
                 let object = Object::new(Category::Volume, grid.format.plugin());
                 let mut object = with_string(object, FILENAME.name, &file_name(&grid.path, self.folder));
@@ -146,7 +147,7 @@ impl IntoObject<'_> {
                         object = with_flag(object, USE_GRID_BBOX, true);
                     }
                 }
-                with_to_world(object, &grid.to_world)
+                with_to_world(object, &grid.to_world, None)
             }
         };
         let name = Some(name.into());
@@ -226,17 +227,18 @@ pub fn with_child(mut object: Object, child: Object) -> Object {
     object
 }
 
-pub fn with_to_world(object: Object, to_world: &Affine3A) -> Object {
-    match as_steps(to_world) {
+/// `angles`: those of its rotation, if they are known.
+pub fn with_to_world(object: Object, to_world: &Affine3A, angles: Option<EulerAngles>) -> Object {
+    match as_steps(to_world, angles) {
         steps if steps.is_empty() => object,
         steps => with(object, "to_world", Value::Transform(steps)),
     }
 }
 
 /// The pose of what looks along +z, as people write it.
-pub fn with_view(object: Object, to_world: &Affine3A) -> Object {
-    match as_look_at(to_world) {
+pub fn with_view(object: Object, to_world: &Affine3A, angles: Option<EulerAngles>) -> Object {
+    match as_look_at(to_world).filter(|_| angles.is_none()) {
         Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
-        _ => with_to_world(object, to_world),
+        _ => with_to_world(object, to_world, angles),
     }
 }

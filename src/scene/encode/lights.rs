@@ -8,10 +8,10 @@ use glam::Vec3;
 use super::into_object::{IntoObject, with, with_to_world, with_view};
 use crate::document::{Category, Object, Value};
 use crate::scene::emitter::frame_along;
-use crate::scene::{AreaLight, Emitter, EmitterKind};
+use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 
-/// `folder`: of the file that is written; names of pictures are relative to it.
-pub fn emitter(emitter: &Emitter, to_world: &Affine3A, folder: &Path) -> Object {
+/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are relative to it.
+pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngles>, folder: &Path) -> Object {
     let mut writer = IntoObject {
         object: Object::new(Category::Emitter, emitter.plugin()),
         folder,
@@ -29,8 +29,8 @@ pub fn emitter(emitter: &Emitter, to_world: &Affine3A, folder: &Path) -> Object 
         {
             with(object, "direction", Value::Vector(direction))
         }
-        EmitterKind::Spot { .. } | EmitterKind::Projector { .. } => with_view(object, to_world),
-        _ => with_to_world(object, to_world),
+        EmitterKind::Spot { .. } | EmitterKind::Projector { .. } => with_view(object, to_world, angles),
+        _ => with_to_world(object, to_world, angles),
     }
 }
 

@@ -14,8 +14,8 @@ use crate::document::{Category, Object, Value};
 use crate::layer::Layer;
 use crate::scene::solid::openings_text;
 use crate::scene::{
-    AreaLight, Film, IntegratorSettings, Lens, Material, Medium, MeshFormat, ReconstructionFilter, Sensor, Shape,
-    ShapeKind, Solid, SolidValue,
+    AreaLight, EulerAngles, Film, IntegratorSettings, Lens, Material, Medium, MeshFormat, ReconstructionFilter, Sensor,
+    Shape, ShapeKind, Solid, SolidValue,
 };
 
 /// `folder`: of the file that is written; names of pictures are relative to it.
@@ -42,8 +42,14 @@ pub fn medium(medium: &Medium, folder: &Path) -> Object {
 /// The plugin that a folder's transform is written as.
 pub const FRAME: &str = "constvolume";
 
-/// `folder`: of the file that is written; the mesh's name is relative to it.
-pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folder: &Path) -> Object {
+/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; the mesh's name is relative to it.
+pub fn shape(
+    shape: &Shape,
+    to_world: &Affine3A,
+    angles: Option<EulerAngles>,
+    area: Option<&AreaLight>,
+    folder: &Path,
+) -> Object {
     let object = |plugin: &str| Object::new(Category::Shape, plugin);
     let object = match &shape.kind {
         ShapeKind::Sphere { center, radius } => {
@@ -64,11 +70,11 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         ShapeKind::Solid(solid) => with_solid(object(solid.plugin()), solid.clone()),
         // The group it shows is not these functions' business, and it has no other parameters.
         ShapeKind::Instance => {
-            return with_to_world(with_lightmap_scale(object("instance"), shape), to_world);
+            return with_to_world(with_lightmap_scale(object("instance"), shape), to_world, angles);
         }
         ShapeKind::Frame => {
             let volume = Object::new(Category::Volume, FRAME);
-            return with_to_world(with_float(volume, "value", 1.0), to_world);
+            return with_to_world(with_float(volume, "value", 1.0), to_world, angles);
         }
         ShapeKind::Mesh(file) => {
             let plugin = match file.format {
@@ -85,7 +91,7 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         }
     };
     let object = with_flag(object, "flip_normals", shape.flip_normals);
-    let object = with_to_world(with_lightmap_scale(object, shape), to_world);
+    let object = with_to_world(with_lightmap_scale(object, shape), to_world, angles);
     match area {
         Some(light) => with_child(object, area_light(light, folder)),
         None => object,
@@ -144,7 +150,7 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let object = with_nonzero(object, "principal_point_offset_y", offset.y);
     let object = with_nonzero(object, "shutter_open", sensor.shutter_open);
     let object = with_nonzero(object, "shutter_close", sensor.shutter_close);
-    let object = with_view(object, to_world);
+    let object = with_view(object, to_world, None);
     let sampler = Object::new(Category::Sampler, "independent");
     let mut sampler = with_integer(sampler, "sample_count", film.sample_count);
     if let Some(noise) = film.noise_target {

@@ -1,8 +1,9 @@
 //! Maps as the steps of a transform that people would write.
 
-use bevy::math::{Affine3A, Mat3, Mat4, Quat, Vec3};
+use bevy::math::{Affine3A, Mat3, Mat4, Vec3};
 
 use crate::document::TransformOp;
+use crate::scene::{EulerAngles, Turned};
 
 /// The most that a map taken apart and put together again may differ from itself, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
@@ -14,33 +15,27 @@ const SHORTENED: f32 = 4e-7;
 /// The most that shortening may move a camera, relative to its distance from the origin.
 const MOVED: f64 = 1e-6;
 
-/// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
-fn shortened(step: &TransformOp) -> TransformOp {
+/// The step with numbers of so many digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them. Angles that are known stay.
+fn shortened(step: &TransformOp, digits: i32, is_turned_so: bool) -> TransformOp {
     match *step {
-        TransformOp::Scale(factors) => TransformOp::Scale(short(factors)),
-        TransformOp::Translate(by) => TransformOp::Translate(short(by)),
-        TransformOp::Rotate { axis, degrees } => TransformOp::Rotate {
-            axis: axis.map(|part| {
-                if (part - part.round()).abs() < 1e-6 {
-                    part.round()
-                } else {
-                    part
-                }
-            }),
-            degrees: short(Vec3::splat(degrees)).x,
+        TransformOp::Scale(factors) => TransformOp::Scale(short(factors, digits)),
+        TransformOp::Translate(by) => TransformOp::Translate(short(by, digits)),
+        TransformOp::Rotate { axis, degrees } if !is_turned_so => TransformOp::Rotate {
+            axis,
+            degrees: short(Vec3::splat(degrees), digits).x,
         },
         other => other,
     }
 }
 
-/// The numbers with six digits.
-fn short(numbers: Vec3) -> Vec3 {
+/// The numbers with so many digits.
+fn short(numbers: Vec3, digits: i32) -> Vec3 {
     numbers.map(|number| {
         let number = f64::from(number);
         if number == 0.0 {
             return 0.0;
         }
-        let unit = 10f64.powf(number.abs().log10().floor() - 5.0);
+        let unit = 10f64.powf(number.abs().log10().floor() + f64::from(1 - digits));
         ((number / unit).round() * unit) as f32
     })
 }
@@ -64,19 +59,22 @@ pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; 
     })
 }
 
-/// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
-pub(crate) fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
-    let (scale, rotation, translation) = map.to_scale_rotation_translation();
+/// The map as scale, rotations about the axes x, y and z in this order, and translation, each only where it does something; as a matrix when it has shear.
+/// `angles`: those that are written if they give its rotation, and otherwise the ones that are sought nearby.
+pub(crate) fn as_steps(map: &Affine3A, angles: Option<EulerAngles>) -> Vec<TransformOp> {
+    let as_matrix = || vec![TransformOp::Matrix(Mat4::from(*map))];
+    let Some(Turned { scale, degrees }) = Turned::of(&map.matrix3, angles.map(|angles| angles.0)) else {
+        return as_matrix();
+    };
+    let translation = Vec3::from(map.translation);
     let mut steps = Vec::new();
     if !scale.abs_diff_eq(Vec3::ONE, 1e-6) {
         steps.push(TransformOp::Scale(scale));
     }
-    if rotation.is_normalized() && !rotation.abs_diff_eq(Quat::IDENTITY, 1e-7) {
-        let (axis, angle) = rotation.to_axis_angle();
-        steps.push(TransformOp::Rotate {
-            axis,
-            degrees: angle.to_degrees(),
-        });
+    for (axis, degrees) in Vec3::AXES.into_iter().zip(degrees.to_array()) {
+        if degrees != 0.0 {
+            steps.push(TransformOp::Rotate { axis, degrees });
+        }
     }
     if translation != Vec3::ZERO {
         steps.push(TransformOp::Translate(translation));
@@ -85,27 +83,30 @@ pub(crate) fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
         .to_cols_array()
         .iter()
         .fold(0.0f32, |most, element| most.max(element.abs()));
-    let short: Vec<TransformOp> = steps.iter().map(shortened).collect();
-    let shorter = TransformOp::compose(&short);
     let linear = map
         .matrix3
         .to_cols_array()
         .iter()
         .fold(0.0f32, |most, part| most.max(part.abs()));
+    let is_short_enough = |short: &Vec<TransformOp>| {
+        let shorter = TransformOp::compose(short);
+        let moved = Vec3::from(shorter.translation - map.translation).abs();
+        shorter.matrix3.abs_diff_eq(map.matrix3, SHORTENED * linear)
+            && moved.cmple(SHORTENED * Vec3::from(map.translation).abs()).all()
+    };
+    let is_turned_so = angles.is_some_and(|angles| angles.0 == degrees);
+    let short = |digits| -> Vec<TransformOp> {
+        let short = steps.iter().map(|step| shortened(step, digits, is_turned_so));
+        short.collect()
+    };
+    if let Some(short) = [6, 7].map(short).into_iter().find(is_short_enough) {
+        return short;
+    }
     let made = TransformOp::compose(&steps);
     // A small part must not be lost in the rounding of a large distance.
     let is_same =
         made.matrix3.abs_diff_eq(map.matrix3, RECOMPOSED * linear) && made.abs_diff_eq(*map, RECOMPOSED * largest);
-    let moved = Vec3::from(shorter.translation - map.translation).abs();
-    let is_short_enough = shorter.matrix3.abs_diff_eq(map.matrix3, SHORTENED * linear)
-        && moved.cmple(SHORTENED * Vec3::from(map.translation).abs()).all();
-    if is_short_enough {
-        short
-    } else if is_same {
-        steps
-    } else {
-        vec![TransformOp::Matrix(Mat4::from(*map))]
-    }
+    if is_same { steps } else { as_matrix() }
 }
 
 /// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single precision can hold.
@@ -149,6 +150,8 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Quat;
+
     use super::*;
 
     #[test]
@@ -156,20 +159,20 @@ mod tests {
         let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
         for scale in [Vec3::new(2.0, 0.5, 3.0), Vec3::new(-1.0, 1.0, 1.0), Vec3::splat(1e-3)] {
             let map = Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(5.0, -7.0, 100.0));
-            let steps = as_steps(&map);
-            assert_eq!(steps.len(), 3, "{steps:?}");
+            let steps = as_steps(&map, None);
+            assert_eq!(steps.len(), 5, "{steps:?}");
             assert!(TransformOp::compose(&steps).abs_diff_eq(map, 1e-3));
         }
-        assert!(as_steps(&Affine3A::IDENTITY).is_empty());
+        assert!(as_steps(&Affine3A::IDENTITY, None).is_empty());
         // The square of the distance is beyond single precision, and then the target is as well.
         let far = |x: f32| as_look_at(&Affine3A::from_translation(Vec3::X * x));
         assert!(far(2e19).is_some_and(|look| look.affine().is_finite()));
         assert!(far(f32::MAX).is_none_or(|look| look.affine().is_finite()));
         let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
-        assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
+        assert_eq!(as_steps(&shear, None), [TransformOp::Matrix(Mat4::from(shear))]);
         // This also holds for something small that is far away.
         let small = Affine3A::from_translation(Vec3::splat(100.0)) * shear * Affine3A::from_scale(Vec3::splat(1e-4));
-        assert_eq!(as_steps(&small), [TransformOp::Matrix(Mat4::from(small))]);
+        assert_eq!(as_steps(&small, None), [TransformOp::Matrix(Mat4::from(small))]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use bevy::math::Affine3A;
 use super::from_file::FromFile;
 use super::parameters::{Parameters, report_left_out};
 use super::picture_search::PictureSearch;
-use super::scene_reader::SceneReader;
+use super::scene_reader::{SceneReader, angles_of};
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::{DeclarationPlace, EmitterDescription};
@@ -34,7 +34,7 @@ impl<'a> SceneReader<'a> {
             self.forget_place(place);
             return false;
         };
-        let as_read = || lights::emitter(&emitter, &to_world, &self.folder);
+        let as_read = || lights::emitter(&emitter, &to_world, angles_of(object), &self.folder);
         let mut identity = self.identity(object, as_read);
         if let Some(authored) = &mut identity.authored {
             authored.leave_out_media(|_, number| number == 0 && medium.is_some());

@@ -11,9 +11,9 @@ use super::mesh_search::MeshSearch;
 use super::picture_search::PictureSearch;
 use crate::document::animation::is_animated;
 use crate::document::paths::settle;
-use crate::document::{Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span};
+use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span, Value};
 use crate::scene::description::{Identity, SceneDescription};
-use crate::scene::{Authored, Keys, Material, ShapeKind};
+use crate::scene::{Authored, EulerAngles, Keys, Material, ShapeKind};
 
 /// An object's place among all objects of the document.
 pub struct Place<'a> {
@@ -163,6 +163,7 @@ impl<'a> SceneReader<'a> {
             order: self.order(object),
             span: object.span,
             authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
+            angles: angles_of(object),
             keys: self.is_animated.then(|| Keys::of(object, &self.index)).flatten(),
         }
     }
@@ -181,6 +182,15 @@ impl<'a> SceneReader<'a> {
         let source = self.diagnostics.source(span.source);
         let parent = source.and_then(|file| settle(&file.path).parent().map(Path::to_owned));
         parent.unwrap_or_else(|| self.folder.clone())
+    }
+}
+
+/// The angles of the transform of a thing. A camera has none: it looks at something.
+pub fn angles_of(object: &Object) -> Option<EulerAngles> {
+    let mut properties = object.properties.iter();
+    match &properties.find(|property| property.name == "to_world")?.value {
+        Value::Transform(steps) if object.category != Category::Sensor => EulerAngles::of_steps(steps),
+        _ => None,
     }
 }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::media::media_of_shape;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
-use super::scene_reader::SceneReader;
+use super::scene_reader::{SceneReader, angles_of};
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
@@ -162,7 +162,8 @@ impl<'a> SceneReader<'a> {
             self.forget_place(place);
             return false;
         };
-        let as_read = || objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
+        let angles = angles_of(object);
+        let as_read = || objects::shape(&shape, &to_world, angles, area_light.as_ref(), &self.folder);
         let mut identity = self.identity(object, as_read);
         if let Some(authored) = &mut identity.authored {
             let sides = [(INTERIOR, interior), (EXTERIOR, exterior)];

@@ -65,14 +65,14 @@ fn read_plain(category: Category, plugin: &str) -> Option<Object> {
     let plain = match category {
         Category::Shape => {
             let shape = scene.shapes.first()?;
-            objects::shape(&shape.shape, &shape.to_world, None, folder)
+            objects::shape(&shape.shape, &shape.to_world, None, None, folder)
         }
         Category::Integrator => objects::integrator(&scene.integrator),
         Category::Bsdf => objects::material(&scene.materials.first()?.material, folder),
         Category::Medium => objects::medium(&scene.media.first()?.medium, folder),
         Category::Emitter => {
             let emitter = scene.emitters.first()?;
-            lights::emitter(&emitter.emitter, &emitter.to_world, folder)
+            lights::emitter(&emitter.emitter, &emitter.to_world, None, folder)
         }
         _ => return None,
     };
@@ -101,7 +101,7 @@ mod tests {
             kind: ShapeKind::Sphere { center, radius },
             ..Shape::default()
         };
-        let written = |shape: &Shape, pose| defaults.left_out(objects::shape(shape, &pose, None, Path::new("/")));
+        let written = |shape: &Shape, pose| defaults.left_out(objects::shape(shape, &pose, None, None, Path::new("/")));
         let plain = written(&ball(Vec3::ZERO, 1.0), Affine3A::IDENTITY);
         assert_eq!(names(&plain), [""; 0]);
         let moved = Affine3A::from_translation(Vec3::X);
@@ -134,7 +134,7 @@ mod tests {
         // An environment needs a picture.
         for plugin in Emitter::PLUGINS.into_iter().filter(|plugin| *plugin != "envmap") {
             let emitter = Emitter::of_plugin(plugin).expect("a plugin");
-            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, folder);
+            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, None, folder);
             assert_eq!(
                 reread(defaults.left_out(whole)).emitters[0].emitter,
                 emitter,
@@ -168,7 +168,7 @@ mod tests {
             changed("projector", narrow),
             changed("projector", turned),
         ] {
-            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, folder);
+            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, None, folder);
             assert_eq!(reread(defaults.left_out(whole)).emitters[0].emitter, emitter);
         }
     }

@@ -6,10 +6,10 @@ use smol_str::SmolStr;
 use super::steps;
 use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
-use crate::scene::Authored;
 use crate::scene::emitter::frame_along;
 use crate::scene::encode::poses::as_steps;
 use crate::scene::parameters::HEIGHT;
+use crate::scene::{Authored, EulerAngles};
 
 /// Parameters that mean the same in another way: writing the first removes the others.
 const SUPERSEDES: [(&str, &[&str]); 9] = [
@@ -125,8 +125,9 @@ impl Draft {
     fn patch(&mut self, before: &Object, now: &Object) {
         self.object.plugin.clone_from(&now.plugin);
         for property in &now.properties {
-            if value_of(before, &property.name) != Some(&property.value) {
-                self.set(property);
+            let old = value_of(before, &property.name);
+            if old != Some(&property.value) {
+                self.set(property, steps::is_turned(old, Some(&property.value)));
                 self.complete(&property.name, now);
             }
         }
@@ -172,9 +173,10 @@ impl Draft {
         }
     }
 
-    fn set(&mut self, property: &Property) {
+    /// `is_turned`: the angles of a transform have been changed, and not only how the file says them.
+    fn set(&mut self, property: &Property, is_turned: bool) {
         if let Some(property) = self.as_steps(property) {
-            return self.set(&property);
+            return self.set(&property, is_turned);
         }
         self.remove_children_named(&property.name);
         match self
@@ -186,7 +188,9 @@ impl Draft {
             Some(known) => {
                 let keys = known.keys.take();
                 let value = match (&known.value, &property.value) {
-                    (Value::Transform(old), Value::Transform(now)) => Value::Transform(steps::revised(old, now)),
+                    (Value::Transform(old), Value::Transform(now)) => {
+                        Value::Transform(steps::revised(old, now, is_turned))
+                    }
                     (_, now) => now.clone(),
                 };
                 *known = Property {
@@ -231,7 +235,7 @@ impl Draft {
         };
         Some(Property::new(
             "to_world",
-            Value::Transform(as_steps(&map)),
+            Value::Transform(as_steps(&map, EulerAngles::of_steps(steps))),
             Span::default(),
         ))
     }
@@ -242,7 +246,7 @@ impl Draft {
             if let Some(companion) = companion
                 && value_of(&self.object, other).is_none()
             {
-                self.set(companion);
+                self.set(companion, false);
             }
         }
     }

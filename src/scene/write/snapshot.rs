@@ -14,9 +14,9 @@ use crate::scene::description::{
 use crate::scene::file_moment::follow_file;
 use crate::scene::moment::shown_time;
 use crate::scene::{
-    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested,
-    InMedium, InstanceOf, IntegratorKeys, IntegratorSettings, InteriorMedium, Keys, Material, Medium, MemberOf,
-    Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film,
+    FirstNested, InMedium, InstanceOf, IntegratorKeys, IntegratorSettings, InteriorMedium, Keys, Material, Medium,
+    MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// So many things are copied at once at the end.
@@ -98,6 +98,7 @@ type Changes = Or<(
         Changed<Keys>,
     )>,
     Or<(
+        Changed<EulerAngles>,
         Changed<Medium>,
         Changed<InteriorMedium>,
         Changed<ExteriorMedium>,
@@ -239,6 +240,7 @@ impl Snapshot {
             order: order.0,
             span: authored.map(|authored| authored.object.span).unwrap_or_default(),
             authored: authored.cloned(),
+            angles: thing.get::<EulerAngles>().copied(),
             keys: thing.get::<Keys>().cloned(),
         };
         let to_world = thing.get::<ToWorld>().map(|pose| pose.0);

@@ -2,24 +2,45 @@
 
 use bevy::math::{Affine3A, Vec3};
 
-use crate::document::TransformOp;
+use crate::document::{TransformOp, Value};
+use crate::scene::EulerAngles;
 use crate::scene::encode::poses::short_together;
 
 /// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the same.
 const SAME: f32 = 1e-5;
 
-/// The steps of `now`, with as many steps of `old` as possible.
-pub fn revised(old: &[TransformOp], now: &[TransformOp]) -> Vec<TransformOp> {
+/// The most that two angles of the same rotation differ, in degrees.
+const SAME_ANGLE: f32 = 1e-3;
+
+/// Whether the angles of a transform differ.
+pub fn is_turned(before: Option<&Value>, now: Option<&Value>) -> bool {
+    let [before, now] = [before, now].map(|value| match value {
+        Some(Value::Transform(steps)) => EulerAngles::of_steps(steps),
+        _ => None,
+    });
+    before != now
+}
+
+/// The steps of `now`, with as many steps of `old` as possible. `is_turned`: the angles of `now` are those that are wanted; others that give the same map
+/// will not do.
+pub fn revised(old: &[TransformOp], now: &[TransformOp], is_turned: bool) -> Vec<TransformOp> {
     let map = TransformOp::compose(now);
     let exact = looking(old, &map);
     let short = exact.as_deref().and_then(shortened);
     let candidates = [moved(old, &map), short, exact, snapped(old, now)];
+    let angles = EulerAngles::of_steps(now);
+    let has_angles = |steps: &[TransformOp]| match (angles, EulerAngles::of_steps(steps)) {
+        (Some(angles), Some(its)) => its.0.abs_diff_eq(angles.0, SAME_ANGLE),
+        (Some(_), None) => false,
+        (None, _) => true,
+    };
     let fits = |steps: &Vec<TransformOp>| {
         let size = |v: f32| v.abs().max(f32::MIN_POSITIVE);
         let made = TransformOp::compose(steps);
         let linear = largest(&map.matrix3.to_cols_array()).max(f32::MIN_POSITIVE);
         let way = size(largest(&map.translation.to_array()));
-        made.matrix3.abs_diff_eq(map.matrix3, SAME * linear)
+        (!is_turned || has_angles(steps))
+            && made.matrix3.abs_diff_eq(map.matrix3, SAME * linear)
             && made.translation.abs_diff_eq(map.translation, SAME * way)
     };
     candidates
@@ -143,10 +164,10 @@ mod tests {
         let old = [turn, TransformOp::Translate(Vec3::new(0.1, 2.0, 3.0))];
         let mut map = TransformOp::compose(&old);
         map.translation.x = 0.35;
-        let now = crate::scene::encode::poses::as_steps(&map);
+        let now = crate::scene::encode::poses::as_steps(&map, None);
         let expected = TransformOp::Translate(Vec3::new(0.35, 2.0, 3.0));
-        assert_eq!(revised(&old, &now), [turn, expected]);
-        assert_eq!(revised(&[turn], &now), [turn, expected]);
+        assert_eq!(revised(&old, &now, false), [turn, expected]);
+        assert_eq!(revised(&[turn], &now, false), [turn, expected]);
     }
 
     #[test]
@@ -161,8 +182,11 @@ mod tests {
                 TransformOp::Translate(Vec3::new(0.1, 0.2, 0.3)),
             ]
         };
-        let now = crate::scene::encode::poses::as_steps(&TransformOp::compose(&steps(300.0)));
-        let revised = revised(&steps(270.0), &now);
+        let now = crate::scene::encode::poses::as_steps(
+            &TransformOp::compose(&steps(300.0)),
+            Some(EulerAngles(Vec3::Y * -270.0)),
+        );
+        let revised = revised(&steps(270.0), &now, true);
         let [scale, TransformOp::Rotate { axis, degrees }, place] = revised[..] else {
             panic!("{revised:?}");
         };
@@ -186,7 +210,7 @@ mod tests {
             target: Vec3::new(1.5, 1.0, 0.0),
             up: Vec3::new(0.0, 2.0, 0.0),
         };
-        assert_eq!(revised(&old, &now), [expected]);
+        assert_eq!(revised(&old, &now, false), [expected]);
     }
 
     #[test]
@@ -202,7 +226,7 @@ mod tests {
             up: Vec3::Y,
         };
         let now = [TransformOp::Matrix(bevy::math::Mat4::from(map.affine()))];
-        let [TransformOp::LookAt { origin, target, .. }] = revised(&old, &now)[..] else {
+        let [TransformOp::LookAt { origin, target, .. }] = revised(&old, &now, false)[..] else {
             panic!("no look-at");
         };
         for number in [origin, target].iter().flat_map(Vec3::to_array) {

@@ -193,7 +193,12 @@ impl<'s> Writer<'s> {
             }
         }
         for (index, emitter) in scene.emitters.iter().enumerate() {
-            let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
+            let current = lights::emitter(
+                &emitter.emitter,
+                &emitter.to_world,
+                emitter.identity.angles,
+                self.folder,
+            );
             let mut draft = self.draft(&emitter.identity, current);
             draft.set_medium(
                 None,
@@ -229,7 +234,7 @@ impl<'s> Writer<'s> {
             return unwritten.remove(index).children(&origin.diagnostics);
         }
         let instance = |&place: &Affine3| {
-            let current = objects::shape(&shape.shape, &place.into(), None, self.folder);
+            let current = objects::shape(&shape.shape, &place.into(), None, None, self.folder);
             let group = id.map(reference).into_iter().collect();
             Draft::new(None, current).set_nested(Category::Shape, group).into()
         };
@@ -238,7 +243,13 @@ impl<'s> Writer<'s> {
 
     fn shape(&self, index: usize) -> Object {
         let shape = &self.scene.shapes[index];
-        let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
+        let current = objects::shape(
+            &shape.shape,
+            &shape.to_world,
+            shape.identity.angles,
+            shape.area_light.as_ref(),
+            self.folder,
+        );
         let mut draft = self.draft(&shape.identity, current);
         let (place, mut declared) = (DeclarationPlace::Shape(index), None);
         draft.set_medium(Some(INTERIOR), self.medium_in(place, shape.interior, &mut declared));

@@ -249,8 +249,9 @@ fn a_sphere_has_one_place() {
     let mut harness = inspect(ball(Vec3::Y * 3.0));
     assert!(harness.query_by_label("Centre").is_none());
     drag(&mut harness, "Position X", 20.0);
-    let middle = |pose: &Affine3A| pose.transform_point3(Vec3::X);
-    let before = middle(&ball(Vec3::Y * 3.0).to_world.expect("a place"));
+    let before = ball(Vec3::Y * 3.0).to_world.expect("a place").transform_point3(Vec3::X);
+    // Poses are about the place of a thing.
+    let middle = |pose: &Affine3A| Vec3::from(pose.translation);
     let Some(Command::Transform(poses)) = harness.state().commands.last() else {
         panic!("{:?}", harness.state().commands)
     };

@@ -14,7 +14,7 @@ use super::inspector::inspect;
 use super::{Shown, click, entity, show_beside_picture};
 
 /// Types a text into the field of this name.
-fn type_into(harness: &mut Harness<Shown<Model>>, name: &str, text: &str) {
+pub fn type_into(harness: &mut Harness<Shown<Model>>, name: &str, text: &str) {
     click(harness, name);
     harness.event(egui::Event::Text(text.into()));
     harness.run_steps(1);

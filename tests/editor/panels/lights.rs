@@ -107,7 +107,7 @@ fn what_is_infinitely_far_away_is_only_turned() {
     let mut harness = inspect(sky);
     assert!(harness.query_by_label("Position X").is_none());
     drag(&mut harness, "Rotation Y", 20.0);
-    assert!(matches!(harness.state().commands.last(), Some(Command::Transform(_))));
+    assert!(matches!(harness.state().commands.last(), Some(Command::Turn(..))));
 }
 
 #[test]

@@ -25,6 +25,7 @@ impl Command {
         match self {
             Self::OnSelection(command) => command.effect(),
             Self::Transform(_)
+            | Self::Turn(..)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
             | Self::SetMedium(..)

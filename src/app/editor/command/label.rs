@@ -45,7 +45,7 @@ impl Command {
             Self::HideOthers => "Hide others",
             Self::Lock(_, true) => "Lock",
             Self::Lock(_, false) => "Unlock",
-            Self::Transform(_) | Self::Nudge(_) => "Move",
+            Self::Transform(_) | Self::Turn(..) | Self::Nudge(_) => "Move",
             Self::Drop => "Drop",
             Self::SnapToGrid => "Put onto the grid",
             Self::SetShape(..) => "Edit shape",
@@ -92,6 +92,7 @@ impl Command {
             }
             Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
             Self::SetShape(entity, _)
+            | Self::Turn(entity, ..)
             | Self::Reshape(entity, ..)
             | Self::SetMaterial(entity, _)
             | Self::SetMedium(entity, _)

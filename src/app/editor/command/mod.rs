@@ -52,8 +52,8 @@ use bevy::prelude::{Entity, Rect, Vec2, Vec3};
 use self::uv_projection::Projection;
 use crate::scene::write::OnChange;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, KeyEdit, KeyPath, LengthUnit, Material, Medium,
-    SamplerSettings, Sensor, Shape, SquarePath,
+    AccelMethod, AreaLight, Emitter, EulerAngles, Film, IntegratorSettings, KeyEdit, KeyPath, LengthUnit, Material,
+    Medium, SamplerSettings, Sensor, Shape, SquarePath,
 };
 use addition::Addition;
 use arrange::{Reference, Series, Side, Spacing};
@@ -220,8 +220,11 @@ pub enum Command {
     Drop,
     /// Puts the origin of each selected thing onto the grid of the gizmo's step.
     SnapToGrid,
-    /// Places several things at once, each by world from local.
+    /// Places several things at once, each by world from a space whose origin is the thing's place: that is its own space, but for shapes such as spheres, whose
+    /// centre may be elsewhere there.
     Transform(Vec<(Entity, Affine3A)>),
+    /// Places a thing as [`Command::Transform`] does, with the angles by which its rotation was given.
+    Turn(Entity, Affine3A, EulerAngles),
     /// Sets the geometry of a shape.
     SetShape(Entity, Shape),
     /// Sets the parameters of a material; the materials nested in it stay.

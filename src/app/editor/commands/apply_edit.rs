@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::edits::{delete_selection, hide, rename, reorder, visible_things};
 use super::file_use::use_file;
 use super::pictures::set_picture;
-use super::things::{need, need_surface, replace, transform};
+use super::things::{need, need_surface, replace, set_angles, transform};
 use super::{
     adding, arranging, blocking, copying, fitting, grouping, limits, materials, media, mixing, placing, several,
     texturing, timeline, uv_projection, view,
@@ -80,6 +80,12 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             edit.kind = StepKind::Move;
             let poses = grouping::with_members(edit, poses);
             transform(edit, poses)?;
+        }
+        Command::Turn(entity, pose, angles) => {
+            edit.kind = StepKind::Move;
+            let poses = grouping::with_members(edit, vec![(entity, pose)]);
+            transform(edit, poses)?;
+            set_angles(edit, entity, Some(angles));
         }
         Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
         Command::SetMaterial(entity, material) => {

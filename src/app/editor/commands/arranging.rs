@@ -124,7 +124,7 @@ fn move_along(edit: &mut Edit, axis: usize, moves: Vec<(&Unit, f32)>) -> Result<
         .into_iter()
         .flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));
     let poses = each.filter_map(|(entity, by)| {
-        let pose = edit.world.get::<ToWorld>(entity)?.0;
+        let pose = things::pose_of(edit.world, entity)?;
         // Things that are in line already keep their numbers.
         let by = rounding::rounded(by, unit);
         let place = rounding::moved(pose.translation.into(), Vec3::AXES[axis.min(2)] * by, unit);

@@ -40,10 +40,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     copier.find_folders(edit, &selected);
     let mut copies = Vec::new();
     for (number, original) in selected.into_iter().enumerate() {
-        let pose = edit
-            .world
-            .get::<ToWorld>(original)
-            .map_or(Affine3A::IDENTITY, |pose| pose.0);
+        let pose = things::pose_of(edit.world, original).unwrap_or(Affine3A::IDENTITY);
         let pose = match series.as_ref().and_then(|series| series.get(number)) {
             Some(before) => next_in_series(before, &pose, unit),
             None => moved(&pose, aside),
@@ -78,7 +75,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
     for number in 1..series.count {
         copier.find_folders(edit, &selected);
         for original in &selected {
-            let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(*original).copied() else {
+            let Some(pose) = things::pose_of(edit.world, *original) else {
                 continue;
             };
             let pose = along(series, number, &pose, unit);
@@ -143,8 +140,8 @@ fn next_in_series(before: &Affine3A, now: &Affine3A, unit: f64) -> Affine3A {
 /// The pose of what a thing was copied from.
 fn before_in_series(world: &World, entity: Entity) -> Option<Affine3A> {
     let CopyOf(original) = *world.get::<CopyOf>(entity)?;
-    let pose = world.get::<ToWorld>(original)?;
-    ObjectState::is_in_scene(world, original).then_some(pose.0)
+    let pose = things::pose_of(world, original)?;
+    ObjectState::is_in_scene(world, original).then_some(pose)
 }
 
 /// The move that takes a copy beside these things, to the right as the picture shows it. It is a multiple of the step.
@@ -267,9 +264,9 @@ impl Copier {
         state.name = Some(Name::new(name));
         state.order = Some(DocumentOrder(self.order));
         state.declared_in = None;
-        let before = state.to_world;
-        if let Some(to_world) = &mut state.to_world {
-            let by = pose * to_world.0.inverse();
+        let before = things::pose_of(edit.world, original);
+        if let Some(before) = before {
+            let by = pose * before.inverse();
             state.keys = state.keys.map(|keys| {
                 if by == Affine3A::IDENTITY {
                     keys
@@ -277,14 +274,16 @@ impl Copier {
                     keys.moved(&by)
                 }
             });
-            *to_world = ToWorld(pose);
         }
         self.order = self.order.saturating_add(1);
         let copy = edit.spawn(());
         state.write(edit.world, copy);
         edit.world.entity_mut(copy).insert(CopyOf(original));
+        if before.is_some() {
+            things::set_pose(edit, copy, pose);
+        }
         if let (Some(InteriorMedium(medium)), Some(before)) = (state.interior, before)
-            && let Some(own) = media_upkeep::copied_with_place(edit, medium, &before.0, &pose)
+            && let Some(own) = media_upkeep::copied_with_place(edit, medium, &before, &pose)
         {
             edit.set(copy, InteriorMedium(own));
             if let Some(name) = edit.world.get::<Name>(own) {

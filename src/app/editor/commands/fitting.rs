@@ -14,7 +14,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::Aabb;
-use crate::scene::{ObjectState, Sensor, Shape, ShapeKind, ToWorld};
+use crate::scene::{ObjectState, Sensor, Shape, ShapeKind};
 
 /// The longest side of fitted things, as a share of the height that the picture shows at their distance.
 const SHARE: f32 = 1.0 / 3.0;
@@ -42,7 +42,7 @@ pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandEr
     let goal = spot::rounded_place(seen, factor * longest);
     let unit = rounding::unit_below(1e-3 * factor * longest).min(rounding::unit_of_scene(scene_size));
     let poses = all.iter().filter_map(|entity| {
-        let pose = edit.world.get::<ToWorld>(*entity)?.0;
+        let pose = things::pose_of(edit.world, *entity)?;
         let place = goal + factor * (Vec3::from(pose.translation) - foot);
         Some((
             *entity,

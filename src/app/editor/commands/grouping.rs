@@ -7,7 +7,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::arranging;
-use super::things::{call, is_no_name, selected};
+use super::things::{call, is_no_name, pose_of, selected};
 use crate::app::editor::camera::rounding;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::{Extend, Selection};
@@ -173,7 +173,7 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
         let is_move = now.matrix3 == before.matrix3;
         let by = rounding::sum_of_places(now.translation.into(), (-before.translation).into());
         for member in members(edit.world, frame) {
-            let Some(ToWorld(pose)) = edit.world.get::<ToWorld>(member).copied() else {
+            let Some(pose) = pose_of(edit.world, member) else {
                 continue;
             };
             if known.contains(&member) || !change.is_finite() {

@@ -4,6 +4,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::media::{set_side, spawn};
+use super::things::pose_of;
 use super::world::tell;
 use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::session::history::Edit;
@@ -11,7 +12,7 @@ use crate::engine::PackedScene;
 use crate::scene::medium::{InteriorOf, users_of_medium};
 use crate::scene::{
     Emitter, ExteriorMedium, InMedium, IntegratorSettings, InteriorMedium, Keys, Medium, ObjectState, PathPlugin,
-    Sensor, ToWorld,
+    Sensor, Shape, ToWorld,
 };
 
 /// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have
@@ -74,7 +75,9 @@ struct Carried {
 fn carry_volumes(edit: &mut Edit) {
     let moved = edit.touched().filter_map(|(shape, before)| {
         let medium = edit.world.get::<InteriorMedium>(shape)?;
-        let [old, new] = [before.to_world?.0, edit.world.get::<ToWorld>(shape)?.0];
+        let middle = before.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
+        let old = before.to_world?.0 * Affine3A::from_translation(middle);
+        let new = pose_of(edit.world, shape)?;
         let is_carried = old != new && before.interior == Some(*medium) && edit.world.get::<Keys>(shape).is_none();
         is_carried.then_some(Carried {
             medium: medium.0,

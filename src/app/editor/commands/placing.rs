@@ -13,7 +13,6 @@ use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
-use crate::scene::ToWorld;
 
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
     let units = grouping::units(edit)?;
@@ -58,7 +57,7 @@ pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
     let mut bounds = picking::bounds_of_each(packed, &listed).into_iter();
     let falls = units.iter().filter_map(|unit| {
         let own = bounds.by_ref().take(unit.all.len()).flatten().reduce(Aabb::union);
-        let place = Vec3::from(edit.world.get::<ToWorld>(unit.lead)?.0.translation);
+        let place = Vec3::from(things::pose_of(edit.world, unit.lead)?.translation);
         let (middle, half) = own.map_or((place, 0.0), |bounds| {
             (bounds.center(), 0.5 * bounds.extent().dot(up.abs()))
         });
@@ -83,7 +82,7 @@ pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
     let step = f64::from(step);
     let units = grouping::units(edit)?;
     let moves = units.iter().filter_map(|unit| {
-        let place = Vec3::from(edit.world.get::<ToWorld>(unit.lead)?.0.translation);
+        let place = Vec3::from(things::pose_of(edit.world, unit.lead)?.translation);
         Some((unit, rounding::rounded_place(place, step) - place))
     });
     let moves = moves.flat_map(|(unit, by)| unit.all.iter().map(move |entity| (*entity, by)));
@@ -94,7 +93,7 @@ pub fn onto_grid(edit: &mut Edit) -> Result<(), CommandError> {
 /// Moves things, and rounds the coordinates that change to `unit`.
 fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>, unit: f64) -> Result<(), CommandError> {
     let moved = moves.into_iter().filter_map(|(entity, by)| {
-        let mut pose = edit.world.get::<ToWorld>(entity)?.0;
+        let mut pose = things::pose_of(edit.world, entity)?;
         pose.translation = rounding::moved(pose.translation.into(), by, unit).into();
         Some((entity, pose))
     });

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
 use super::grouping;
+use super::things::{pose_of, set_pose};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
 use crate::app::editor::command::material_tree::materials_inside;
@@ -16,7 +17,7 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::carry_over::{Vectors, carry_over};
 use crate::scene::{
     AreaLight, Emitter, ExteriorMedium, Film, InMedium, InteriorMedium, Locked, Material, Medium, Placements, Sensor,
-    Shape, ToWorld, UsesMaterial,
+    Shape, UsesMaterial,
 };
 
 /// The depth to which materials within materials are followed.
@@ -97,6 +98,10 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                 transform(edit, entity, after, others);
             }
         }
+        Command::Turn(entity, after, _) => {
+            let others = moved_by_themselves(edit.world, *entity, others(*entity).collect());
+            transform(edit, *entity, *after, others);
+        }
         // The others are about everything selected anyway.
         _ => {}
     }
@@ -122,12 +127,11 @@ fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialRefle
 
 /// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and scaled about its own place.
 fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entity>) {
-    let Some(before) = edit.world.get::<ToWorld>(entity).map(|pose| pose.0) else {
+    let Some(before) = pose_of(edit.world, entity) else {
         return;
     };
-    let middle = middle(edit.world, entity);
-    let [before, after] = [before * middle, after * middle];
-    let rounding = rounding(&before, middle.translation.into());
+    let middle = edit.world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle);
+    let rounding = rounding(&before, middle);
     let turn = before.matrix3.inverse() * after.matrix3;
     let turn = if turn.is_finite() && before.matrix3 != after.matrix3 {
         turn
@@ -137,21 +141,19 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entit
     let mut poses = Vec::new();
     for other in others {
         let stays = edit.world.get::<Locked>(other).is_some() || edit.world.get::<Placements>(other).is_some();
-        let Some(mut pose) = edit.world.get::<ToWorld>(other).map(|pose| pose.0).filter(|_| !stays) else {
+        let Some(mut pose) = pose_of(edit.world, other).filter(|_| !stays) else {
             continue;
         };
-        let own = self::middle(edit.world, other);
-        pose *= own;
         pose.matrix3 *= turn;
         for axis in 0..3 {
             if (before.translation[axis] - after.translation[axis]).abs() > rounding[axis] {
                 pose.translation[axis] = after.translation[axis];
             }
         }
-        poses.push((other, pose * own.inverse()));
+        poses.push((other, pose));
     }
     for (other, pose) in grouping::with_members(edit, poses) {
-        edit.set(other, ToWorld(pose));
+        set_pose(edit, other, pose);
     }
 }
 
@@ -170,11 +172,6 @@ fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) ->
         }
     }
     others.into_iter().filter(|other| !left_out.contains(other)).collect()
-}
-
-fn middle(world: &World, entity: Entity) -> Affine3A {
-    let middle = world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle);
-    Affine3A::from_translation(middle)
 }
 
 /// The materials in the same place as this one within what other selected things are made of.

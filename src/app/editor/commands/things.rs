@@ -1,6 +1,6 @@
 //! Helpers that several edits of things in the scene share.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 
 use crate::app::editor::command::error::CommandError;
@@ -9,9 +9,9 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::insert::next_order;
 use crate::scene::medium::users_of_medium;
 use crate::scene::{
-    ActiveSensor, DeclaredIn, Declares, DocumentOrder, ExteriorMedium, FirstNested, FirstNestedIn, FreeView, InMedium,
-    InteriorMedium, Locked, Material, MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn,
-    Sensor, Shape, ToWorld, UsesMaterial,
+    ActiveSensor, Authored, DeclaredIn, Declares, DocumentOrder, EulerAngles, ExteriorMedium, FirstNested,
+    FirstNestedIn, FreeView, InMedium, InteriorMedium, KeyPath, Keys, Locked, Material, MaterialUsers, ObjectState,
+    Placements, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ToWorld, UsesMaterial,
 };
 
 /// An error unless the entity has a component of this type.
@@ -148,8 +148,70 @@ pub(crate) fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, Name::new(name.to_owned()));
 }
 
-/// Sets poses, world from local, as one edit. The error is a sentence for the user; poses before the refused one are set then, and the caller
-/// abandons the edit.
+/// The pose of a thing: world from a space whose origin is the thing's place, such as the centre of a sphere ([`Shape::middle`]).
+pub fn pose_of(world: &World, entity: Entity) -> Option<Affine3A> {
+    let to_world = world.get::<ToWorld>(entity)?.0;
+    Some(match middle_of(world, entity) {
+        Vec3::ZERO => to_world,
+        middle => to_world * Affine3A::from_translation(middle),
+    })
+}
+
+fn middle_of(world: &World, entity: Entity) -> Vec3 {
+    world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle)
+}
+
+/// Gives a thing a pose, see [`pose_of`]. One without a transform that has a place of its own, such as a centre, is moved by that. Angles that do not give the
+/// new rotation follow it.
+pub fn set_pose(edit: &mut Edit, entity: Entity, pose: Affine3A) {
+    if let Some(shape) = moved_by_itself(edit.world, entity, &pose) {
+        edit.set(entity, shape);
+        edit.set(entity, ToWorld::default());
+        edit.remove::<EulerAngles>(entity);
+        return;
+    }
+    let known = edit.world.get::<EulerAngles>(entity).copied();
+    let before = edit.world.get::<ToWorld>(entity).map(|before| before.0.matrix3);
+    let has_angles = known.is_some() || edit.world.get::<Shape>(entity).is_some();
+    if has_angles && before != Some(pose.matrix3) {
+        set_angles(edit, entity, EulerAngles::following(known, &pose.matrix3));
+    }
+    let to_world = match middle_of(edit.world, entity) {
+        Vec3::ZERO => pose,
+        middle => pose * Affine3A::from_translation(-middle),
+    };
+    edit.set(entity, ToWorld(to_world));
+}
+
+/// Gives a thing the angles of its rotation.
+pub fn set_angles(edit: &mut Edit, entity: Entity, angles: Option<EulerAngles>) {
+    match angles.filter(|angles| angles.0 != Vec3::ZERO) {
+        Some(angles) => edit.set(entity, angles),
+        None => edit.remove::<EulerAngles>(entity),
+    }
+}
+
+/// The shape as it is moved to a pose by its own numbers. None if the pose does more than that, and if the shape has a transform, which is moved then.
+fn moved_by_itself(world: &World, entity: Entity, pose: &Affine3A) -> Option<Shape> {
+    let has_transform = match world.get::<Authored>(entity) {
+        Some(authored) => authored
+            .object
+            .properties
+            .iter()
+            .any(|property| property.name == "to_world"),
+        None => world.get::<ToWorld>(entity)?.0 != Affine3A::IDENTITY,
+    };
+    let moves = world
+        .get::<Keys>(entity)
+        .is_some_and(|keys| keys.track(&KeyPath::new("to_world")).is_some());
+    if has_transform || moves || pose.matrix3 != Mat3A::IDENTITY {
+        return None;
+    }
+    world.get::<Shape>(entity)?.moved_to(pose.translation.into())
+}
+
+/// Sets poses, see [`pose_of`], as one edit. The error is a sentence for the user; poses before the refused one are set then, and the caller abandons the
+/// edit.
 pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {
     for (entity, pose) in poses {
         if edit.world.get::<Placements>(entity).is_some() {
@@ -158,7 +220,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
         if edit.world.get::<Locked>(entity).is_some() {
             return Err("That is locked.".into());
         }
-        edit.set(entity, ToWorld(pose));
+        set_pose(edit, entity, pose);
         // A user who moves the camera wants to see from there.
         if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
             edit.world.insert_resource(FreeView::default());

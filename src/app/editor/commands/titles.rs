@@ -124,6 +124,9 @@ fn verb(world: &World, command: &Command) -> String {
             let before = world.get::<ToWorld>(*entity)?.0.matrix3;
             Some([before, after.matrix3])
         }),
+        Command::Turn(entity, after, _) => world
+            .get::<ToWorld>(*entity)
+            .map(|pose| [pose.0.matrix3, after.matrix3]),
         _ => None,
     };
     let Some([before, after]) = change.filter(|[before, after]| before != after) else {

@@ -11,15 +11,16 @@ use super::mixed::Mixed;
 use super::{EditorModel, Inspected, InspectedMaterial, InspectedMesh, MaterialPlace};
 use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::{
-    AreaLight, Emitter, EmitterKind, ExteriorMedium, Film, FirstNested, InMedium, InteriorMedium, Material,
-    MaterialUsers, Medium, MeshHandle, Placements, SecondNested, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh,
-    UsesMaterial,
+    AreaLight, Emitter, EmitterKind, EulerAngles, ExteriorMedium, Film, FirstNested, InMedium, InteriorMedium,
+    Material, MaterialUsers, Medium, MeshHandle, Placements, SecondNested, Sensor, Shape, ShapeKind, ToWorld,
+    TriangleMesh, UsesMaterial,
 };
 
 type Parts = (
     Naming,
-    Option<&'static ToWorld>,
+    (Option<&'static ToWorld>, Option<&'static EulerAngles>),
     Option<&'static Shape>,
     Option<&'static MeshHandle>,
     Option<&'static AreaLight>,
@@ -61,12 +62,14 @@ pub fn gather_selection(
     materials: Query<MaterialParts>,
     media: Media,
     meshes: Res<Assets<TriangleMesh>>,
+    settings: Option<Res<ViewSettings>>,
 ) {
+    let up = settings.map_or(Vec3::Y, |settings| settings.navigation.up);
     // A reload may have taken things away.
     if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
         selection.retain(|entity| parts.contains(*entity));
     }
-    let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes, &media);
+    let inspected = |entity: Entity| inspect(entity, up, &parts, &materials, &meshes, &media);
     let before = model.0.inspected.take();
     let (before, media_before) = before.map_or_else(Default::default, |before| (before.materials, before.media));
     model.0.inspected = selection.active().and_then(inspected).map(|mut shown| {
@@ -89,12 +92,13 @@ const MOST_COMPARED: usize = 256;
 
 fn inspect(
     entity: Entity,
+    up: Vec3,
     parts: &Query<Parts, IsThing>,
     materials: &Query<MaterialParts>,
     meshes: &Assets<TriangleMesh>,
     media: &Media,
 ) -> Option<Inspected> {
-    let (naming, to_world, shape, mesh, area_light, emitter, sensor, film, uses, is_crowd, sides) =
+    let (naming, (to_world, angles), shape, mesh, area_light, emitter, sensor, film, uses, is_crowd, sides) =
         parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
     if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material && !media.contains(entity) {
@@ -111,6 +115,8 @@ fn inspect(
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     Some(Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
+        angles: angles.copied(),
+        rest: shape.map_or(Vec3::ZERO, |shape| shape.rest_angles(up)),
         shape: shape.cloned(),
         mesh: shape.and_then(|shape| inspect_mesh(shape, meshes.get(&mesh?.0)?)),
         area_light: area_light.cloned(),

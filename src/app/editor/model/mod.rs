@@ -42,8 +42,8 @@ use crate::engine::{AutoStatus, RenderStatus};
 use crate::math::Aabb;
 use crate::render::clamp::BrightnessLimit;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, LengthUnit, Material, Medium, SamplerSettings, Sensor,
-    Shape,
+    AccelMethod, AreaLight, Emitter, EulerAngles, Film, IntegratorSettings, LengthUnit, Material, Medium,
+    SamplerSettings, Sensor, Shape,
 };
 use item_list::ItemList;
 use mixed::Mixed;
@@ -215,6 +215,10 @@ pub struct Inspected {
     pub name: String,
     /// The pose; None for things without a place, such as a material.
     pub to_world: Option<Affine3A>,
+    /// The angles of its rotation, if they are known.
+    pub angles: Option<EulerAngles>,
+    /// The angles from which its rotation is shown, in degrees.
+    pub rest: Vec3,
     /// The shape, if it is one.
     pub shape: Option<Shape>,
     /// The mesh, once it is loaded.
@@ -262,6 +266,8 @@ impl Inspected {
             entity,
             name: name.into(),
             to_world: None,
+            angles: None,
+            rest: Vec3::ZERO,
             shape: None,
             mesh: None,
             area_light: None,

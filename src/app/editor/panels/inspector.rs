@@ -18,12 +18,12 @@ use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, Model};
 use crate::math::Aabb;
-use crate::scene::{EmitterKind, Material, MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::{EmitterKind, EulerAngles, Material, MeshFile, MeshFormat, Shape, ShapeKind};
+use transform::PoseEdit;
 
 /// The state that the panel keeps between frames.
 #[derive(Debug, Default)]
 pub struct InspectorState {
-    angles: transform::ShownAngles,
     materials: EditedMaterials,
     media: EditedMedia,
     /// The part of a nested material that was chosen in the tree.
@@ -94,9 +94,9 @@ fn sections(
     if others > 0 {
         ui.weak(format!("and {others} more. Changes every selected object."));
     }
-    if let Some(to_world) = inspected.to_world {
+    if let Some(to_world) = inspected.pose() {
         section(ui, "Transform", |ui| {
-            pose(ui, inspected, to_world, scene_size, state, commands);
+            pose(ui, inspected, to_world, scene_size, commands);
             if let Some(bounds) = &model.extent {
                 size(ui, inspected, to_world, bounds, others > 0, commands);
             }
@@ -207,17 +207,8 @@ fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
     }
 }
 
-fn pose(
-    ui: &mut Ui,
-    inspected: &Inspected,
-    to_world: Affine3A,
-    scene_size: f32,
-    state: &mut InspectorState,
-    commands: &mut Vec<Command>,
-) {
-    // The pose is about the thing's place: a sphere's centre is in the scene, whatever its own space.
-    let middle = Affine3A::from_translation(inspected.shape.as_ref().map_or(Vec3::ZERO, Shape::middle));
-    let mut edited = to_world * middle;
+fn pose(ui: &mut Ui, inspected: &Inspected, to_world: Affine3A, scene_size: f32, commands: &mut Vec<Command>) {
+    let mut edited = to_world;
     let freedom = match (&inspected.shape, &inspected.emitter) {
         (Some(_), _) => Freedom::Affine,
         (None, Some(emitter)) if emitter.is_probe() => Freedom::Affine,
@@ -228,16 +219,25 @@ fn pose(
         Some(emitter) if emitter.is_environment() => transform::turn(ui, &mut edited, up_axis(&emitter.kind)),
         _ => false,
     };
-    let moved = match inspected.sensor {
+    let edit = match inspected.sensor {
         Some(_) => {
             let moved = transform::position(ui, &mut edited, scene_size);
-            camera_angles::camera_angles(ui, &mut edited) || moved
+            match camera_angles::camera_angles(ui, &mut edited) || moved {
+                true => PoseEdit::Moved,
+                false => PoseEdit::None,
+            }
         }
-        None => transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles),
+        None => {
+            let angles = inspected.angles.map(|angles| angles.0);
+            transform::transform(ui, &mut edited, freedom, scene_size, angles, inspected.rest)
+        }
     };
-    if (spun || moved) && edited.is_finite() {
-        let edited = edited * middle.inverse();
-        commands.push(Command::Transform(vec![(inspected.entity, edited)]));
+    if edited.is_finite() {
+        commands.extend(match edit {
+            PoseEdit::Turned(degrees) => Some(Command::Turn(inspected.entity, edited, EulerAngles(degrees))),
+            PoseEdit::None if !spun => None,
+            PoseEdit::None | PoseEdit::Moved => Some(Command::Transform(vec![(inspected.entity, edited)])),
+        });
     }
 }
 

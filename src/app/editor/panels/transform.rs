@@ -1,29 +1,40 @@
 //! Shows the translation, rotation and scale of an entity.
 
-use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
+use bevy::math::{Affine3A, Mat3A, Quat, Vec3};
 use bevy_egui::egui::Ui;
 
 use super::caption::Caption;
 use super::{fields, lengths};
 use crate::app::editor::model::freedom::Freedom;
+use crate::scene::Turned;
+use crate::scene::euler::from_rest;
 
-/// The angles that were last shown. A rotation has many sets of angles; those that the user dragged are kept so that they do not jump.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ShownAngles {
-    rotation: Quat,
-    degrees: Vec3,
+/// An edit of a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PoseEdit {
+    /// Nothing was edited.
+    None,
+    /// Its place or its scale was edited.
+    Moved,
+    /// Its rotation was given by these angles about x, then y, then z, in degrees.
+    Turned(Vec3),
 }
 
-const ORDER: EulerRot = EulerRot::ZYX;
-/// Two rotations closer than this are the same one, written by us.
-const SAME_ROTATION: f32 = 1e-5;
-/// The most that a matrix may differ from translation, rotation and scale and still count as made of them, relative to its size.
-const SHEAR_TOLERANCE: f32 = 1e-4;
-
-/// Shows the rows of a pose; true if `to_world` was edited. `size` (world units) sets how fast a drag moves.
-pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {
-    let moved = freedom != Freedom::Turning && position(ui, to_world, size);
-    let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
+/// Shows the rows of a pose, and edits it. `size` (world units) sets how fast a drag moves. `angles`: those of the rotation that are known. The rotation is
+/// shown from `rest`.
+pub fn transform(
+    ui: &mut Ui,
+    to_world: &mut Affine3A,
+    freedom: Freedom,
+    size: f32,
+    angles: Option<Vec3>,
+    rest: Vec3,
+) -> PoseEdit {
+    let moved = match freedom != Freedom::Turning && position(ui, to_world, size) {
+        true => PoseEdit::Moved,
+        false => PoseEdit::None,
+    };
+    let Some(turned) = Turned::of(&to_world.matrix3, angles) else {
         fields::note(
             ui,
             ("Rotation", "to_world.rotation"),
@@ -31,24 +42,30 @@ pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f
         );
         return moved;
     };
-    let mut degrees = degrees(rotation, shown);
-    let turned = fields::vector(ui, ("Rotation", "to_world.rotation"), &mut degrees, 0.5, "°");
-    let mut edited_scale = scale;
-    let scaled = freedom == Freedom::Affine
+    let mut edited = turned;
+    edited.degrees = from_rest(turned.degrees, -rest);
+    let is_turned = fields::vector(ui, ("Rotation", "to_world.rotation"), &mut edited.degrees, 0.5, "°");
+    edited.degrees = from_rest(edited.degrees, rest);
+    let is_scaled = freedom == Freedom::Affine
         && fields::vector(
             ui,
             ("Scale", "to_world.scale"),
-            &mut edited_scale,
-            0.002 * scale.length().max(1e-3),
+            &mut edited.scale,
+            0.002 * turned.scale.length().max(1e-3),
             "",
         );
-    if turned || scaled {
-        let rotation = if turned { from_degrees(degrees) } else { rotation };
-        *shown = ShownAngles { rotation, degrees };
-        let matrix3 = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(nonzero(edited_scale));
-        to_world.matrix3 = matrix3;
+    if !is_turned {
+        edited.degrees = turned.degrees;
     }
-    moved || turned || scaled
+    if is_turned || is_scaled {
+        edited.scale = nonzero(edited.scale);
+        to_world.matrix3 = edited.matrix();
+    }
+    match (is_turned, is_scaled) {
+        (true, _) => PoseEdit::Turned(edited.degrees),
+        (false, true) => PoseEdit::Moved,
+        (false, false) => moved,
+    }
 }
 
 /// Shows the row of a place; true if it was edited. `size` (world units) sets how fast a drag moves.
@@ -64,10 +81,14 @@ pub(super) fn position(ui: &mut Ui, to_world: &mut Affine3A, size: f32) -> bool 
 
 /// A turn about the thing's own axis `up`, on a slider; true if edited. Nothing is shown of a sheared map.
 pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
-    let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
+    let Some(Turned { scale, degrees }) = Turned::of(&to_world.matrix3, None) else {
         return false;
     };
-    let (swing, mut degrees) = spin_about(rotation, up);
+    let turned = Turned {
+        scale: Vec3::ONE,
+        degrees,
+    };
+    let (swing, mut degrees) = spin_about(Quat::from_mat3a(&turned.matrix()), up);
     let caption = Caption::from("Azimuth").explained("The angle about the vertical axis");
     let turned = fields::slider_with(ui, caption, &mut degrees, -180.0..=180.0, |slider| {
         slider.suffix("°").max_decimals(1)
@@ -93,34 +114,6 @@ fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     (swing, degrees)
 }
 
-/// The scale and rotation, or None for a sheared matrix.
-fn decompose(matrix: &Mat3A) -> Option<(Vec3, Quat)> {
-    let (scale, rotation, _) = Affine3A {
-        matrix3: *matrix,
-        translation: Default::default(),
-    }
-    .to_scale_rotation_translation();
-    let made = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(scale);
-    let tolerance = SHEAR_TOLERANCE * scale.abs().max_element();
-    let fits = made.is_finite() && made.abs_diff_eq(*matrix, tolerance);
-    fits.then_some((scale, rotation))
-}
-
-/// The angles about x, then y, then z.
-fn degrees(rotation: Quat, shown: &ShownAngles) -> Vec3 {
-    if rotation.dot(shown.rotation).abs() > 1.0 - SAME_ROTATION * SAME_ROTATION {
-        return shown.degrees;
-    }
-    let (z, y, x) = rotation.to_euler(ORDER);
-    // Adding zero turns -0 into 0.
-    Vec3::new(x, y, z).map(f32::to_degrees) + Vec3::ZERO
-}
-
-fn from_degrees(degrees: Vec3) -> Quat {
-    let [x, y, z] = degrees.map(f32::to_radians).to_array();
-    Quat::from_euler(ORDER, z, y, x)
-}
-
 /// A scale of zero would leave nothing to see, and no way back.
 fn nonzero(scale: Vec3) -> Vec3 {
     scale.map(|s| if s.abs() < 1e-6 { 1e-6 } else { s })
@@ -129,13 +122,6 @@ fn nonzero(scale: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn angles_come_back() {
-        let degrees_in = Vec3::new(20.0, -35.0, 110.0);
-        let out = degrees(from_degrees(degrees_in), &ShownAngles::default());
-        assert!(out.abs_diff_eq(degrees_in, 1e-3), "{out}");
-    }
 
     #[test]
     fn a_turn_about_the_upward_axis_is_told_from_the_rest() {
@@ -148,13 +134,5 @@ mod tests {
                 assert!((found - degrees).abs() < 1e-2, "{found} {degrees}");
             }
         }
-    }
-
-    #[test]
-    fn shear_is_noticed() {
-        let sheared = Mat3A::from_cols(Vec3::X.into(), Vec3::new(0.5, 1.0, 0.0).into(), Vec3::Z.into());
-        assert!(decompose(&sheared).is_none());
-        let turned = Mat3A::from_rotation_y(0.7) * Mat3A::from_diagonal(Vec3::new(1.0, 200.0, -3.0));
-        assert!(decompose(&turned).is_some());
     }
 }

@@ -74,7 +74,10 @@ impl Tutorial {
                 command,
                 Command::Add(_) | Command::Build(_) | Command::Duplicate | Command::Import(_) | Command::Paste(_)
             ),
-            2 => matches!(command, Command::Transform(_) | Command::Nudge(_) | Command::Drop),
+            2 => matches!(
+                command,
+                Command::Transform(_) | Command::Turn(..) | Command::Nudge(_) | Command::Drop
+            ),
             3 => is_about_material(command),
             _ => match command {
                 Command::Save | Command::SaveScene(_) | Command::SaveChanged(..) => is_saved,

@@ -193,7 +193,7 @@ impl Sources<'_, '_> {
             };
             Some(Target {
                 entity,
-                to_world: to_world.0,
+                to_world: to_world.0 * Affine3A::from_translation(shape.map_or(Vec3::ZERO, Shape::middle)),
                 freedom,
                 // Hidden things are not in the picture.
                 bounds: bounds.or_else(|| world_bounds(shape?, &to_world.0, None)),

@@ -2,19 +2,20 @@
 
 use std::ops::RangeInclusive;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 
 use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, fields, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::files::ExrCompression;
+use crate::scene::euler::from_rest;
 use crate::scene::medium;
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::solid::{OpeningsError, file_range, parse_openings};
 use crate::scene::{
-    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, Film, GridFile,
-    Ior, LengthUnit, Lens, Material, Medium, ParameterInfo, ParameterMut, PhaseFunction, PrincipledIndex, Roughness,
-    Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture, VolumeFormat, VolumeParameter,
+    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, EulerAngles, Film,
+    GridFile, Ior, LengthUnit, Lens, Material, Medium, ParameterInfo, ParameterMut, PhaseFunction, PrincipledIndex,
+    Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture, Turned, VolumeFormat, VolumeParameter,
 };
 
 /// Says why a parameter was not set.
@@ -215,27 +216,38 @@ fn one_of<T: Copy>(text: &str, unsaid: &str, all: &[T], name: fn(T) -> &'static 
     })
 }
 
-/// Position, rotation (degrees about x, then y, then z) or scale of a pose without shear.
-pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), AssignError> {
-    let (mut scale, rotation, mut position) = pose.to_scale_rotation_translation();
-    let (z, y, x) = rotation.to_euler(bevy::math::EulerRot::ZYX);
-    let mut degrees = bevy::math::Vec3::new(x, y, z).map(f32::to_degrees);
+/// The pose with another position, rotation (degrees about x, then y, then z, from `rest`) or scale; and the angles, if these were set. `angles`: those that it
+/// has. A pose with shear gets others in its place.
+pub fn pose(
+    pose: &Affine3A,
+    parameter: &str,
+    text: &str,
+    angles: Option<EulerAngles>,
+    rest: Vec3,
+) -> Result<(Affine3A, Option<EulerAngles>), AssignError> {
+    let turned = Turned::of(&pose.matrix3, angles.map(|angles| angles.0)).unwrap_or_else(|| Turned {
+        scale: pose.to_scale_rotation_translation().0,
+        degrees: rest,
+    });
+    let (mut position, mut scale, mut degrees) =
+        (pose.translation.into(), turned.scale, from_rest(turned.degrees, -rest));
     assign(parameter, text, |visitor| {
         visitor.parsed("position", &mut position, parse_vec3);
         visitor.parsed("rotation", &mut degrees, parse_vec3);
         visitor.parsed("scale", &mut scale, crate::document::value::parse_vec3_or_splat);
     })?;
-    let [x, y, z] = degrees.map(f32::to_radians).to_array();
-    let rotation = bevy::math::Quat::from_euler(bevy::math::EulerRot::ZYX, z, y, x);
-    *pose = match parameter {
+    let degrees = from_rest(degrees, rest);
+    Ok(match parameter {
         // The others keep their bits.
-        "position" => Affine3A {
-            translation: position.into(),
-            ..*pose
-        },
-        _ => Affine3A::from_scale_rotation_translation(scale, rotation, position),
-    };
-    Ok(())
+        "position" => {
+            let translation = position.into();
+            (Affine3A { translation, ..*pose }, None)
+        }
+        _ => {
+            let matrix3 = Turned { scale, degrees }.matrix();
+            (Affine3A { matrix3, ..*pose }, Some(EulerAngles(degrees)))
+        }
+    })
 }
 
 fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(), AssignError> {

@@ -10,9 +10,10 @@ use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::seeing::AXES;
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
+use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
-use crate::scene::ToWorld;
+use crate::scene::euler::tidied;
 
 /// `snap TO [always] [align]`
 pub fn snap(world: &World, to: &str, how: &[&str]) -> Result<Command, ScriptError> {
@@ -91,8 +92,12 @@ pub(super) fn transformed(
     change: impl FnOnce(Affine3A) -> Affine3A,
 ) -> Result<Command, ScriptError> {
     let entity = named(world, name)?;
-    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
-    Ok(Command::Transform(vec![(entity, change(pose))]))
+    let before = pose_of(world, entity).ok_or("it has no place")?;
+    let mut pose = change(before);
+    if pose.matrix3 != before.matrix3 {
+        pose.matrix3 = tidied(&pose.matrix3);
+    }
+    Ok(Command::Transform(vec![(entity, pose)]))
 }
 
 pub(super) fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {

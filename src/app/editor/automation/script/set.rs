@@ -7,22 +7,29 @@ use super::error::ScriptError;
 use super::names::{material_of, medium_of};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::commands::things::pose_of;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
-use crate::scene::{AreaLight, Emitter, Film, LengthUnit, Material, Medium, Sensor, Shape, ToWorld};
+use crate::scene::{AreaLight, Emitter, EulerAngles, Film, LengthUnit, Material, Medium, Sensor, Shape};
 
 /// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
 pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
     let mut known = Vec::new();
-    if let Some(pose) = world.get::<ToWorld>(entity) {
+    if let Some(pose) = pose_of(world, entity) {
         known = vec!["position", "rotation", "scale"];
         if world.get::<Emitter>(entity).is_some() {
             // Some components have a factor of this name.
             known.pop();
         }
         if known.contains(&parameter) {
-            let mut pose = pose.0;
-            assign::pose(&mut pose, parameter, value)?;
-            return Ok(Command::Transform(vec![(entity, pose)]));
+            let up = world.resource::<ViewSettings>().navigation.up;
+            let shape = world.get::<Shape>(entity);
+            let rest = shape.map_or(Vec3::ZERO, |shape| shape.rest_angles(up));
+            let angles = world.get::<EulerAngles>(entity).copied();
+            return Ok(match assign::pose(&pose, parameter, value, angles, rest)? {
+                (pose, None) => Command::Transform(vec![(entity, pose)]),
+                (pose, Some(angles)) => Command::Turn(entity, pose, angles),
+            });
         }
     }
     // This error tells more than that another component has no such parameter.

@@ -192,6 +192,15 @@ pub fn wall_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Af
     as_wall(kind, pose, columns[across].normalize_or_zero(), up)
 }
 
+/// The wall with the same surface as a box, which stands as the box does: at rest if the box is not turned. None for a box that leans or is sheared.
+pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
+    let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
+    let upward = facing(&columns, up)?;
+    let level = (0..3).find(|axis| *axis != upward)?;
+    let direction = columns[level].try_normalize()?;
+    wall_of_box(&columns, pose.translation.into(), upward, direction, up)
+}
+
 /// The wall that a shape is, seen from the side with this normal. A box becomes one if that side is upright.
 fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
@@ -203,30 +212,42 @@ fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<
             if upward == across {
                 return None;
             }
-            let is_right = |a: usize, b: usize| {
-                columns[a].normalize_or_zero().dot(columns[b].normalize_or_zero()).abs() < RIGHT_ANGLE
-            };
-            if !(is_right(0, 1) && is_right(1, 2) && is_right(2, 0)) {
-                return None;
-            }
             let level = 3 - upward - across;
-            let half = |axis: usize| columns[axis].length();
-            let z = columns[upward].normalize() * columns[upward].dot(up).signum();
-            let x = columns[level].normalize();
+            let x = columns[level].try_normalize()?;
             // The wall goes the way that the axes of the world go.
             let x = x * x[x.abs().max_position()].signum();
-            let start = Vec3::from(pose.translation) - x * half(level) - z * half(upward);
-            let wall = Solid::Wall {
-                length: 2.0 * half(level),
-                height: 2.0 * half(upward),
-                thickness: 2.0 * half(across),
-                openings: Vec::new(),
-            };
-            let axes = Mat3::from_cols(x, z.cross(x), z);
-            Some((wall, Affine3A::from_mat3_translation(axes, start)))
+            wall_of_box(&columns, pose.translation.into(), upward, x, up)
         }
         _ => None,
     }
+}
+
+/// The wall in the place of a box of these axes around `middle`, along a direction of unit length that one of them has.
+fn wall_of_box(
+    columns: &[Vec3; 3],
+    middle: Vec3,
+    upward: usize,
+    direction: Vec3,
+    up: Vec3,
+) -> Option<(Solid, Affine3A)> {
+    let is_right =
+        |a: usize, b: usize| columns[a].normalize_or_zero().dot(columns[b].normalize_or_zero()).abs() < RIGHT_ANGLE;
+    if !(is_right(0, 1) && is_right(1, 2) && is_right(2, 0)) {
+        return None;
+    }
+    let level =
+        (0..3).find(|axis| *axis != upward && columns[*axis].normalize_or_zero().dot(direction).abs() > 0.99)?;
+    let half = |axis: usize| columns[axis].length();
+    let z = columns[upward].normalize() * columns[upward].dot(up).signum();
+    let start = middle - direction * half(level) - z * half(upward);
+    let wall = Solid::Wall {
+        length: 2.0 * half(level),
+        height: 2.0 * half(upward),
+        thickness: 2.0 * half(3 - upward - level),
+        openings: Vec::new(),
+    };
+    let axes = Mat3::from_cols(direction, z.cross(direction), z);
+    Some((wall, Affine3A::from_mat3_translation(axes, start)))
 }
 
 /// The axis that a direction is along; None if it is along none.

@@ -13,9 +13,9 @@ use bevy::prelude::*;
 
 use super::materials::copied;
 use super::texturing::material_parts;
-use super::things::{outer_materials, replace};
+use super::things::{outer_materials, replace, set_pose};
 use crate::app::editor::camera::pose;
-use crate::app::editor::command::blocking::openings::wall_of;
+use crate::app::editor::command::blocking::openings::box_as_wall;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::texture_placing::{texture_groups, upright};
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
@@ -111,7 +111,7 @@ fn fitting(world: &World, entity: Entity, projection: Projection) -> Option<Fitt
         }
         ShapeKind::Solid(_) | ShapeKind::Cube if projection.from == ProjectedFrom::Box => {
             let (part, pose) = match &shape.kind {
-                ShapeKind::Cube => wall_of(&shape.kind, &pose, up).map(|(wall, pose)| (Some(wall), pose))?,
+                ShapeKind::Cube => box_as_wall(&pose, up).map(|(wall, pose)| (Some(wall), pose))?,
                 _ => (None, pose),
             };
             let to_uv = Affine2::from_scale(Vec2::splat(even_scale(&pose)? / projection.tile));
@@ -203,7 +203,7 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
             let before = edit.world.get::<Shape>(shape).cloned().unwrap_or_default();
             let kind = ShapeKind::Solid(wall.clone());
             replace(edit, shape, Shape { kind, ..before })?;
-            edit.set(shape, ToWorld(*pose));
+            set_pose(edit, shape, *pose);
         }
     }
     Ok(rest)

@@ -19,6 +19,7 @@ use crate::app::editor::command::snapping::SnapTo;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::freedom::Freedom;
 use crate::scene::LengthUnit;
+use crate::scene::euler::tidied;
 
 /// The change of things since the drag began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -405,7 +406,7 @@ impl Drag {
                 let turned = rounding::rounded_place(pivot + turn * from_pivot, self.unit);
                 let stays = !has_place || from_pivot == Vec3::ZERO;
                 Affine3A {
-                    matrix3: Mat3A::from_quat(turn) * matrix3,
+                    matrix3: tidied(&(Mat3A::from_quat(turn) * matrix3)),
                     translation: if stays { translation } else { turned.into() },
                 }
             }

@@ -25,7 +25,7 @@ use crate::math::Aabb;
 pub struct Target {
     /// The entity.
     pub entity: Entity,
-    /// World from local.
+    /// World from a space whose origin is the object's place, as `Command::Transform` has it.
     pub to_world: Affine3A,
     /// The freedom of the pose.
     pub freedom: Freedom,
@@ -34,7 +34,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// The origin of its own space, in the world.
+    /// Its place in the world.
     pub fn origin(&self) -> Vec3 {
         self.to_world.translation.into()
     }
