@@ -35,6 +35,14 @@ pub struct SourceFile {
     pub byte_order_mark: bool,
 }
 
+impl SourceFile {
+    /// Returns the text as it is in the file, with the byte order mark.
+    pub fn with_mark(&self) -> String {
+        let mark = if self.byte_order_mark { "\u{feff}" } else { "" };
+        format!("{mark}{}", self.text)
+    }
+}
+
 /// The severity of a message. Levels are ordered by their declaration, the mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {

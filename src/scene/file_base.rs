@@ -96,6 +96,17 @@ impl Thing {
         }
     }
 
+    pub(super) fn identity_mut(self, scene: &mut SceneDescription) -> &mut Identity {
+        match self {
+            Self::Medium(index) => &mut scene.media[index].identity,
+            Self::Material(index) => &mut scene.materials[index].identity,
+            Self::Group(index) => &mut scene.groups[index].identity,
+            Self::Shape(index) => &mut scene.shapes[index].identity,
+            Self::Emitter(index) => &mut scene.emitters[index].identity,
+            Self::Sensor(index) => &mut scene.sensors[index].identity,
+        }
+    }
+
     /// Whether this thing of a description has the same components as `other` of another one, the order apart. `entities` are those of each. It makes
     /// no copies, unlike a comparison of [`Self::state`].
     pub(super) fn is_same(

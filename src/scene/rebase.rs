@@ -10,6 +10,7 @@ use super::description::{Identity, SceneDescription};
 use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::spawn::{StandInSensor, give_way};
 use super::write::entities::Entities;
+use super::write::{GivenId, PastFile};
 use super::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
 
 /// The entities with marks that no file holds.
@@ -106,9 +107,14 @@ impl Pairing {
                 .clone()
                 .filter(|id| here.is_there() && here.id.as_ref() != Some(id))
             {
-                here.name = Some(Name::new(id.0.clone()));
+                let name_before = here.name.replace(Name::new(id.0.clone()));
                 let before = here.id.replace(id.clone());
-                given.push((entity, before, id));
+                given.push(GivenId {
+                    entity,
+                    before,
+                    name_before,
+                    id,
+                });
             }
             base.remember(entity, here, &in_file);
         }
@@ -123,10 +129,18 @@ impl Pairing {
     }
 }
 
-/// What was known of a file before it was written.
+/// What was known of a file before it was written, and the ids that things got then.
 pub(super) struct Old {
-    _base: Option<FileBase>,
-    _remains: Option<AuthoredScene>,
+    base: Option<FileBase>,
+    remains: Option<AuthoredScene>,
+    pub given: Vec<GivenId>,
+}
+
+impl Old {
+    /// The file as it was; None if there was none.
+    pub fn file(&self) -> Option<PastFile> {
+        PastFile::new(self.remains.as_ref()?, self.base.as_ref()?)
+    }
 }
 
 /// The update of the entities after saving, step by step.
@@ -134,8 +148,8 @@ pub(super) struct Rebase {
     base: FileBase,
     /// The things whose entities do not have their new place in the file yet.
     rest: Box<dyn Iterator<Item = Thing> + Send + Sync>,
-    /// The ids that things got when they were written, after those that they had.
-    given: Vec<(Entity, Option<SceneId>, SceneId)>,
+    /// The ids that things got when they were written.
+    given: Vec<GivenId>,
     claimed: EntityHashSet,
 }
 
@@ -158,13 +172,15 @@ impl Rebase {
     /// What was known of the old file is returned as well.
     pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
         let mut new_ids = HashMap::new();
-        for (entity, before, id) in self.given {
-            // A thing that was renamed since then keeps its new name.
-            if ObjectState::is_in_scene(world, entity) && world.get::<SceneId>(entity) == before.as_ref() {
-                let name = Name::new(id.0.clone());
-                new_ids.insert(id.clone(), entity);
-                world.entity_mut(entity).insert((id, name));
-            }
+        let mut given = self.given;
+        // A thing that was renamed since then keeps its new name.
+        given.retain(|GivenId { entity, before, .. }| {
+            ObjectState::is_in_scene(world, *entity) && world.get::<SceneId>(*entity) == before.as_ref()
+        });
+        for GivenId { entity, id, .. } in &given {
+            let name = Name::new(id.0.clone());
+            new_ids.insert(id.clone(), *entity);
+            world.entity_mut(*entity).insert((id.clone(), name));
         }
         // Something else may have got such an id meanwhile.
         give_way(world, &new_ids);
@@ -190,8 +206,9 @@ impl Rebase {
             }
         }
         let old = Old {
-            _base: world.remove_resource(),
-            _remains: world.remove_resource(),
+            base: world.remove_resource(),
+            remains: world.remove_resource(),
+            given,
         };
         world.insert_resource(written.remains.clone());
         world.insert_resource(self.base);

@@ -31,7 +31,7 @@ fn keep_lights_apart(world: &mut World) {
 }
 
 /// One line of a script; false if it could not be done.
-fn say(world: &mut World, line: &str) -> bool {
+pub(crate) fn say(world: &mut World, line: &str) -> bool {
     keep_lights_apart(world);
     match parse::line(world, line) {
         Ok(Some(Step::Do(command))) => apply(world, command).is_ok(),
@@ -51,7 +51,7 @@ fn assert_same(one: &Snapshot, other: &Snapshot) {
 }
 
 /// The lines of a step, up to the first that cannot be done: the others were meant for what that one would have selected.
-fn say_all(world: &mut World, step: &[String]) -> bool {
+pub(crate) fn say_all(world: &mut World, step: &[String]) -> bool {
     step.iter().all(|line| say(world, line))
 }
 
@@ -468,7 +468,7 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
 }
 
 /// A world with the scene of this file, as a window of its own has it.
-fn window_on(path: &Path) -> World {
+pub(crate) fn window_on(path: &Path) -> World {
     let mut world = bare_world();
     spawn::spawn_fresh(&mut world, &Arc::new(read_scene(path)));
     world.resource_mut::<SceneStatus>().path = Some(path.to_owned());
@@ -480,7 +480,7 @@ fn read_scene(path: &Path) -> SceneDescription {
     sunroom::scene::read::read(&mut document)
 }
 
-fn text_of(path: &Path) -> String {
+pub(crate) fn text_of(path: &Path) -> String {
     std::fs::read_to_string(path).expect("a file")
 }
 
@@ -496,7 +496,7 @@ fn is_asked(world: &World) -> bool {
     world.resource::<Requests>().save_question.is_some()
 }
 
-fn save(world: &mut World) {
+pub(crate) fn save(world: &mut World) {
     apply(world, Command::Save).expect("saved or asked");
 }
 

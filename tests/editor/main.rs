@@ -25,4 +25,5 @@ mod shell;
 mod start_page;
 mod texturing;
 mod trust;
+mod undone_saves;
 mod viewport;

@@ -81,6 +81,17 @@ pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
 }
 
 impl Expected {
+    /// Whether it is the file at this path, which is settled.
+    pub(super) fn is(&self, path: &Path) -> bool {
+        self.path == path
+    }
+
+    /// Whether it is the file at this path, and was read as this text.
+    pub(super) fn is_read_as(&self, path: &Path, source: &SourceFile) -> bool {
+        let is_same = |read: &SourceFile| (&read.text, read.byte_order_mark) == (&source.text, source.byte_order_mark);
+        self.is(path) && self.read.as_ref().is_some_and(is_same)
+    }
+
     /// Reads the present file. An error if something else than a file is there, which must not be replaced by one.
     fn look(&self) -> Result<Found, SaveError> {
         let text = match read_text(&self.path) {
@@ -175,8 +186,7 @@ pub(super) fn replace_files(
         }
         let is_written = files.iter().any(|(path, _)| *path == file.path);
         if let Some(source) = file.read.as_ref().filter(|_| !is_written) {
-            let mark = if source.byte_order_mark { "\u{feff}" } else { "" };
-            all.push((file.path.clone(), format!("{mark}{}", source.text)));
+            all.push((file.path.clone(), source.with_mark()));
         }
     }
     all.extend(files);

@@ -13,6 +13,7 @@ use bevy::prelude::World;
 use super::changed::{Expected, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
 use super::error::SaveError;
 use super::known::KnownTexts;
+use super::past::{GivenId, PastFile};
 use super::snapshot::Snapshot;
 use super::{copy_parts, home, plan};
 use crate::document::{self, Diagnostics};
@@ -35,8 +36,19 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
 /// they were read is treated as `on_change` says. A sentence if the file cannot be opened again: nothing is lost, but something in it
 /// needs mending.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
+    save_over(world, path, on_change, |_| None).map(|saved| saved.trouble)
+}
+
+/// Saves as [`save_with`], over the text of the past file that `choose` returns.
+pub(crate) fn save_over(
+    world: &mut World,
+    path: &Path,
+    on_change: OnChange,
+    choose: impl Fn(&mut World) -> Option<Arc<PastFile>>,
+) -> Result<Saved, SaveError> {
     for _ in 0..MOST_ATTEMPTS {
         let mut save = Save::begin(world, path, on_change)?;
+        save.past = choose(world);
         while !save.copy(world, usize::MAX) {}
         if let Some(written) = save.write()? {
             let mut following = written.follow(world);
@@ -47,6 +59,16 @@ pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<
     Err(SaveError::Restless { path: settle(path) })
 }
 
+/// How a save has ended.
+pub(crate) struct Saved {
+    /// The reason why the file cannot be opened again as it is.
+    pub trouble: Option<String>,
+    /// The file as it was before.
+    pub before: Option<PastFile>,
+    /// The ids that things got.
+    pub given: Vec<GivenId>,
+}
+
 /// A save that has begun.
 pub(crate) struct Save {
     target: PathBuf,
@@ -54,6 +76,8 @@ pub(crate) struct Save {
     scene: Snapshot,
     /// What else is needed of the world, once the scene is copied.
     rest: Option<Rest>,
+    /// The file as it was at some time, whose text is nearer to the scene than that of the file as it is.
+    pub past: Option<Arc<PastFile>>,
     /// The folders stay locked until the world follows.
     locks: Vec<FolderLock>,
 }
@@ -80,6 +104,7 @@ impl Save {
             overwrites,
             scene: Snapshot::begin(world),
             rest: None,
+            past: None,
             locks,
         })
     }
@@ -101,13 +126,19 @@ impl Save {
     /// Writes the files, and reads them again. None if the scene is not copied, or if others have changed the files since the save began: nothing is
     /// written then.
     pub fn write(self) -> Result<Option<Written>, SaveError> {
-        let Self { target, rest, .. } = self;
+        let Self { target, rest, past, .. } = self;
         let Some(rest) = rest else {
             return Ok(None);
         };
-        let (scene, entities) = self.scene.describe();
+        let (mut scene, entities) = self.scene.describe();
+        let past = past
+            .filter(|past| past.is_at(&target))
+            .filter(|past| past.put_under(&mut scene, &entities, &rest.expected));
         let time = scene.time;
-        let (files, moves) = plan(&scene, &target)?;
+        let (mut files, moves) = plan(&scene, &target)?;
+        if let Some(past) = past {
+            files = past.with_others(files, &rest.expected);
+        }
         let mut set = FileSet::new(&target);
         copy_parts(&moves, &mut set)?;
         let Some(files) = replace_files(&rest.expected, files, set, self.overwrites)? else {
@@ -209,8 +240,17 @@ impl Following {
         true
     }
 
-    /// The reason why the file cannot be opened again as it is; and what is no longer needed, which takes time to drop if it was of a large scene.
-    pub fn finish(self) -> (Option<String>, impl Send + use<>) {
-        (self.trouble, self.old)
+    /// How the save has ended; and what is no longer needed, which takes time to drop if it was of a large scene.
+    pub fn finish(self) -> (Saved, impl Send + use<>) {
+        let mut old = self.old;
+        let saved = Saved {
+            trouble: self.trouble,
+            before: old.as_ref().and_then(Old::file),
+            given: old
+                .as_mut()
+                .map(|old| std::mem::take(&mut old.given))
+                .unwrap_or_default(),
+        };
+        (saved, old)
     }
 }

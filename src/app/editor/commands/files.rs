@@ -8,7 +8,7 @@ use super::{finished, grouping};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
-use crate::app::editor::session::history::History;
+use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
@@ -22,10 +22,10 @@ use crate::render::image_io::{
     FileFormat, ImageIoError, write_displayed, write_image, write_layered, write_to_temporary_folder,
 };
 use crate::scene::export::ExportError;
-use crate::scene::write::{self, OnChange, SaveError};
+use crate::scene::write::{self, OnChange, SaveError, Saved};
 use crate::scene::{
-    self, ActiveSensor, Film, FilmStorage, IntegratorSettings, Keys, OpenScene, Placements, SceneFile, SceneState,
-    SceneStatus, SceneWatch, insert,
+    self, ActiveSensor, AuthoredScene, Film, FilmStorage, IntegratorSettings, Keys, OpenScene, Placements, SceneFile,
+    SceneState, SceneStatus, SceneWatch, insert,
 };
 
 /// The path of texts of the clipboard: files in them are named in full.
@@ -97,8 +97,18 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
         return Err(CommandError::file("A scene is still being read."));
     }
     world.resource_mut::<History>().begin_save();
-    let result = write::save_with(world, path, on_change);
+    let result = write::save_over(world, path, on_change, |world| history::nearest_file(world, path));
+    let result = result.map(|saved| note_saved(world, saved));
     end_save(world, path, result)
+}
+
+/// Notes what the file was and is. Returns the reason why it cannot be opened again as it is.
+pub fn note_saved(world: &mut World, mut saved: Saved) -> Option<String> {
+    let trouble = saved.trouble.take();
+    let scene = world.get_resource::<AuthoredScene>();
+    let now = scene.and_then(|scene| scene.origin.clone());
+    world.resource_mut::<History>().note_file(saved, now);
+    trouble
 }
 
 /// Tells how a save has ended, or asks the user.

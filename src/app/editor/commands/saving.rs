@@ -13,7 +13,7 @@ use super::files;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::session::history::History;
+use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::tutorial::Tutorial;
@@ -93,7 +93,10 @@ fn start(world: &mut World, request: Request) -> Result<(), CommandError> {
         return Err(CommandError::file("A scene is still being read."));
     }
     let save = match Save::begin(world, &request.path, request.on_change) {
-        Ok(save) => save,
+        Ok(mut save) => {
+            save.past = history::nearest_file(world, &request.path);
+            save
+        }
         Err(error) => return files::end_save(world, &request.path, Err(error)),
     };
     world.resource_mut::<History>().begin_save();
@@ -235,8 +238,9 @@ fn written(
 
 /// The scene is that of the file.
 fn followed(world: &mut World, request: Request, following: Following) -> Result<(), CommandError> {
-    let (trouble, old) = following.finish();
+    let (saved, old) = following.finish();
     pool().spawn(async move { drop(old) }).detach();
+    let trouble = files::note_saved(world, saved);
     files::end_save(world, &request.path, Ok(trouble))?;
     let is_saved = world.resource::<History>().is_saved();
     if let Some(mut tutorial) = world.get_resource_mut::<Tutorial>()

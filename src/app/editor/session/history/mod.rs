@@ -5,6 +5,7 @@
 
 mod edit;
 mod entry;
+mod files;
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::platform::collections::HashMap;
@@ -13,6 +14,8 @@ use bevy::prelude::*;
 pub use edit::Edit;
 use entry::{Change, Standpoint};
 pub use entry::{Entry, MergeKey, StepKind};
+use files::PastFiles;
+pub(crate) use files::nearest_file;
 
 use crate::app::editor::command::error::CommandError;
 use crate::scene::names::free_name_for;
@@ -51,6 +54,8 @@ pub struct History {
     has_forgotten: bool,
     /// Entities that were named by entries that are gone.
     named_once: Vec<Entity>,
+    /// What the file was at other states.
+    files: PastFiles,
 }
 
 impl History {

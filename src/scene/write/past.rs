@@ -1,0 +1,128 @@
+//! A scene file as it was before a save, kept for edits that are undone after it.
+//!
+//! A save changes a text where the scene differs from what was read of it. As a rule that is the text that the file has. Once edits are undone
+//! that were saved, the text from before them is nearer to the scene: what they changed or deleted is still there, in its old spelling and at its old
+//! place.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+
+use super::changed::Expected;
+use super::entities::Entities;
+use super::writer::identities;
+use crate::document::Document;
+use crate::document::paths::settle;
+use crate::scene::file_base::{FileBase, Thing};
+use crate::scene::read::read;
+use crate::scene::{Authored, AuthoredScene, ObjectState, SceneDescription, SceneId};
+
+/// What a file was, and which entities were the things in it.
+#[derive(Clone, Debug)]
+pub(crate) struct PastFile {
+    origin: Arc<Document>,
+    /// In the order in which the document is read.
+    entities: Entities,
+}
+
+/// An id that a thing was given when it was saved, because something refers to it.
+#[derive(Clone, Debug)]
+pub(crate) struct GivenId {
+    pub entity: Entity,
+    pub before: Option<SceneId>,
+    pub name_before: Option<Name>,
+    pub id: SceneId,
+}
+
+impl GivenId {
+    /// Takes the id from a thing that still has it. A save gives it one again if it needs one.
+    pub(crate) fn take_back(&self, world: &mut World) {
+        let has_it = world.get::<SceneId>(self.entity) == Some(&self.id);
+        if !has_it || self.before.is_some() || !ObjectState::is_in_scene(world, self.entity) {
+            return;
+        }
+        let mut thing = world.entity_mut(self.entity);
+        thing.remove::<SceneId>();
+        thing.insert(self.name_before.clone().unwrap_or_default());
+    }
+}
+
+impl PastFile {
+    /// None for what was not read from a scene file.
+    pub fn new(known: &AuthoredScene, base: &FileBase) -> Option<Self> {
+        let origin = known.origin.clone().filter(|origin| !origin.imported)?;
+        let entities = base.entities.clone();
+        Some(Self { origin, entities })
+    }
+
+    /// Whether it was the file at this path.
+    pub fn is_at(&self, path: &Path) -> bool {
+        settle(&self.origin.path) == settle(path)
+    }
+
+    /// The length of its texts in bytes.
+    pub fn text_len(&self) -> usize {
+        let sources = self.origin.diagnostics.sources.iter();
+        sources.map(|source| source.text.len()).sum()
+    }
+
+    /// Makes it what a scene was read from that will be saved; its entities are given. False, and nothing is changed, if it does not fit.
+    pub(super) fn put_under(&self, scene: &mut SceneDescription, entities: &Entities, expected: &[Expected]) -> bool {
+        let sources = &self.origin.diagnostics.sources;
+        let are_known = sources
+            .iter()
+            .all(|source| expected.iter().any(|file| file.is(&settle(&source.path))));
+        let past = read(&mut self.origin.at(scene.time));
+        // A name that was free in the newer file.
+        let is_taken = |id: &Option<String>| {
+            let id = id.as_deref().unwrap_or_default();
+            past.remains.foreign_ids.contains(id) && !scene.remains.foreign_ids.contains(id)
+        };
+        let fits = are_known
+            && self.entities.all().count() == Thing::all(&past).count()
+            && !identities(scene).any(|identity| is_taken(&identity.id));
+        if !fits {
+            return false;
+        }
+        let said: EntityHashMap<&Authored> = Thing::all(&past)
+            .filter_map(|thing| {
+                let authored = thing.identity(&past).authored.as_ref()?;
+                Some((thing.entity(&self.entities), authored))
+            })
+            .collect();
+        for thing in Thing::all(scene) {
+            let authored = said
+                .get(&thing.entity(entities))
+                .map(|authored| Authored::clone(authored));
+            let identity = thing.identity_mut(scene);
+            identity.span = authored
+                .as_ref()
+                .map(|authored| authored.object.span)
+                .unwrap_or_default();
+            identity.authored = authored;
+        }
+        scene.remains = past.remains.clone();
+        true
+    }
+
+    /// The files to write in all: `files`, of which the main one is the last, and before it those that are to be as they were.
+    pub(super) fn with_others(
+        &self,
+        mut files: Vec<(PathBuf, String)>,
+        expected: &[Expected],
+    ) -> Vec<(PathBuf, String)> {
+        let mut others = Vec::new();
+        for source in &self.origin.diagnostics.sources {
+            let path = settle(&source.path);
+            let is_written = files.iter().any(|(written, _)| settle(written) == path);
+            let is_as_it_was = expected.iter().any(|file| file.is_read_as(&path, source));
+            if !is_written && !is_as_it_was {
+                others.push((path, source.with_mark()));
+            }
+        }
+        files.splice(0..0, others);
+        files
+    }
+}
