@@ -21,6 +21,7 @@ mod media;
 mod numbers;
 mod orientation;
 mod panels;
+mod recovery;
 mod shell;
 mod start_page;
 mod texturing;

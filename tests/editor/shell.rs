@@ -261,6 +261,7 @@ fn offer() -> Offer {
     Offer {
         folder: "/recovery/box".into(),
         note: serde_json::from_str(note).expect("a note"),
+        ..Offer::default()
     }
 }
 
@@ -292,6 +293,55 @@ fn recovery_is_offered_once() {
         // Only Escape is an answer: what Enter would do is too easily done unread.
         assert_eq!(harness.state().it.is_none(), later == Key::Escape);
         assert_eq!(harness.state().commands, []);
+    }
+}
+
+#[test]
+fn several_copies_are_listed_with_their_scenes_and_times() {
+    let mut other = offer();
+    other.note.scene = None;
+    other.note.things = Some(3);
+    let mut harness = show(vec![offer(), other.clone()], |egui, shown| {
+        if shown.is_open {
+            shown.is_open = recovery_question::list(egui, &shown.it, &mut shown.commands);
+        }
+    });
+    assert!(harness.query_by_label("/there/box.xml").is_some());
+    assert!(
+        harness
+            .query_by_label("a scene of 3 things that was never saved")
+            .is_some()
+    );
+    let button = harness.get_all_by_label("Recover…").nth(1);
+    button.expect("one for each").click();
+    harness.run_steps(3);
+    let asked = Command::Shell(ShellCommand::AskAboutRecovery(other));
+    assert_eq!(
+        (&harness.state().commands, harness.state().is_open),
+        (&vec![asked], false)
+    );
+}
+
+#[test]
+fn newer_edits_are_asked_about_before_a_save() {
+    let path = PathBuf::from("/there/box.xml");
+    let save = Command::SaveChanged(path.clone(), OnChange::Refuse);
+    for (button, expected) in [
+        ("Recover", vec![Command::Shell(ShellCommand::Recover(offer()))]),
+        ("Save anyway", vec![save]),
+        ("Cancel", Vec::new()),
+    ] {
+        let requests = Requests {
+            save_question: Some(SaveQuestion::about_copy(offer(), &path)),
+            ..Requests::default()
+        };
+        let mut harness = show(requests, |egui, shown| {
+            save_question::show(egui, &mut shown.it, &mut shown.commands);
+        });
+        assert!(harness.query_by_label_contains("/there/box.xml").is_some());
+        click(&mut harness, button);
+        assert_eq!(harness.state().commands, expected, "{button}");
+        assert_eq!(harness.state().it.save_question, None, "{button}");
     }
 }
 

@@ -7,6 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::preferences::Preferences;
+use sunroom::app::editor::command::recovery_offer::{Note, Offer};
 use sunroom::app::editor::command::samples::SAMPLES;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
@@ -19,15 +20,23 @@ use crate::support::context;
 
 struct Page {
     preferences: Preferences,
+    left: Vec<Offer>,
     commands: Vec<Command>,
     is_open: bool,
 }
 
 fn page(size: egui::Vec2) -> Harness<'static, Page> {
+    page_with(size, &["/scenes/attic.xml"], Vec::new())
+}
+
+fn page_with(size: egui::Vec2, recent: &[&str], left: Vec<Offer>) -> Harness<'static, Page> {
     let mut preferences = Preferences::default();
-    preferences.note_recent(Path::new("/scenes/attic.xml"));
+    for file in recent.iter().rev() {
+        preferences.note_recent(Path::new(file));
+    }
     let page = Page {
         preferences,
+        left,
         commands: Vec::new(),
         is_open: true,
     };
@@ -36,7 +45,13 @@ fn page(size: egui::Vec2) -> Harness<'static, Page> {
             let selection = Selection::default();
             let context = context(&selection);
             if page.is_open {
-                page.is_open = start_page::show(&ui.ctx().clone(), &page.preferences, &context, &mut page.commands);
+                page.is_open = start_page::show(
+                    &ui.ctx().clone(),
+                    &page.preferences,
+                    &page.left,
+                    &context,
+                    &mut page.commands,
+                );
             }
         },
         page,
@@ -53,12 +68,40 @@ fn click<T>(harness: &mut Harness<T>, name: &str) {
 #[test]
 fn a_file_is_opened_and_the_page_is_gone() {
     let mut harness = page(egui::vec2(1280.0, 720.0));
-    click(&mut harness, "attic.xml");
+    harness.get_by_label_contains("attic.xml").click();
+    harness.run_steps(3);
     let expected = Command::OpenScene("/scenes/attic.xml".into());
     assert_eq!(
         (&harness.state().commands[..], harness.state().is_open),
         (&[expected][..], false)
     );
+}
+
+#[test]
+fn the_page_names_the_scenes_that_can_be_recovered() {
+    let offer = |name: &str, time| Offer {
+        folder: format!("/recovery/{time}").into(),
+        note: Note {
+            scene: Some(name.into()),
+            time,
+            ..Note::default()
+        },
+        ..Offer::default()
+    };
+    let left: Vec<Offer> = (0..6).map(|time| offer(&format!("/rooms/{time}.xml"), time)).collect();
+    let mut harness = page_with(egui::vec2(1280.0, 720.0), &[], left[..1].to_vec());
+    assert!(harness.query_by_label("1 scene has unsaved edits").is_some());
+    harness.get_by_label_contains("Recover 0.xml").click();
+    harness.run_steps(3);
+    let asked = Command::Shell(ShellCommand::AskAboutRecovery(left[0].clone()));
+    assert_eq!(harness.state().commands, [asked]);
+    // The page waits behind the question.
+    assert!(harness.state().is_open);
+    let mut harness = page_with(egui::vec2(1280.0, 720.0), &[], left);
+    assert!(harness.query_by_label("6 scenes have unsaved edits").is_some());
+    assert!(harness.query_by_label_contains("Recover 5.xml").is_none());
+    click(&mut harness, "All 6…");
+    assert_eq!(harness.state().commands, [Command::Shell(ShellCommand::ShowRecovery)]);
 }
 
 #[test]

@@ -238,7 +238,12 @@ fn a_recovered_scene_stays_when_its_files_are_allowed() {
         &format!("{aside}/about.json"),
         &serde_json::to_string(&note).expect("plain data"),
     );
-    recovery::recover(window.app.world_mut(), Offer { folder, note }).expect("it is there");
+    let offer = Offer {
+        folder,
+        note,
+        ..Offer::default()
+    };
+    recovery::recover(window.app.world_mut(), offer).expect("it is there");
     window.until("the recovered scene", |world| {
         let status = world.resource::<SceneStatus>();
         status.revision == 1 && status.files_loading() == 0

@@ -26,6 +26,7 @@ use std::time::Duration;
 use bevy::asset::AssetEventSystems;
 use bevy::input::InputSystems;
 use bevy::prelude::*;
+use bevy::window::WindowFocused;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
 use crate::app::terminal;
@@ -201,6 +202,10 @@ impl Plugin for EditorPlugin {
             .add_systems(
                 PreUpdate,
                 commands::scene_watch::hold_reloads.before(SceneSystems::Apply),
+            )
+            .add_systems(
+                PreUpdate,
+                session::recovery::look_again.run_if(on_message::<WindowFocused>),
             )
             .add_systems(PreUpdate, input::typing::order_keys.before(InputSystems))
             .add_systems(

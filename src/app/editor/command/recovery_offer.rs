@@ -14,13 +14,20 @@ pub struct Note {
     /// Counts shapes, lights and cameras; None in notes of older versions.
     #[serde(default)]
     pub things: Option<usize>,
+    /// The hash of what the file held at that time. None if there was no file, and in notes of older versions.
+    #[serde(default)]
+    pub file: Option<u64>,
 }
 
 /// The offer to recover edits.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Offer {
     /// Holds the note and the scene that was written aside.
     pub folder: PathBuf,
     /// Tells which scene it was and when.
     pub note: Note,
+    /// The note cannot be read, so that nothing but the time is known.
+    pub is_damaged: bool,
+    /// The file of the scene was changed after that.
+    pub is_outdated: bool,
 }

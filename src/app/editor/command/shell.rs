@@ -30,6 +30,10 @@ pub enum ShellCommand {
     SetNavigation(NavigationPreset),
     /// Shows a step of the tutorial, from 0; None leaves it.
     ShowTutorial(Option<usize>),
+    /// Asks about edits that were written aside before a crash, or lists them if there are several.
+    ShowRecovery,
+    /// Asks about these edits.
+    AskAboutRecovery(Offer),
     /// Opens the edits that were written aside before a crash.
     Recover(Offer),
     /// Deletes the edits that were written aside before a crash.
@@ -61,6 +65,8 @@ pub enum Sheet {
     Projection,
     /// The form for a bake of lightmaps.
     Bake,
+    /// The list of the edits that can be recovered.
+    Recovery,
     /// The start page: sample scenes, recent files, the tutorial.
     Start,
 }

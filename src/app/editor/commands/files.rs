@@ -10,6 +10,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::options::SceneDefines;
+use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
 use crate::app::editor::session::toasts::{Toasts, Topic};
@@ -83,12 +84,30 @@ pub fn save(world: &mut World) -> Result<(), CommandError> {
         return Err(CommandError::file("A scene is still being read."));
     }
     match status.path.clone() {
-        Some(path) => save_scene(world, &path, OnChange::Refuse),
+        Some(path) => save_to(world, &path),
         None => {
             world.resource_mut::<Requests>().dialog = Some(FileDialogKind::SaveScene);
             Ok(())
         }
     }
+}
+
+/// Saves at a path, and asks first if there are newer edits of the scene there.
+pub fn save_to(world: &mut World, path: &Path) -> Result<(), CommandError> {
+    match ask_about_copy(world, path) {
+        true => Ok(()),
+        false => save_scene(world, path, OnChange::Refuse),
+    }
+}
+
+/// Asks before a scene is saved over one of which there are newer edits to recover. False: there are none.
+pub fn ask_about_copy(world: &mut World, path: &Path) -> bool {
+    let recovery = world.get_resource_mut::<Recovery>();
+    let Some(copy) = recovery.and_then(|mut recovery| recovery.newer_copy_of(path)) else {
+        return false;
+    };
+    world.resource_mut::<Requests>().save_question = Some(SaveQuestion::about_copy(copy, path));
+    true
 }
 
 /// Asks the user where others have changed the file so that saving would lose something.

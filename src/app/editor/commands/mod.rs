@@ -72,7 +72,6 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{InputStamp, PackedScene, RenderControl};
-use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
 };
@@ -206,7 +205,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
             baking::leave_scene(world);
         }
         Command::Save => files::save(world)?,
-        Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
+        Command::SaveScene(path) => files::save_to(world, &path)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
         Command::ExportScene(path) => exporting::export_now(world, &path)?,
         Command::Bake(command) => baking::apply(world, command)?,

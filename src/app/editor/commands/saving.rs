@@ -72,6 +72,9 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
         return Ok(false);
     }
     make_way(world, command)?;
+    if !matches!(command, Command::SaveChanged(..)) && files::ask_about_copy(world, &path) {
+        return Ok(true);
+    }
     let message = format!("Saving {}", path.display());
     let request = Request {
         command: command.clone(),

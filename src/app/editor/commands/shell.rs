@@ -7,6 +7,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::layout::Layout;
+use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -42,8 +43,18 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
             let mut preferences = world.get_resource_or_init::<Preferences>();
             preferences.asset_folders.retain(|known| *known != folder);
         }
-        ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
-        ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
+        ShellCommand::ShowRecovery => recovery::show(world),
+        ShellCommand::AskAboutRecovery(offer) => world.resource_mut::<Recovery>().offer = Some(offer),
+        ShellCommand::Recover(offer) => {
+            let result = recovery::recover(world, offer);
+            recovery::look_again(world);
+            result?;
+        }
+        ShellCommand::DiscardRecovery(offer) => {
+            let result = recovery::discard(&offer);
+            recovery::look_again(world);
+            result?;
+        }
         ShellCommand::AskAboutScene(file) => world.resource_mut::<Requests>().scene_question = Some(*file),
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),
     }

@@ -280,6 +280,7 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     ui.menu_button("Scenes", |ui| scenes(ui, &model.scene_files, commands));
     entry(ui, "reload", context, commands);
     entry(ui, "revert", context, commands);
+    entry(ui, "recover", context, commands);
     ui.separator();
     entry(ui, "import", context, commands);
     ui.separator();

@@ -3,11 +3,14 @@
 //! Each scene and each run of the program has one of its own. It holds the scene as it was then, a note of which file it is, and a file that is locked while the
 //! program runs.
 
+use std::cmp::Reverse;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use super::stable_hash::stable_hash;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
+use crate::app::editor::words::times::changed_at;
 use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::SceneDescription;
 use crate::scene::write::save_description;
@@ -16,6 +19,8 @@ use crate::scene::write::save_description;
 pub const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
+/// The largest scene file, in bytes, that is read to find out whether it was changed.
+const LARGEST_COMPARED: u64 = 32 << 20;
 const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 
 /// A folder that no other window offers or removes while this value exists.
@@ -52,6 +57,7 @@ pub fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf
     std::fs::create_dir_all(folder).map_err(described)?;
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let note = Note {
+        file: path.as_deref().and_then(content_of),
         scene: path,
         time: since_1970.as_secs(),
         things: Some(scene.shapes.len() + scene.emitters.len() + scene.sensors.len()),
@@ -69,17 +75,55 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The newest folder that ended programs have left in `all` and whose note fits.
-pub fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
-    let folders = std::fs::read_dir(all).ok()?;
-    let offers = folders.filter_map(|entry| {
-        let folder = entry.ok()?.path();
-        let note: Note = serde_json::from_slice(&files::read(&folder.join(NOTE), LARGEST_NOTE).ok()?).ok()?;
-        Some(Offer { folder, note })
-    });
+/// The hash of what a file holds. None if it cannot be read, or is too large to be read for this alone.
+fn content_of(file: &Path) -> Option<u64> {
+    Some(stable_hash(&files::read(file, LARGEST_COMPARED).ok()?))
+}
+
+/// The copies that ended programs have left in `all`, the newest first.
+pub fn left_over(all: &Path) -> Vec<Offer> {
+    let folders = std::fs::read_dir(all).into_iter().flatten().flatten();
+    let mut offers: Vec<Offer> = folders.filter_map(|folder| offer_of(folder.path())).collect();
+    offers.sort_by_key(|offer| (Reverse(offer.note.time), offer.folder.clone()));
     offers
-        .filter(|offer| is_meant(&offer.note) && offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
-        .max_by_key(|offer| offer.note.time)
+}
+
+fn offer_of(folder: PathBuf) -> Option<Offer> {
+    let scene = folder.join(SCENE);
+    if !scene.is_file() || !folder.join(NOTE).is_file() || is_in_use(&folder) {
+        return None;
+    }
+    let text = files::read(&folder.join(NOTE), LARGEST_NOTE);
+    let note: Option<Note> = text.ok().and_then(|text| serde_json::from_slice(&text).ok());
+    Some(match note {
+        Some(note) => Offer {
+            is_outdated: is_outdated(&note),
+            folder,
+            note,
+            is_damaged: false,
+        },
+        // The scene beside it may be whole.
+        None => Offer {
+            note: Note {
+                time: changed_at(&scene).unwrap_or_default(),
+                ..Note::default()
+            },
+            folder,
+            is_damaged: true,
+            is_outdated: false,
+        },
+    })
+}
+
+/// Whether the file of the scene was changed after the copy was written. Its content tells that, whatever clocks say.
+fn is_outdated(note: &Note) -> bool {
+    let Some(path) = &note.scene else {
+        return false;
+    };
+    match (note.file, content_of(path)) {
+        (Some(then), Some(now)) => then != now,
+        _ => changed_at(path).is_some_and(|changed| changed > note.time),
+    }
 }
 
 /// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their program may just have made
@@ -97,10 +141,22 @@ pub fn remove_fragments(all: &Path) {
     }
 }
 
-/// Finds the recovery copy of this scene, or else, when a run begins, of a scene that was never saved, which no file leads to.
-pub fn left_over(all: &Path, scene: Option<&Path>, is_first: bool) -> Option<Offer> {
-    let own = find(all, |note| scene.is_some() && note.scene.as_deref() == scene);
-    own.or_else(|| find(all, |note| is_first && note.scene.is_none()))
+/// The copy of this scene, or else, when a run begins, of a scene that no file leads to.
+pub fn copy_of<'o>(offers: &'o [Offer], scene: Option<&Path>, is_first: bool) -> Option<&'o Offer> {
+    let is_its = |offer: &&Offer| {
+        let of_copy = offer.note.scene.as_deref();
+        scene
+            .zip(of_copy)
+            .is_some_and(|(scene, of_copy)| is_same_file(scene, of_copy))
+    };
+    let own = offers.iter().find(is_its);
+    own.or_else(|| offers.iter().find(|offer| is_first && offer.note.scene.is_none()))
+}
+
+/// Whether both paths lead to one file.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    one == other || real(one).is_some_and(|one| real(other) == Some(one))
 }
 
 /// Whether another window may be using it. Where files cannot be locked, none is in use.
@@ -127,8 +183,12 @@ mod tests {
         Note {
             scene: scene.map(Path::to_owned),
             time,
-            things: None,
+            ..Note::default()
         }
+    }
+
+    fn folder(offer: Option<&Offer>) -> Option<PathBuf> {
+        offer.map(|offer| offer.folder.clone())
     }
 
     #[test]
@@ -136,16 +196,52 @@ mod tests {
         let all = tempfile::tempdir().expect("a temporary folder");
         let path = all.path().join("box.xml");
         let lost = aside(all.path(), "a", &note(None, 1000));
-        let newest = aside(all.path(), "b", &note(Some(&path), 2000));
-        let folder = |offer: Option<Offer>| offer.map(|offer| offer.folder);
-        assert_eq!(folder(find(all.path(), |_| true)), Some(newest.clone()));
+        aside(all.path(), "b", &note(Some(&path), 500));
+        let newest = aside(all.path(), "c", &note(Some(&path), 2000));
+        let offers = left_over(all.path());
+        assert_eq!(
+            offers.iter().map(|offer| offer.note.time).collect::<Vec<_>>(),
+            [2000, 1000, 500]
+        );
+        assert!(!offers[0].is_outdated);
         // The scene was saved long after.
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
-        assert_eq!(folder(left_over(all.path(), Some(&path), true)), Some(newest));
+        let offers = left_over(all.path());
+        assert!(offers[0].is_outdated);
+        assert_eq!(folder(copy_of(&offers, Some(&path), true)), Some(newest.clone()));
         // The program opens some scene even if none is named.
         let other = Some(Path::new("/other.xml"));
-        assert_eq!(folder(left_over(all.path(), other, true)), Some(lost));
-        assert_eq!(left_over(all.path(), other, false), None);
+        assert_eq!(folder(copy_of(&offers, other, true)), Some(lost));
+        assert_eq!(copy_of(&offers, other, false), None);
+        #[cfg(unix)]
+        {
+            let link = all.path().join("link.xml");
+            std::os::unix::fs::symlink(&path, &link).expect("a temporary folder");
+            assert_eq!(folder(copy_of(&offers, Some(&link), false)), Some(newest));
+        }
+    }
+
+    /// Clocks are set, and files get the times of archives.
+    #[test]
+    fn a_copy_is_outdated_if_the_file_holds_something_else_than_then() {
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let (all, path) = (home.path().join("recovery"), home.path().join("box.xml"));
+        std::fs::write(&path, "<scene/>").expect("a temporary folder");
+        write_aside(&all.join("a"), &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
+        let is_outdated = || left_over(&all)[0].is_outdated;
+        assert!(!is_outdated());
+        let set_time = |seconds: u64| {
+            let file = File::options().append(true).open(&path).expect("it is there");
+            file.set_modified(UNIX_EPOCH + Duration::from_secs(seconds))
+                .expect("a time");
+        };
+        set_time(1 << 33);
+        assert!(!is_outdated());
+        std::fs::write(&path, "<scene version='3.0.0'/>").expect("a temporary folder");
+        set_time(1000);
+        assert!(is_outdated());
+        std::fs::remove_file(&path).expect("it is there");
+        assert!(!is_outdated());
     }
 
     #[test]
@@ -154,22 +250,40 @@ mod tests {
         let path = Path::new("/box.xml");
         let half = aside(all.path(), "half", &note(Some(path), 1000));
         std::fs::remove_file(half.join(SCENE)).expect("it is there");
-        std::fs::write(aside(all.path(), "odd", &note(None, 1)).join(NOTE), "{").expect("a temporary folder");
-        let folder = aside(all.path(), "running", &note(Some(path), 3000));
-        let running = Aside::claim(&folder).expect("nobody has it");
-        assert_eq!(find(all.path(), |_| true), None);
+        let running_folder = aside(all.path(), "running", &note(Some(path), 3000));
+        let running = Aside::claim(&running_folder).expect("nobody has it");
+        assert_eq!(left_over(all.path()), []);
         let offer = Offer {
-            folder: folder.clone(),
+            folder: running_folder,
             note: note(Some(path), 3000),
+            ..Offer::default()
         };
-        assert!(discard(&offer).is_err() && folder.join(SCENE).is_file());
+        assert!(discard(&offer).is_err() && offer.folder.join(SCENE).is_file());
         // The program crashes.
         drop(running);
-        assert_eq!(find(all.path(), |_| true), Some(offer));
+        assert_eq!(left_over(all.path()), [offer]);
         // Folders without a note do not belong to this program.
-        let other = all.path().join("other");
-        std::fs::create_dir(&other).expect("a temporary folder");
+        let other = aside(all.path(), "other", &note(None, 4000));
+        std::fs::remove_file(other.join(NOTE)).expect("it is there");
+        assert_eq!(left_over(all.path()).len(), 1);
         remove(&other);
         assert!(other.exists());
+    }
+
+    #[test]
+    fn a_scene_whose_note_is_damaged_is_offered_without_its_name() {
+        let all = tempfile::tempdir().expect("a temporary folder");
+        let odd = aside(all.path(), "odd", &note(Some(Path::new("/box.xml")), 1));
+        for damage in ["{", "", "[]", "\0\0\0\0"] {
+            std::fs::write(odd.join(NOTE), damage).expect("a temporary folder");
+            let offers = left_over(all.path());
+            assert_eq!((offers.len(), offers[0].is_damaged), (1, true), "{damage:?}");
+            assert_eq!(folder(copy_of(&offers, None, true)), Some(odd.clone()));
+            assert!(offers[0].note.time > 1_000_000_000, "that of the scene");
+        }
+        let offer = left_over(all.path()).remove(0);
+        assert!(discard(&offer).is_ok() && !odd.exists());
+        // Another window was quicker.
+        assert!(discard(&offer).is_err() && !odd.exists());
     }
 }

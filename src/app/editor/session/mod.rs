@@ -12,6 +12,7 @@ pub(crate) mod picture_cache;
 pub mod playback;
 pub mod preferences;
 pub mod recovery;
+pub(crate) mod recovery_words;
 pub mod requests;
 pub mod save_question;
 pub(crate) mod stable_hash;

@@ -6,13 +6,17 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, block_on, futures::check_ready};
 
-use super::aside::{Aside, SCENE, find, left_over, remove_fragments, write_aside};
+use super::aside::{Aside, SCENE, copy_of, left_over, remove_fragments, write_aside};
 use super::history::History;
+use super::recovery_words::summary;
+use super::requests::Requests;
 use super::stable_hash::stable_hash;
 use super::toasts::{Toasts, Tone, Topic};
+use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::Offer;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::scene::write::KnownTexts;
 use crate::scene::write::snapshot::Snapshot;
 use crate::scene::{OpenScene, SceneFile, SceneState, SceneStatus, Trust, ask_for};
@@ -38,8 +42,12 @@ pub struct Recovery {
     task: Option<Task<Result<(), String>>>,
     /// The folders that are no longer needed once the scene is saved.
     mine: Vec<Aside>,
+    /// The copies that other runs have left, the newest first. Those of running windows are not among them.
+    pub left: Vec<Offer>,
     /// The edits that the user is asked about.
     pub offer: Option<Offer>,
+    /// The message that names what was left.
+    told: Option<String>,
     /// There is no user: what was written aside is kept for the next start.
     is_unattended: bool,
     /// The edits that are being opened.
@@ -72,8 +80,39 @@ impl Recovery {
         }
     }
 
-    fn ask(&mut self, offer: Option<Offer>) {
-        self.offer = offer.filter(|_| !self.is_unattended);
+    /// Finds what other runs have left.
+    pub(crate) fn look(&mut self) {
+        let all = self.folder.as_deref().filter(|_| !self.is_unattended);
+        self.left = all.map(left_over).unwrap_or_default();
+    }
+
+    /// Looks again, and brings the message up to date if it is still shown.
+    fn look_again(&mut self, toasts: &mut Toasts) {
+        let before = std::mem::take(&mut self.left);
+        self.look();
+        if self.left != before && self.told.take().is_some_and(|told| toasts.withdraw(&told)) {
+            self.tell(toasts);
+        }
+    }
+
+    /// Names what was left, except what the user is asked about.
+    fn tell(&mut self, toasts: &mut Toasts) {
+        let is_other = |offer: &&Offer| self.offer.as_ref() != Some(*offer);
+        let others: Vec<Offer> = self.left.iter().filter(is_other).cloned().collect();
+        if !others.is_empty() {
+            let text = summary(&others);
+            let recover = Command::Shell(ShellCommand::ShowRecovery);
+            toasts.keep_offering(text.clone(), "Recover…", recover);
+            self.told = Some(text);
+        }
+    }
+
+    /// The copy of the scene at this path, if it has edits that the file has not. None: a window may be at work on it.
+    pub(crate) fn newer_copy_of(&mut self, path: &Path) -> Option<Offer> {
+        self.look();
+        copy_of(&self.left, Some(path), false)
+            .filter(|offer| !offer.is_outdated)
+            .cloned()
     }
 
     /// Whether the scene that is being opened is one that was written aside.
@@ -107,8 +146,8 @@ impl Recovery {
     }
 }
 
-/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before are removed. To run after
-/// the history has begun anew.
+/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before are removed. When the program
+/// begins, what others have left is told. To run after the history has begun anew.
 pub fn follow_scene(
     mut recovery: ResMut<Recovery>,
     mut status: ResMut<SceneStatus>,
@@ -116,6 +155,7 @@ pub fn follow_scene(
     mut history: ResMut<History>,
     mut toasts: ResMut<Toasts>,
     mut known: ResMut<KnownTexts>,
+    requests: Option<Res<Requests>>,
     mut started: Local<bool>,
 ) {
     let recovery = recovery.bypass_change_detection();
@@ -123,16 +163,23 @@ pub fn follow_scene(
     let Some(all) = recovery.folder.clone() else {
         return;
     };
+    // The page names them all.
+    let is_on_page = requests.is_some_and(|requests| requests.sheet == Some(Sheet::Start));
     if is_first {
         remove_fragments(&all);
+        recovery.look();
     }
     if is_first && status.subject().is_none() {
-        recovery.ask(find(&all, |_| true));
+        recovery.offer = recovery.left.first().filter(|_| !is_on_page).cloned();
+        recovery.tell(&mut toasts);
     }
     let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
+    let begins = recovery.told.is_none() && seen == (0, 0);
     if seen.1 != status.failures {
         let is_it = |(offer, _): &mut (Offer, Aside)| status.asked == Some(offer.folder.join(SCENE));
-        match recovery.returning.take_if(is_it) {
+        let returning = recovery.returning.take_if(is_it);
+        recovery.look();
+        match returning {
             Some((offer, _)) => {
                 let file = offer.folder.join(SCENE);
                 let text = format!("{} could not be read; it is kept.", file.display());
@@ -140,7 +187,10 @@ pub fn follow_scene(
             }
             // The open scene has no remaining edits.
             None if status.asked == status.path => {}
-            None => recovery.ask(left_over(&all, status.asked.as_deref(), false)),
+            None => recovery.offer = copy_of(&recovery.left, status.asked.as_deref(), false).cloned(),
+        }
+        if begins {
+            recovery.tell(&mut toasts);
         }
     }
     if seen.0 == status.revision || !status.fresh_load {
@@ -157,9 +207,17 @@ pub fn follow_scene(
             status.path = offer.note.scene;
             history.note_unsaved();
             recovery.mine.push(aside);
+            recovery.look_again(&mut toasts);
             toasts.info("Recovered; save the scene to keep it");
         }
-        None => recovery.ask(left_over(&all, status.path.as_deref(), seen.0 == 0)),
+        None => {
+            recovery.look_again(&mut toasts);
+            let copy = copy_of(&recovery.left, status.path.as_deref(), seen.0 == 0);
+            recovery.offer = copy.filter(|_| !is_on_page).cloned();
+            if begins {
+                recovery.tell(&mut toasts);
+            }
+        }
     }
 }
 
@@ -260,12 +318,15 @@ pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<R
 /// Opens the edits that were written aside.
 pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     let path = offer.folder.join(SCENE);
-    let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
+    let aside = claim(&offer)?;
     // The names in it are those of the scene's own files.
     if let Some(folder) = offer.note.scene.as_deref().and_then(Path::parent)
         && let Trust::Folders(folders) = &mut *world.resource_mut::<Trust>()
     {
         folders.push(folder.to_owned());
+    }
+    if let Some(mut requests) = world.get_resource_mut::<Requests>() {
+        requests.leave_start_page();
     }
     world.resource_mut::<Recovery>().returning = Some((offer, aside));
     let request = OpenScene {
@@ -276,13 +337,51 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Deletes what an offer is about. An error says that another window has it open.
+/// Deletes what an offer is about. An error says that another window has it open, or had.
 pub fn discard(offer: &Offer) -> Result<(), CommandError> {
-    Aside::claim(&offer.folder).ok_or(IN_USE)?.remove();
+    claim(offer)?.remove();
     Ok(())
 }
 
+/// Claims a copy that was left.
+fn claim(offer: &Offer) -> Result<Aside, CommandError> {
+    let is_there = || offer.folder.join(SCENE).is_file();
+    if !is_there() {
+        return Err(GONE.into());
+    }
+    let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
+    // Another window may just have removed it.
+    if !is_there() {
+        aside.remove();
+        return Err(GONE.into());
+    }
+    Ok(aside)
+}
+
 const IN_USE: &str = "Another window is at work on those edits.";
+const GONE: &str = "Those edits are not there any more: another window has recovered or discarded them.";
+
+/// Asks about the edits that were left; if there are several, all are listed.
+pub(crate) fn show(world: &mut World) {
+    look_again(world);
+    let left = world.resource::<Recovery>().left.clone();
+    match &left[..] {
+        [] => {
+            let text = "There is nothing to recover: no scene has edits that were lost.";
+            world.resource_mut::<Toasts>().info(text);
+        }
+        [only] => world.resource_mut::<Recovery>().offer = Some(only.clone()),
+        _ => world.resource_mut::<Requests>().sheet = Some(Sheet::Recovery),
+    }
+}
+
+/// Looks what is left, for instance because the user has been in another window.
+pub(crate) fn look_again(world: &mut World) {
+    world.resource_scope(|world, mut recovery: Mut<Recovery>| {
+        let mut toasts = world.resource_mut::<Toasts>();
+        recovery.look_again(&mut toasts);
+    });
+}
 
 #[cfg(test)]
 mod tests {
@@ -300,15 +399,16 @@ mod tests {
             .folder_of(Some(&path))
             .expect("a folder");
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
-        let offer = left_over(&all, Some(&path), false).expect("there is one");
+        let offers = left_over(&all);
+        let offer = copy_of(&offers, Some(&path), false).expect("there is one");
         let camera_and_sky = Some(2);
         assert_eq!(
             (&offer.folder, offer.note.scene.as_deref(), offer.note.things),
             (&folder, Some(path.as_path()), camera_and_sky)
         );
-        assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
-        assert!(discard(&offer).is_ok());
-        assert_eq!(find(&all, |_| true), None);
+        assert_eq!(copy_of(&offers, Some(Path::new("/other.xml")), true), None);
+        assert!(discard(offer).is_ok());
+        assert_eq!(left_over(&all), []);
         assert!(!folder.exists());
     }
 

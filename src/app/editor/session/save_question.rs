@@ -1,7 +1,9 @@
-//! The question to the user when a file was changed by others since it was read.
+//! The question to the user when a file was changed by others since it was read, or when there are newer edits of it to recover.
 
 use std::path::{Path, PathBuf};
 
+use super::recovery_words::time_and_age;
+use crate::app::editor::command::recovery_offer::Offer;
 use crate::scene::write::SaveError;
 
 /// The question. It is shown until it is answered; meanwhile changes of the file are not read.
@@ -13,6 +15,8 @@ pub struct SaveQuestion {
     pub reason: String,
     /// The changes of the file can be taken in.
     pub can_merge: bool,
+    /// A copy with edits of that scene that the file does not have, which a run before this one has left.
+    pub copy: Option<Offer>,
     /// The user is choosing another file.
     pub is_naming: bool,
 }
@@ -29,8 +33,24 @@ impl SaveQuestion {
             path: path.to_owned(),
             reason: error.to_string(),
             can_merge,
+            copy: None,
             is_naming: false,
         })
+    }
+
+    /// The question before a scene is saved at `path` of which there is a newer copy.
+    pub fn about_copy(copy: Offer, path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            reason: format!(
+                "There are edits of {} that were never saved: a copy of them was written {}",
+                path.display(),
+                time_and_age(&copy.note)
+            ),
+            can_merge: false,
+            copy: Some(copy),
+            is_naming: false,
+        }
     }
 
     /// The question as an error message, for where the user cannot be asked.

@@ -78,6 +78,21 @@ impl Toasts {
         }
     }
 
+    /// Tells the same until it is dismissed or withdrawn.
+    pub(crate) fn keep_offering(&mut self, message: impl Into<String>, label: &'static str, command: Command) {
+        self.offer(message, label, command);
+        if let Some(toast) = self.0.last_mut() {
+            toast.stays = true;
+        }
+    }
+
+    /// Takes a message away that is no longer true. False: it is not shown any more.
+    pub(crate) fn withdraw(&mut self, message: &str) -> bool {
+        let count = self.0.len();
+        self.0.retain(|toast| toast.text != message);
+        self.0.len() < count
+    }
+
     /// Tells that something the user asked for cannot be done.
     pub(crate) fn reject(&mut self, message: impl Into<String>) {
         let message = message.into();
@@ -125,8 +140,10 @@ impl Toasts {
             since: Instant::now(),
         });
         if self.0.len() > MOST {
-            let first_passing = self.0.iter().position(|toast| toast.tone != Tone::Error);
-            self.0.remove(first_passing.unwrap_or(0));
+            let first = |goes: fn(&Toast) -> bool| self.0.iter().position(goes);
+            let passing = first(|toast| toast.tone != Tone::Error && !toast.stays);
+            let other = || first(|toast| toast.tone != Tone::Error);
+            self.0.remove(passing.or_else(other).unwrap_or(0));
         }
     }
 

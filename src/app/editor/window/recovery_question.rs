@@ -1,37 +1,28 @@
-//! The question what to do with edits that were written aside.
+//! The question what to do with edits that were written aside, and the list of all of them.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
-use bevy_egui::egui;
+use bevy_egui::egui::{self, Button, Id, Modal, RichText, ScrollArea, Ui};
 
 use super::dialog;
 use crate::app::editor::command::Command;
-use crate::app::editor::command::recovery_offer::{Note, Offer};
+use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::look;
-use crate::app::editor::words::times::{ago, changed_at, clock_of};
+use crate::app::editor::session::recovery_words::{about_file, count_of, scene_of, short_names, time_and_age, time_of};
 
-/// Asks what to do with the edits; `offer` is None once that is answered.
-pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
+/// Asks what to do with the edits; `offer` is None once that is answered. True if the user put it off.
+pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) -> bool {
     let Some(asked) = offer else {
-        return;
+        return false;
     };
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
-    let clock = clock_of(asked.note.time);
+    let clock = time_of(&asked.note);
     let mut answer = None;
     let modal = dialog::question(context, "recovery", 460.0, "Recover unsaved edits?", |ui| {
-        let scene = name_of(&asked.note);
-        let age = since(asked.note.time);
-        let when = match &clock {
-            Some(clock) => format!("at {clock}, {age}"),
-            None => age,
-        };
         ui.label(format!(
-            "The program ended without saving the last edits of {scene}. A copy of them was written {when}."
+            "The program ended without saving the last edits of {}. A copy of them was written {}.",
+            scene_of(asked),
+            time_and_age(&asked.note)
         ));
-        let changed = asked.note.scene.as_deref().map(changed_at);
-        if let Some(file) = changed.and_then(|changed| about_file(changed, asked.note.time, since)) {
+        if let Some(file) = about_file(asked) {
             ui.add_space(4.0);
             ui.label(file);
         }
@@ -44,7 +35,7 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
         dialog::consequence(
             ui,
             "Later",
-            "the copy stays, and the question comes again at the next start.",
+            "the copy stays: File > Recover has it, and the next start names it.",
         );
         dialog::consequence(ui, "Discard", "the copy is deleted, and the edits are lost.");
         let discard = look::danger(ui, "Discard");
@@ -66,10 +57,91 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
             answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
         }
     });
-    if answer.is_some() || modal.should_close() {
+    let is_put_off = answer.is_none() && modal.should_close();
+    if answer.is_some() || is_put_off {
         commands.extend(answer.map(Command::Shell));
         *offer = None;
     }
+    is_put_off
+}
+
+/// What a user who has put the question off is told.
+pub(crate) const PUT_OFF: &str = "The copy of the edits stays: File > Recover has it.";
+
+/// The list of all copies; false when it is to be closed.
+pub fn list(context: &egui::Context, left: &[Offer], commands: &mut Vec<Command>) -> bool {
+    let before = commands.len();
+    let modal = Modal::new(Id::new("recovery list")).show(context, |ui| {
+        ui.set_width(520.0);
+        ui.label(RichText::new("Recover unsaved edits").heading().strong());
+        ui.add_space(6.0);
+        if left.is_empty() {
+            ui.weak("There is nothing to recover.");
+        }
+        let height = ui.ctx().content_rect().height() - 160.0;
+        ScrollArea::vertical().max_height(height).show(ui, |ui| {
+            for offer in left {
+                ui.separator();
+                row(ui, offer, commands);
+            }
+        });
+        ui.add_space(8.0);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("Close").on_hover_text("The copies stay (Esc)").clicked() {
+                ui.close();
+            }
+        });
+    });
+    commands.len() == before && !modal.should_close()
+}
+
+fn row(ui: &mut Ui, offer: &Offer, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ask_button(ui, Button::new("Recover…"), offer, commands);
+            ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
+                ui.add(egui::Label::new(RichText::new(scene_of(offer)).strong()).wrap());
+                ui.label(format!("Written {}", time_and_age(&offer.note)));
+                if let Some(file) = about_file(offer) {
+                    ui.add(egui::Label::new(RichText::new(file).weak()).wrap());
+                }
+            });
+        });
+    });
+}
+
+fn ask_button(ui: &mut Ui, button: Button, offer: &Offer, commands: &mut Vec<Command>) {
+    if ui.add(button).on_hover_text(scene_of(offer)).clicked() {
+        commands.push(Command::Shell(ShellCommand::AskAboutRecovery(offer.clone())));
+    }
+}
+
+/// The most copies that the start page lists.
+const MOST_SHOWN: usize = 4;
+
+/// What the start page says of the copies; nothing if there are none.
+pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Command>) {
+    if left.is_empty() {
+        return;
+    }
+    let color = ui.visuals().warn_fg_color;
+    ui.label(RichText::new(count_of(left)).strong().color(color));
+    for (name, offer) in short_names(left).into_iter().zip(left).take(MOST_SHOWN) {
+        let mut button = Button::new(format!("Recover {name}"))
+            .truncate()
+            .min_size(egui::vec2(ui.available_width(), 26.0));
+        if let Some(clock) = time_of(&offer.note) {
+            button = button.right_text(RichText::new(format!("of {clock}")).weak());
+        }
+        ask_button(ui, button, offer, commands);
+    }
+    if left.len() > MOST_SHOWN {
+        let all = Button::new(format!("All {}…", left.len())).min_size(egui::vec2(ui.available_width(), 0.0));
+        if ui.add(all).clicked() {
+            commands.push(Command::Shell(ShellCommand::ShowRecovery));
+        }
+    }
+    ui.add_space(8.0);
 }
 
 /// The text of the button, such as "Recover the copy of 14:32".
@@ -80,62 +152,13 @@ fn recover_text(clock: Option<&str>) -> String {
     }
 }
 
-fn name_of(note: &Note) -> String {
-    match (&note.scene, note.things) {
-        (Some(path), _) => path.display().to_string(),
-        (None, None) => "a scene that was never saved".to_owned(),
-        (None, Some(1)) => "a scene of 1 thing that was never saved".to_owned(),
-        (None, Some(things)) => format!("a scene of {things} things that was never saved"),
-    }
-}
-
-/// A sentence about changes of the file since then. `changed` is None if the file is gone. The sentence is empty if the file has not changed.
-fn about_file(changed: Option<u64>, written: u64, since: impl Fn(u64) -> String) -> Option<String> {
-    match changed {
-        None => Some("That file is not there any more; saving makes it anew.".to_owned()),
-        Some(changed) if changed > written => Some(format!(
-            "The file was changed after that, {}: the edits here are older. Saving them replaces what is there.",
-            since(changed)
-        )),
-        Some(_) => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn it_is_told_when_the_file_was_changed_after_that() {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("box.xml");
-        std::fs::write(&path, "<scene/>").expect("a temporary folder");
-        let told = |written| about_file(changed_at(&path), written, |_| "now".to_owned());
-        assert!(told(2000).is_some_and(|text| text.contains("changed after that, now")));
-        assert_eq!(told(u64::MAX), None);
-        assert!(about_file(None, 0, |_| String::new()).is_some_and(|text| text.contains("not there")));
-    }
-
-    #[test]
-    fn a_scene_without_a_file_is_known_by_its_size() {
-        let named = |things| {
-            name_of(&Note {
-                things,
-                ..Note::default()
-            })
-        };
-        assert_eq!(named(Some(3)), "a scene of 3 things that was never saved");
-        assert_eq!(named(None), "a scene that was never saved");
-    }
-
-    #[test]
     fn the_button_says_which_copy() {
         assert_eq!(recover_text(Some("14:32")), "Recover the copy of 14:32");
-        let today = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970");
-        let clock = clock_of(today.as_secs()).expect("a time");
-        assert!(clock.len() == 5 && clock.as_bytes()[2] == b':', "{clock}");
-        // Every time zone differs from universal time by less than a day.
-        assert!(clock_of(86_400).is_some_and(|clock| clock.starts_with("1970-01-0")));
-        assert_eq!(clock_of(u64::MAX), None);
+        assert_eq!(recover_text(None), "Recover the copy");
     }
 }

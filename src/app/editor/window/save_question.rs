@@ -1,8 +1,11 @@
-//! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side.
+//! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side; and whether to save one of
+//! which there are newer edits to recover.
 
 use bevy_egui::egui::{self, Ui};
 
 use super::dialog;
+use crate::app::editor::command::recovery_offer::Offer;
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::panels::look;
 use crate::app::editor::session::requests::Requests;
@@ -21,8 +24,16 @@ pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec
         }
         return;
     }
-    match ask(context, question) {
+    let answer = match question.copy.clone() {
+        Some(copy) => ask_about_copy(context, question, copy),
+        None => ask(context, question),
+    };
+    match answer {
         None => {}
+        Some(Answer::Recover(copy)) => {
+            commands.push(Command::Shell(ShellCommand::Recover(copy)));
+            requests.save_question = None;
+        }
         Some(Answer::Save(on_change)) => {
             commands.push(Command::SaveChanged(question.path.clone(), on_change));
             requests.save_question = None;
@@ -37,6 +48,7 @@ pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec
 
 enum Answer {
     Save(OnChange),
+    Recover(Offer),
     SaveAs,
     Cancel,
 }
@@ -69,6 +81,43 @@ fn ask(context: &egui::Context, question: &SaveQuestion) -> Option<Answer> {
     modal.inner.or(closed.then_some(Answer::Cancel))
 }
 
+fn ask_about_copy(context: &egui::Context, question: &SaveQuestion, copy: Offer) -> Option<Answer> {
+    let heading = "There are newer edits of this scene";
+    let modal = dialog::question(context, "newer copy", 480.0, heading, |ui| {
+        ui.label(format!(
+            "{}. The scene that is open does not have them.",
+            question.reason
+        ));
+        ui.add_space(6.0);
+        let recover = "the copy opens in place of this scene, and the file stays as it is until you save.";
+        dialog::consequence(ui, "Recover", recover);
+        dialog::consequence(ui, SAVE_ANYWAY, "the scene is saved as it is here. The copy stays.");
+        let save_as = "the scene is saved under another name; the file and the copy stay.";
+        dialog::consequence(ui, "Save as", save_as);
+        let (mut recovers, mut saves, mut renames, mut cancels) = (false, false, false, false);
+        let (primary, save) = (look::primary(ui, "Recover"), look::danger(ui, SAVE_ANYWAY));
+        dialog::answers(
+            ui,
+            |ui| saves = ui.add(save).clicked(),
+            |ui| {
+                recovers = ui.add(primary).clicked();
+                renames = ui.button("Save as...").clicked();
+                cancels = ui.button("Cancel").on_hover_text("Save nothing (Esc)").clicked();
+            },
+        );
+        match (recovers, saves, renames, cancels) {
+            (true, ..) => Some(Answer::Recover(copy)),
+            (_, true, ..) => Some(Answer::Save(OnChange::Refuse)),
+            (_, _, true, _) => Some(Answer::SaveAs),
+            (.., true) => Some(Answer::Cancel),
+            _ => None,
+        }
+    });
+    let closed = modal.should_close();
+    modal.inner.or(closed.then_some(Answer::Cancel))
+}
+
+const SAVE_ANYWAY: &str = "Save anyway";
 const MERGE: &str = "Merge and save";
 const OVERWRITE: &str = "Overwrite";
 

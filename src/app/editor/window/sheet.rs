@@ -6,10 +6,11 @@ use bevy_egui::egui::{self, Id, Modal, RichText, Ui};
 
 use super::palette::Palette;
 use super::shortcuts::shortcuts;
-use super::start_page;
 use super::widgets::Widgets;
+use super::{recovery_question, start_page};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::press::Press;
@@ -32,6 +33,8 @@ pub struct SheetModel<'a> {
     pub problem: Option<&'a str>,
     /// The keys that went down in this frame.
     pub presses: &'a [Press],
+    /// The edits that can be recovered.
+    pub left: &'a [Offer],
     /// A step that suits the selection, for a series of copies.
     pub step: Vec3,
 }
@@ -72,7 +75,8 @@ pub fn show(
             })
         }
         Sheet::Bake => widgets.bake.sheet(context, &model.bake, commands),
-        Sheet::Start => start_page::show(context, shown.preferences, &shown.actions, commands),
+        Sheet::Recovery => recovery_question::list(context, shown.left, commands),
+        Sheet::Start => start_page::show(context, shown.preferences, shown.left, &shown.actions, commands),
     };
     if !stays {
         *sheet = None;

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, TextureOptions, Ui};
 use image::ImageFormat;
 
+use super::recovery_question;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::{self, ActionContext};
@@ -24,6 +26,7 @@ const MOST_RECENT: usize = 8;
 pub fn show(
     context: &egui::Context,
     preferences: &Preferences,
+    left: &[Offer],
     actions: &ActionContext,
     commands: &mut Vec<Command>,
 ) -> bool {
@@ -55,6 +58,7 @@ pub fn show(
             });
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
+                recovery_question::on_start_page(ui, left, commands);
                 closes |= begin(ui, actions, preferences.recent_files.is_empty(), commands);
                 mouse(ui, preferences.navigation, commands);
                 recent(ui, &preferences.recent_files, commands);

@@ -255,6 +255,7 @@ pub fn show_window(
         preferences: &shell.preferences,
         problem: shell.preferences_file.problem.as_deref(),
         presses: &pressed,
+        left: &shell.recovery.left,
         step: gizmo::step_beside(&seen.targets, shown.gizmo.length_step),
     };
     // The start page waits until the questions are answered.
@@ -263,7 +264,9 @@ pub fn show_window(
         sheet::show(&context, model, sheets, &mut requests.sheet, widgets, commands);
     }
     tutorial::show(&context, &scene.tutorial, widgets.viewport_place, commands);
-    recovery_question::question(&context, &mut shell.recovery.offer, commands);
+    if recovery_question::question(&context, &mut shell.recovery.offer, commands) {
+        said.toasts.info(recovery_question::PUT_OFF);
+    }
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
     scene_question::question(&context, &mut requests.scene_question, commands);

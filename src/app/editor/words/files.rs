@@ -1,5 +1,6 @@
 //! Texts about files: the extensions of their names, and messages about files that are gone.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
@@ -44,6 +45,29 @@ pub fn noisy_beside(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// The folder of each file, as far as it tells the files of one name apart: its last part as a rule, and more where these are the same.
+pub(crate) fn folders_apart<P: AsRef<Path>>(paths: &[P]) -> Vec<String> {
+    let parents = |path: &Path| -> Vec<String> {
+        let parts = path.parent().into_iter().flat_map(Path::components);
+        parts
+            .map(|part| part.as_os_str().to_string_lossy().into_owned())
+            .collect()
+    };
+    let all: Vec<(Option<&OsStr>, Vec<String>)> = paths
+        .iter()
+        .map(|path| (path.as_ref().file_name(), parents(path.as_ref())))
+        .collect();
+    let last = |parts: &[String], count: usize| parts[parts.len().saturating_sub(count)..].to_vec();
+    let apart = |(name, parts): &(Option<&OsStr>, Vec<String>)| {
+        let others = || all.iter().filter(|(other, its)| other == name && its != parts);
+        let is_enough = |count: &usize| others().all(|(_, its)| last(its, *count) != last(parts, *count));
+        let count = (1..parts.len()).find(is_enough).unwrap_or(parts.len());
+        let folder: PathBuf = last(parts, count).iter().collect();
+        folder.display().to_string()
+    };
+    all.iter().map(apart).collect()
+}
+
 /// The length of a file, such as `980 B`, `12 kB`, `3.4 MB`.
 pub fn size_text(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
@@ -69,6 +93,20 @@ mod tests {
         let noisy = |path: &str| noisy_beside(Path::new(path)).display().to_string();
         assert_eq!(noisy("/a/room.exr"), "/a/room-noisy.exr");
         assert_eq!(noisy("/a.b/room.v2.hdr"), "/a.b/room.v2-noisy.hdr");
+    }
+
+    #[test]
+    fn files_of_one_name_are_told_apart_by_their_folders() {
+        let folders = folders_apart(&[
+            "/a/b/cb.xml",
+            "/c/b/cb.xml",
+            "/c/b/room.xml",
+            "/a/b/cb.xml",
+            "/cb.xml",
+            "cb.xml",
+            "",
+        ]);
+        assert_eq!(folders, ["a/b", "c/b", "b", "a/b", "/", "", ""]);
     }
 
     #[test]

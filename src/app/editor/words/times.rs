@@ -57,6 +57,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn clocks_have_the_date_of_other_days() {
+        let today = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970");
+        let clock = clock_of(today.as_secs()).expect("a time");
+        assert!(clock.len() == 5 && clock.as_bytes()[2] == b':', "{clock}");
+        // Every time zone differs from universal time by less than a day.
+        assert!(clock_of(86_400).is_some_and(|clock| clock.starts_with("1970-01-0")));
+        assert_eq!(clock_of(u64::MAX), None);
+    }
+
+    #[test]
     fn ages_are_legible() {
         assert_eq!((ago(3).as_str(), ago(61).as_str()), ("just now", "1 minute ago"));
         assert_eq!(

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::app::editor::command::recovery_offer::Note;
 use crate::app::editor::commands::saving::{SaveUnderWay, copy, disturb, finish, go_on};
 use crate::app::editor::session::options::SceneDefines;
+use crate::app::editor::session::recovery::Recovery;
 use crate::files::{LARGEST_DATA, read_text};
-use crate::scene::write::gather;
 use crate::scene::write::snapshot::Snapshot;
+use crate::scene::write::{OnChange, gather};
 use crate::scene::{OpenScene, ReloadSummary, SceneDescription, SceneStatus, read, spawn};
 
 /// More than are saved within a frame.
@@ -241,6 +243,32 @@ fn a_reload_that_is_asked_for_in_the_same_frame_is_not_met_by_a_save() {
     let mut texts = large.world.resource::<Toasts>().texts();
     assert!(texts.any(|text| text.contains("still being read")));
     assert_eq!(large.text(), text);
+}
+
+#[test]
+fn newer_edits_of_a_large_scene_are_asked_about_before_it_is_saved() {
+    let mut large = Large::new();
+    let home = tempfile::tempdir().expect("a folder");
+    let copy = home.path().join("recovery/left");
+    std::fs::create_dir_all(&copy).expect("a folder");
+    let note = Note {
+        scene: Some(large.path.clone()),
+        time: u64::MAX,
+        ..Note::default()
+    };
+    let text = serde_json::to_vec(&note).expect("plain data");
+    std::fs::write(copy.join("about.json"), text).expect("a file");
+    std::fs::write(copy.join("scene.xml"), "<scene/>").expect("a file");
+    large.world.insert_resource(Recovery::new(Some(home.path())));
+    large.place("ball-7", 1.5);
+    say(&mut large.world, Command::Save);
+    assert!(!large.world.contains_resource::<SaveUnderWay>());
+    let question = large.world.resource_mut::<Requests>().save_question.take();
+    assert!(question.is_some_and(|question| question.copy.is_some()));
+    let command = Command::SaveChanged(large.path.clone(), OnChange::Refuse);
+    say(&mut large.world, command);
+    finish(&mut large.world).expect("saved");
+    assert!(large.is_saved() && large.text().contains("1.5"));
 }
 
 /// Edits of all kinds that a copy has to notice, of which the last is made after it has passed everything.

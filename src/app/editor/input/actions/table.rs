@@ -66,6 +66,9 @@ pub const FILE: &[Action] = &[
     action(Group::File, "revert", "Revert to the file", &[], |_| {
         Some(Command::RevertScene)
     }),
+    action(Group::File, "recover", "Recover…", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowRecovery))
+    }),
     action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
         Some(Command::ShowDialog(FileDialogKind::Import))
     }),
