@@ -78,6 +78,16 @@ fn a_file_is_opened_and_the_page_is_gone() {
 }
 
 #[test]
+fn recent_files_of_one_name_are_told_apart() {
+    let recent = ["/a/rooms/cb.xml", "/b/rooms/cb.xml", "/b/rooms/hut.xml"];
+    let mut harness = page_with(egui::vec2(1280.0, 720.0), &recent, Vec::new());
+    assert!(harness.query_by_label_contains("a/rooms").is_some());
+    harness.get_by_label_contains("b/rooms").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().commands, [Command::OpenScene(recent[1].into())]);
+}
+
+#[test]
 fn the_page_names_the_scenes_that_can_be_recovered() {
     let offer = |name: &str, time| Offer {
         folder: format!("/recovery/{time}").into(),

@@ -37,7 +37,7 @@ use automation::monkey::Monkey;
 use command::resolution::Resolution;
 use command::shell::Sheet;
 use session::layout::Layout;
-use session::options::{SceneDefines, WantedCamera, WindowOptions};
+use session::options::{BegunWith, SceneDefines, WantedCamera, WindowOptions};
 use session::preferences::PreferencesFile;
 use session::requests::{CommandQueue, Requests};
 use session::systems::EditorSystems;
@@ -149,6 +149,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(picture::denoiser::Denoiser::new())
             .insert_resource(OpeningPace(Some(LONGEST_OPENING)))
             .insert_resource(SceneDefines(options.defines.clone()))
+            .insert_resource(BegunWith::new(options))
             .insert_resource(WantedCamera {
                 name: options.camera.clone(),
                 is_required: !options.is_attended(),

@@ -9,7 +9,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::history::{self, History};
-use crate::app::editor::session::options::SceneDefines;
+use crate::app::editor::session::options::{BegunWith, SceneDefines};
 use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
@@ -40,6 +40,7 @@ pub fn new_scene(world: &mut World) {
 
 pub fn open_scene(world: &mut World, path: PathBuf) {
     world.resource_mut::<Requests>().leave_start_page();
+    world.insert_resource(BegunWith(None));
     let defines = world.resource::<SceneDefines>().0.clone();
     let keeps_edits = false;
     let request = OpenScene {
@@ -124,6 +125,7 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
 /// Notes what the file was and is. Returns the reason why it cannot be opened again as it is.
 pub fn note_saved(world: &mut World, mut saved: Saved) -> Option<String> {
     let trouble = saved.trouble.take();
+    world.insert_resource(BegunWith(None));
     let scene = world.get_resource::<AuthoredScene>();
     let now = scene.and_then(|scene| scene.origin.clone());
     world.resource_mut::<History>().note_file(saved, now);

@@ -16,6 +16,7 @@ use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, G
 use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::session::layout::Layout;
+use crate::app::editor::words::files::folders_apart;
 use crate::scene::LengthUnit;
 
 /// The settings beside the model that menus show with a tick.
@@ -297,9 +298,10 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
 
 fn scenes(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
     egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
-        for path in files {
+        for (path, folder) in files.iter().zip(folders_apart(files)) {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let entry = ui.button(name).on_hover_text(path.display().to_string());
+            let button = Button::new(name).shortcut_text(RichText::new(folder).weak());
+            let entry = ui.add(button).on_hover_text(path.display().to_string());
             if entry.clicked() {
                 commands.push(Command::OpenScene(path.clone()));
                 ui.close();

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
+use crate::document::paths::settle;
+
 /// The options for opening the window, and for what is done in it without a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
@@ -75,6 +77,17 @@ impl WindowOptions {
 /// The values of the file's parameters, kept for reloads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneDefines(pub Vec<(String, String)>);
+
+/// The scene that is shown because none was named. None: the user has chosen one, or saved that one.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct BegunWith(pub Option<PathBuf>);
+
+impl BegunWith {
+    pub fn new(options: &WindowOptions) -> Self {
+        let scene = options.scene.as_deref().filter(|_| options.begins);
+        Self(scene.map(settle))
+    }
+}
 
 /// The camera that is to be looked through, until there is a scene.
 #[derive(Resource, Clone, Debug, Default)]

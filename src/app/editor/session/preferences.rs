@@ -12,6 +12,7 @@ use bevy::window::PrimaryWindow;
 use directories::ProjectDirs;
 
 use super::layout::Layout;
+use super::options::BegunWith;
 use super::view_settings::ViewSettings;
 use super::window_place;
 use crate::app::editor::command::preferences::{Preferences, WindowPlace};
@@ -172,12 +173,17 @@ impl PreferencesFile {
     }
 }
 
-/// A scene that is open, or was saved under this name, is among the recent ones.
-pub(crate) fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>) {
+/// A scene that is open, or was saved under this name, is among the recent ones, unless the program has chosen it.
+pub(crate) fn note_scene(
+    status: Res<SceneStatus>,
+    begun_with: Option<Res<BegunWith>>,
+    mut preferences: ResMut<Preferences>,
+) {
     if !status.is_changed() || status.state != SceneState::Ready {
         return;
     }
     if let Some(path) = &status.path
+        && begun_with.is_none_or(|begun| begun.0.as_ref() != Some(path))
         && preferences.recent_files.first() != Some(path)
     {
         preferences.note_recent(path);
@@ -240,6 +246,29 @@ mod tests {
         let path = folder.join(FILE);
         std::fs::write(&path, text).expect("a temporary folder");
         path
+    }
+
+    #[test]
+    fn only_a_scene_that_the_user_has_chosen_is_a_recent_one() {
+        let mut world = World::new();
+        world.init_resource::<Preferences>();
+        world.insert_resource(BegunWith(Some("/scenes/box.xml".into())));
+        let note = |world: &mut World, path: &str| {
+            world.insert_resource(SceneStatus {
+                state: SceneState::Ready,
+                path: Some(path.into()),
+                ..SceneStatus::default()
+            });
+            world.run_system_cached(note_scene).expect("it runs");
+            world.resource::<Preferences>().recent_files.clone()
+        };
+        assert_eq!(note(&mut world, "/scenes/box.xml"), [] as [PathBuf; 0]);
+        assert_eq!(
+            note(&mut world, "/scenes/room.xml"),
+            ["/scenes/room.xml"].map(PathBuf::from)
+        );
+        world.insert_resource(BegunWith(None));
+        assert_eq!(note(&mut world, "/scenes/box.xml").len(), 2);
     }
 
     #[test]

@@ -41,7 +41,10 @@ impl Hit<'_> {
     fn remark(&self, bound: &KeyBindings) -> String {
         match self {
             Self::Action(action) => action.key_text(bound),
-            Self::Scene(_) => "open scene".to_owned(),
+            Self::Scene(path) => match path.parent().and_then(Path::file_name) {
+                Some(folder) => format!("open scene in {}", folder.to_string_lossy()),
+                None => "open scene".to_owned(),
+            },
             Self::Thing(item) => item.kind.to_owned(),
         }
     }

@@ -14,6 +14,7 @@ use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::panels::look;
+use crate::app::editor::words::files::folders_apart;
 
 /// The size of a sample's picture in points.
 const PICTURE: egui::Vec2 = egui::vec2(240.0, 150.0);
@@ -184,9 +185,11 @@ fn recent(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
     if files.is_empty() {
         ui.weak("Files that you open are listed here.");
     }
-    for path in files.iter().take(MOST_RECENT) {
+    let files = &files[..files.len().min(MOST_RECENT)];
+    for (path, folder) in files.iter().zip(folders_apart(files)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let button = Button::new(name)
+            .right_text(RichText::new(folder).weak().small())
             .truncate()
             .min_size(egui::vec2(ui.available_width(), 0.0));
         let response = ui.add(button).on_hover_text(path.display().to_string());
