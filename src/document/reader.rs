@@ -121,6 +121,23 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, |number| format_float(*number))
     }
 
+    /// A number in `range` where a texture may be as well. A colour whose components are in `range` counts as their mean, as in Mitsuba.
+    pub fn mean_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<f32> {
+        let components = self.get(name, "a float, a colour or a texture", |value| match value {
+            Value::Rgb(colour) => Some(colour.to_array()),
+            other => as_float(other).map(|number| [number; 3]),
+        })?;
+        if let [number, _, _] = components
+            && components == [number; 3]
+        {
+            return self.check(name, number, &range, |number| format_float(*number));
+        }
+        for component in components {
+            self.check(name, component, &range, |number| format_float(*number))?;
+        }
+        Some(components.iter().sum::<f32>() / 3.0)
+    }
+
     /// A whole number; `<float>` is an error even if its value is whole.
     pub fn integer(&mut self, name: &str) -> Option<i64> {
         self.get(name, "an integer", |value| match value {

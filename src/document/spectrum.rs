@@ -37,6 +37,7 @@ impl Role {
             Category::Emitter => Self::Emission,
             Category::Medium if parameter == "emission" => Self::Emission,
             Category::Medium if parameter == "albedo" => Self::Reflectance,
+            Category::Bsdf if !matches!(parameter, "eta" | "k" | "sigma_a") => Self::Reflectance,
             _ if parameter.contains("reflectance") || parameter.contains("transmittance") => Self::Reflectance,
             _ => Self::Unbounded,
         }

@@ -115,7 +115,7 @@ impl TextureTable {
         self.color(parameter, at).max(Rgb::ZERO)
     }
 
-    /// A colour texture gives its luminance.
+    /// A picture in colour gives its luminance; a colour of a checkerboard gives its mean, as one that stands alone does when it is read.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,
@@ -161,7 +161,7 @@ impl TextureTable {
     fn float_of(&self, id: TextureId, at: &TexturePoint) -> f32 {
         match &self.textures[id.0 as usize] {
             Texture::Checkerboard(checkerboard) => match checkerboard.number(at.uv) {
-                Parameter::Constant(color) => luminance(color),
+                Parameter::Constant(color) => color.element_sum() / 3.0,
                 Parameter::Texture(nested) => self.float_of(nested, at),
             },
             Texture::Bitmap(_) | Texture::MeshAttribute(_) => luminance(self.color_of(id, at)),

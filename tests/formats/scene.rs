@@ -625,6 +625,83 @@ fn what_cannot_be_is_an_error_with_its_line() {
     clean("<shape type='cube'><transform name='to_world'><scale value='1e-12'/></transform></shape>");
 }
 
+/// As in Mitsuba 3.9.1, which takes a colour for a number where a texture may be.
+#[test]
+fn a_colour_for_a_number_is_its_mean() {
+    let numbers = [
+        ("mask", "opacity", 1),
+        ("blendbsdf", "weight", 2),
+        ("roughconductor", "alpha", 0),
+        ("roughdielectric", "alpha", 0),
+        ("roughplastic", "alpha", 0),
+        ("principled", "roughness", 0),
+        ("principled", "metallic", 0),
+        ("principled", "anisotropic", 0),
+        ("principled", "spec_trans", 0),
+        ("principled", "spec_tint", 0),
+        ("principled", "sheen", 0),
+        ("principled", "sheen_tint", 0),
+        ("principled", "flatness", 0),
+        ("principled", "clearcoat", 0),
+        ("principled", "clearcoat_gloss", 0),
+        ("principledthin", "roughness", 0),
+        ("principledthin", "diff_trans", 0),
+        ("principledthin", "eta", 0),
+        ("metal", "fuzz", 0),
+    ];
+    let colours = [
+        "<rgb name='NAME' value='0.25, 0.5, 0.75'/>",
+        "<spectrum name='NAME' value='0.5'/>",
+        "<spectrum name='NAME' value='300:0.5, 900:0.5'/>",
+        "<spectrum type='uniform' name='NAME'><float name='value' value='0.5'/></spectrum>",
+        "<texture type='srgb' name='NAME'><rgb name='color' value='0.25, 0.5, 0.75'/></texture>",
+    ];
+    for (plugin, name, inside) in numbers {
+        for colour in colours {
+            let (given, nested) = (colour.replace("NAME", name), "<bsdf type='diffuse'/>".repeat(inside));
+            let mut scene = clean(&format!("<bsdf type='{plugin}'>{given}{nested}</bsdf>"));
+            // It is written anew then.
+            scene.materials.iter_mut().for_each(|it| it.identity.authored = None);
+            let text = document::to_xml(&to_document(&scene, Path::new("/scene.xml"))).unwrap();
+            let start = format!("<float name=\"{name}\" value=\"");
+            let number = text
+                .split(&start)
+                .nth(1)
+                .and_then(|rest| rest.split('"').next()?.parse::<f32>().ok());
+            let is_half = number.is_some_and(|number| (number - 0.5).abs() < 1e-3);
+            assert!(
+                is_half || name == "roughness" && number.is_none(),
+                "{plugin}: {given}: {text}"
+            );
+        }
+    }
+    // Each of the channels has to be a value that the number may have.
+    for (body, part) in [
+        (
+            "<bsdf type='mask'><rgb name='opacity' value='-1, 1, 1'/><bsdf type='diffuse'/></bsdf>",
+            "2: error: `opacity` is -1, but should be at least 0",
+        ),
+        (
+            "<bsdf type='roughconductor'><string name='alpha' value='rough'/></bsdf>",
+            "2: error: `alpha` should be a float, a colour or a texture, found string",
+        ),
+        (
+            "<bsdf type='principled'><rgb name='specular' value='0.2, 0.4, 0.9'/></bsdf>",
+            "2: error: `specular` should be a float, found rgb",
+        ),
+    ] {
+        let list = complaints(body);
+        assert!(list.len() == 1 && list[0].starts_with(part), "{body}: {list:?}");
+    }
+    // What is not edited is written as it was read.
+    let scene = clean("<bsdf type='mask'><rgb name='opacity' value='0.2, 0.4, 0.9'/><bsdf type='diffuse'/></bsdf>");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    save_description(&scene, &path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("0.2, 0.4, 0.9"), "{text}");
+}
+
 #[test]
 fn a_missing_stanford_mesh_says_where_to_get_it() {
     let (_, diagnostics) =

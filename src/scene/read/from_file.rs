@@ -6,9 +6,10 @@ use super::ior_names;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use super::sensors::read_fov;
-use super::spectra::{UNIFORM, uniform};
+use super::spectra::{is_spectrum, read_spectrum};
 use super::textures::read_texture;
 use crate::color::Rgb;
+use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, Severity, Value};
 use crate::scene::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::{
@@ -112,9 +113,12 @@ impl FromFile<'_, '_, '_> {
             self.reader.diagnostics().error(extra.span, message);
         }
         let pictures = &mut *self.pictures;
-        let height = self.reader.nested(object, |reader| match object.plugin.as_str() {
-            UNIFORM => uniform(reader).map(Parameter::Constant),
-            _ => read_texture(reader, pictures).map(Parameter::Texture),
+        let height = self.reader.nested(object, |reader| match is_spectrum(&object.plugin) {
+            true => Some(match read_spectrum(reader, Role::Unbounded, pictures)? {
+                Parameter::Constant(color) => Parameter::Constant(color.element_sum() / 3.0),
+                Parameter::Texture(texture) => Parameter::Texture(texture),
+            }),
+            false => read_texture(reader, pictures).map(Parameter::Texture),
         });
         if let Some(height) = height {
             *value = height;

@@ -43,7 +43,7 @@ impl Parameters for Reader<'_, '_> {
         pictures: &mut PictureSearch,
     ) -> Option<Parameter<f32>> {
         if self.child(name).is_none() {
-            return self.float_in(name, range).map(Parameter::Constant);
+            return self.mean_in(name, range).map(Parameter::Constant);
         }
         let number = match self.spectrum_or_texture(name, pictures)? {
             Parameter::Texture(texture) => return Some(Parameter::Texture(texture)),
