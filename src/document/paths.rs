@@ -1,5 +1,6 @@
 //! Handles file names as they are in scene files.
 
+use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use crate::files::Access;
@@ -71,14 +72,11 @@ pub(super) fn file_candidates(name: &str, folders: &[PathBuf], search_folders: &
     if Path::new(name).is_absolute() {
         return vec![PathBuf::from(name)];
     }
-    let mut candidates: Vec<PathBuf> = Vec::new();
-    for folder in folders.iter().chain(search_folders.iter().rev()) {
-        let candidate = folder.join(name);
-        if !candidates.contains(&candidate) {
-            candidates.push(candidate);
-        }
-    }
-    candidates
+    let mut known = HashSet::new();
+    let all = folders.iter().chain(search_folders.iter().rev());
+    all.map(|folder| folder.join(name))
+        .filter(|candidate| known.insert(candidate.clone()))
+        .collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 mod access;
 mod atomic;
 mod exr_compression;
+mod folder_names;
 mod locking;
 mod reading;
 mod record;
@@ -16,6 +17,7 @@ mod set;
 pub use self::access::Access;
 pub use self::atomic::{check_writable, write_atomically, write_atomically_with};
 pub use self::exr_compression::ExrCompression;
+pub use self::folder_names::FolderNames;
 pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};
 pub use self::record::{SameFiles, keep_reads, note_read, record_reads, recorded_reads};

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
+use super::mesh_files::FilesBelow;
 use super::tree::Node;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Diagnostics, Object, Severity, Span};
@@ -19,6 +20,8 @@ pub struct Import<'i> {
     pub ids: HashSet<String>,
     /// The number that the next thing of this name may get.
     pub next_numbers: HashMap<String, u32>,
+    /// None until a file was sought by its name alone.
+    pub below: Option<FilesBelow>,
     pub diagnostics: &'i mut Diagnostics,
 }
 

@@ -6,7 +6,6 @@
 use glam::Vec3;
 
 use super::import::Import;
-use super::mesh_files::find_file;
 use super::tree::Node;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, TransformOp, Value};
@@ -119,7 +118,7 @@ impl Import<'_> {
             return false;
         };
         let folder = self.folder();
-        let Some(path) = find_file(&name, &folder, self.access) else {
+        let Some(path) = self.find_file(&name) else {
             self.warn(span, format!("`{name}` is not found: the sky stays"));
             return false;
         };

@@ -1,6 +1,7 @@
 //! Finds the mesh or picture that a file of this dialect names, and whether an OBJ brings its own materials.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
+use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -21,41 +22,58 @@ impl Import<'_> {
     }
 }
 
-/// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its file
-/// name alone: an absolute name is often one of its author's machine.
-pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> {
-    let name = Path::new(name.trim());
-    if name.as_os_str().is_empty() {
-        return None;
-    }
-    let started_in = std::env::current_dir().unwrap_or_default();
-    let above = folder.ancestors().chain(started_in.ancestors());
-    let assets = above
-        .map(|folder| folder.join("assets"))
-        .filter(|folder| folder.is_dir());
-    let mut folders = vec![folder.to_owned()];
-    for folder in assets {
-        if !folders.contains(&folder) {
-            folders.push(folder);
+/// The files below the folders of a scene by their names, the nearest first.
+pub type FilesBelow = HashMap<OsString, Vec<PathBuf>>;
+
+impl Import<'_> {
+    /// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its
+    /// file name alone: an absolute name is often one of its author's machine.
+    pub fn find_file(&mut self, name: &str) -> Option<PathBuf> {
+        let name = Path::new(name.trim());
+        if name.as_os_str().is_empty() {
+            return None;
         }
+        let access = self.access;
+        let folders = self.folders();
+        // Joining an absolute name gives that name.
+        let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
+        let direct = places.iter().find(|path| access.covers(path) && path.is_file());
+        let found = direct.cloned().or_else(|| {
+            let below = self.below.get_or_insert_with(|| files_below(&folders, access));
+            let same = below.get(name.file_name()?)?;
+            same.iter().find(|path| access.covers(path)).cloned()
+        });
+        if found.is_none() {
+            // The result is not needed: `access` remembers the places.
+            access.find(&places);
+        }
+        Some(settle(&found?))
     }
-    // Joining an absolute name gives that name.
-    let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
-    let direct = places.iter().find(|path| access.covers(path) && path.is_file());
-    folders.retain(|folder| access.covers(folder));
-    let found = direct.cloned().or_else(|| search(name, &folders, access));
-    if found.is_none() {
-        // The result is not needed: `access` remembers the places.
-        access.find(&places);
+
+    /// The folder of the scene and the `assets` folders.
+    fn folders(&self) -> Vec<PathBuf> {
+        let folder = self.folder();
+        let started_in = std::env::current_dir().unwrap_or_default();
+        let above = folder.ancestors().chain(started_in.ancestors());
+        let assets: Vec<PathBuf> = above
+            .map(|folder| folder.join("assets"))
+            .filter(|folder| folder.is_dir())
+            .collect();
+        let mut folders = vec![folder];
+        for folder in assets {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
+        folders
     }
-    Some(settle(&found?))
 }
 
-/// The nearest file of this name in or below the folders that may be read.
-fn search(name: &Path, folders: &[PathBuf], access: &Access) -> Option<PathBuf> {
-    let wanted = name.file_name()?;
+/// The files in and below those of the folders that may be read.
+fn files_below(folders: &[PathBuf], access: &Access) -> FilesBelow {
+    let mut found = FilesBelow::new();
     let mut seen = 0;
-    for folder in folders {
+    for folder in folders.iter().filter(|folder| access.covers(folder)) {
         let mut waiting = VecDeque::from([folder.clone()]);
         while let Some(folder) = waiting.pop_front() {
             let Ok(entries) = std::fs::read_dir(&folder) else {
@@ -66,7 +84,7 @@ fn search(name: &Path, folders: &[PathBuf], access: &Access) -> Option<PathBuf> 
             for path in paths {
                 seen += 1;
                 if seen > MOST_FILES {
-                    return None;
+                    return found;
                 }
                 // Links to folders may form a circle.
                 if path.is_symlink() && path.is_dir() {
@@ -74,13 +92,13 @@ fn search(name: &Path, folders: &[PathBuf], access: &Access) -> Option<PathBuf> 
                 }
                 if path.is_dir() {
                     waiting.push_back(path);
-                } else if path.file_name() == Some(wanted) && access.covers(&path) {
-                    return Some(path);
+                } else if let Some(name) = path.file_name() {
+                    found.entry(name.to_owned()).or_default().push(path);
                 }
             }
         }
     }
-    None
+    found
 }
 
 /// Whether an OBJ uses materials of a library that is there.

@@ -62,6 +62,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)], access: Access) 
                 root: Object::new(Category::Scene, ""),
                 ids: HashSet::new(),
                 next_numbers: HashMap::new(),
+                below: None,
                 diagnostics: &mut diagnostics,
             };
             import.read_defines(defines);

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3, Vec4};
 
 use super::import::Import;
 use super::materials::{Look, Materials, black, grey};
-use super::mesh_files::{find_file, has_own_materials};
+use super::mesh_files::has_own_materials;
 use super::tree::Node;
 use crate::document::paths::file_name;
 use crate::document::value::quote;
@@ -175,7 +175,7 @@ impl Import<'_> {
             return None;
         };
         let folder = self.folder();
-        let Some(path) = find_file(&name, &folder, self.access) else {
+        let Some(path) = self.find_file(&name) else {
             self.warn(
                 span,
                 format!("mesh not found: {}; the object is left out", quote(&name)),

@@ -22,7 +22,7 @@ use crate::document::{
     Category, Child, Crowd, Diagnostics, Include, Interpolation, Key, Object, Property, Severity, SourceFile, SourceId,
     Span, TransformOp, Value,
 };
-use crate::files::Access;
+use crate::files::{Access, FolderNames};
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -127,6 +127,8 @@ pub(super) struct Parser {
     pub diagnostics: Diagnostics,
     pub defines: Defines,
     pub search_folders: Vec<PathBuf>,
+    /// What is in the folders in which files were sought.
+    pub names: FolderNames,
     /// Files read so far.
     pub files: HashMap<PathBuf, SourceId>,
     /// The chain of includes that is being read, the main file first, each with the place of its include.

@@ -4,21 +4,51 @@
 //! (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder. In the last two a leading `../assets/` of the name is left away, so that
 //! the scenes of the project find meshes that are kept elsewhere.
 
+use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::document::paths::settle_covered;
-use crate::files::Access;
+use crate::document::paths::{settle, settle_covered};
+use crate::files::{Access, FolderNames};
 
 /// The environment variable with further folders, separated as in `$PATH`.
 pub(crate) const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
 
-/// The folders of one scene.
+/// The folders of one scene, for one reading or writing of it: folders are looked into once, however many files are sought.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshSearch {
     scene_folder: PathBuf,
     search_folders: Vec<PathBuf>,
     asset_folders: Vec<PathBuf>,
     access: Access,
+    looks: Arc<Mutex<Looks>>,
+}
+
+/// What is known of folders and files so far. Clones of a search share it.
+#[derive(Debug, Default)]
+struct Looks {
+    names: FolderNames,
+    /// Folders with their links resolved.
+    settled: HashMap<PathBuf, PathBuf>,
+    /// The results by the folder of the file that holds the name, and the name.
+    found: HashMap<(PathBuf, String), Found>,
+}
+
+impl Looks {
+    /// What [`settle`] makes of the path.
+    fn settle(&mut self, path: &Path) -> PathBuf {
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
+            return settle(path);
+        };
+        if let Some(known) = self.settled.get(folder) {
+            return known.join(name);
+        }
+        let settled = settle(path);
+        if let Some(parent) = settled.parent() {
+            self.settled.insert(folder.to_owned(), parent.to_owned());
+        }
+        settled
+    }
 }
 
 /// The result of a search.
@@ -44,12 +74,17 @@ impl MeshSearch {
             search_folders: search_folders.iter().rev().cloned().collect(),
             asset_folders,
             access: Access::everywhere(),
+            looks: Arc::default(),
         }
     }
 
     /// The search among files that may be read.
     pub fn within(self, access: Access) -> Self {
-        Self { access, ..self }
+        Self {
+            access,
+            looks: Arc::default(),
+            ..self
+        }
     }
 
     /// A search only in the places where every reader of the format looks.
@@ -62,11 +97,26 @@ impl MeshSearch {
 
     /// Finds the file. `folder` is that of the file that holds the name.
     pub fn find(&self, name: &str, folder: &Path) -> Found {
-        let name = Path::new(name);
+        let mut looks = self.looks.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (folder.to_owned(), name.to_owned());
+        if let Some(known) = looks.found.get(&key) {
+            return known.clone();
+        }
+        let found = self.look(Path::new(name), folder, &mut looks);
+        looks.found.insert(key, found.clone());
+        found
+    }
+
+    fn look(&self, name: &Path, folder: &Path, looks: &mut Looks) -> Found {
         let mut places: Vec<PathBuf> = Vec::new();
+        let mut known = HashSet::new();
         let mut add = |folder: &Path, name: &Path| {
-            let path = settle_covered(folder, name, &self.access);
-            if !places.contains(&path) {
+            let joined = folder.join(name);
+            let path = match self.access.covers(&joined) {
+                true => looks.settle(&joined),
+                false => settle_covered(folder, name, &self.access),
+            };
+            if known.insert(path.clone()) {
                 places.push(path);
             }
         };
@@ -84,7 +134,12 @@ impl MeshSearch {
                 }
             }
         }
-        if let Some(found) = self.access.find(&places) {
+        let likely: Vec<PathBuf> = places
+            .iter()
+            .filter(|path| looks.names.may_have(path))
+            .cloned()
+            .collect();
+        if let Some(found) = self.access.find(&likely) {
             return Found::At(found.clone());
         }
         let first = places.first().cloned().unwrap_or_default();
@@ -151,14 +206,15 @@ mod tests {
         let models = root.path().join("assets/models");
         std::fs::create_dir_all(&scenes).unwrap();
         std::fs::create_dir_all(&models).unwrap();
-        let search = MeshSearch::new(&scenes, &[]);
-        let Found::Nowhere(places) = search.find("models/a.ply", &scenes) else {
+        // What was looked at stays as it was for one search.
+        let search = || MeshSearch::new(&scenes, &[]);
+        let Found::Nowhere(places) = search().find("models/a.ply", &scenes) else {
             panic!("found a file that is not there");
         };
         assert!(places.len() >= 3, "{places:?}");
 
         std::fs::write(models.join("a.ply"), "").unwrap();
-        let found = |name: &str| match search.find(name, &scenes) {
+        let found = |name: &str| match search().find(name, &scenes) {
             Found::At(path) => path,
             Found::Nowhere(places) => panic!("{places:?}"),
         };

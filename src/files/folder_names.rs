@@ -1,0 +1,97 @@
+//! The names of what lies in folders, for a search of many files in the same folders.
+
+use std::collections::{HashMap, HashSet};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// So often a file is sought in a folder before the folder is listed: for a few files that would take longer.
+const SOUGHT_SINGLY: u32 = 4;
+/// The most names of a folder that are kept. In larger ones every file is sought by itself.
+const MOST_NAMES: usize = 100_000;
+
+/// Folders that were looked into, each at most once: what is said of them is as of then.
+#[derive(Debug, Default)]
+pub struct FolderNames(HashMap<PathBuf, Folder>);
+
+#[derive(Debug)]
+enum Folder {
+    /// Not listed yet, and asked for so often.
+    Unlisted(u32),
+    /// The names that it holds, in small letters: some file systems do not tell these from capitals.
+    Listed(HashSet<String>),
+    /// It cannot be listed, or holds too much.
+    Unknown,
+}
+
+impl FolderNames {
+    /// Whether there may be something at this path. False only where there is nothing for certain.
+    pub fn may_have(&mut self, path: &Path) -> bool {
+        let (Some(parent), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
+            return true;
+        };
+        // File systems disagree on how other letters are spelt.
+        if !name.is_ascii() {
+            return true;
+        }
+        if !self.0.contains_key(parent) {
+            self.0.insert(parent.to_owned(), Folder::Unlisted(0));
+        }
+        let Some(folder) = self.0.get_mut(parent) else {
+            return true;
+        };
+        if let Folder::Unlisted(times) = folder {
+            *times += 1;
+            if *times <= SOUGHT_SINGLY {
+                return true;
+            }
+            *folder = listed(parent);
+        }
+        match folder {
+            Folder::Listed(names) => names.contains(&name.to_ascii_lowercase()),
+            Folder::Unlisted(_) | Folder::Unknown => true,
+        }
+    }
+}
+
+fn listed(path: &Path) -> Folder {
+    let entries = match path.read_dir() {
+        Ok(entries) => entries,
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return Folder::Listed(HashSet::new());
+        }
+        Err(_) => return Folder::Unknown,
+    };
+    let mut names = HashSet::new();
+    for entry in entries {
+        let Ok(entry) = entry else { return Folder::Unknown };
+        if names.len() >= MOST_NAMES {
+            return Folder::Unknown;
+        }
+        names.extend(entry.file_name().to_str().map(str::to_ascii_lowercase));
+    }
+    Folder::Listed(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_there_may_be_there_however_often_others_were_sought() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.ply", "B.ply", "größe.ply"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let mut names = FolderNames::default();
+        for number in 0..20 {
+            let absent = folder.path().join(format!("{number}.ply"));
+            assert_eq!(names.may_have(&absent), number < SOUGHT_SINGLY, "{number}");
+            let in_nothing = folder.path().join(format!("none/{number}.ply"));
+            assert_eq!(names.may_have(&in_nothing), number < SOUGHT_SINGLY, "{number}");
+        }
+        for name in ["a.ply", "B.ply", "b.ply", "größe.ply", ".."] {
+            assert!(names.may_have(&folder.path().join(name)), "{name}");
+        }
+        assert!(names.may_have(Path::new("/")));
+    }
+}
