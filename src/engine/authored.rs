@@ -1,6 +1,6 @@
 //! The queries by which extraction reads the world, and the order of the file for lists of it.
 
-use bevy::asset::AssetServer;
+use bevy::asset::{AssetServer, UntypedAssetId};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -172,6 +172,12 @@ impl Authored<'_, '_> {
             })
             .collect();
         pack_materials(&sources, model, textures, errors)
+    }
+
+    /// Whether a file was looked for and could not be read.
+    pub(super) fn has_failed(&self, id: impl Into<UntypedAssetId>) -> bool {
+        let server = self.asset_server.as_deref();
+        server.is_some_and(|server| server.load_state(id).is_failed())
     }
 
     /// Whether all shapes that a medium is inside of are hidden. It is not there then.

@@ -163,6 +163,7 @@ pub(super) struct MaterialChanges<'w, 's> {
         ),
     >,
     pictures: MessageReader<'w, 's, AssetEvent<TextureMap>>,
+    failed: MessageReader<'w, 's, AssetLoadFailedEvent<TextureMap>>,
     gone: RemovedComponents<'w, 's, Material>,
     first_gone: RemovedComponents<'w, 's, FirstNested>,
     second_gone: RemovedComponents<'w, 's, SecondNested>,
@@ -261,6 +262,7 @@ pub(super) fn detect_changes(
     dirty.surfaces.add(shapes.exteriors_gone.read());
     let materials = !materials.changed.is_empty()
         | (materials.pictures.read().count() > 0)
+        | (materials.failed.read().count() > 0)
         | (materials.gone.read().count() > 0)
         | (materials.first_gone.read().count() > 0)
         | (materials.second_gone.read().count() > 0)

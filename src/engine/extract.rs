@@ -24,7 +24,7 @@ use super::pack::light::LightContext;
 use super::pack::material::material_table;
 use super::pack::medium::PackedMedia;
 use super::pack::surface::{SurfacePacker, SurfaceSource};
-use super::pack::texture::TexturePacker;
+use super::pack::texture::{TexturePacker, no_picture};
 use super::packed_scene::PackedScene;
 use super::packing::Packing;
 use super::rebuild::Rebuild;
@@ -347,8 +347,11 @@ impl Extracted {
             DielectricModel::Exact
         };
         let picture = |path: &Path| {
-            let asset = authored.texture_maps.get(authored.pictures.get(path)?)?;
-            Some(asset.image.clone())
+            let handle = authored.pictures.get(path)?;
+            match authored.texture_maps.get(handle) {
+                Some(asset) => Some(asset.image.clone()),
+                None => authored.has_failed(handle.id()).then(no_picture),
+            }
         };
         let mut textures = TexturePacker::new(&picture);
         let packed = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);

@@ -1,7 +1,5 @@
 //! Finds the mesh that a shape names, built or being built.
 
-use bevy::asset::AssetServer;
-
 use super::authored::Authored;
 use super::blas_cache::{BlasCache, BuildPolicy, BuiltMesh, MeshKey};
 use crate::scene::{MeshHandle, Shape, ShapeKind};
@@ -46,8 +44,7 @@ pub(super) fn mesh_of<'c>(
                     .and_then(|data| cache.get(key, data, policy))
             }
             None => {
-                let failed = |server: &AssetServer| server.load_state(handle).is_failed();
-                is_loading = !authored.asset_server.as_deref().is_some_and(failed);
+                is_loading = !authored.has_failed(handle.id());
                 None
             }
         },

@@ -19,7 +19,7 @@ pub(in crate::engine) struct LightContext<'c, 'p> {
     pub shortages: &'c mut Vec<String>,
 }
 
-/// None for a light that cannot be: nowhere, or going nowhere; and for one whose picture is not there (yet).
+/// None for a light that cannot be: nowhere, or going nowhere; and for one whose picture is not there yet.
 pub(in crate::engine) fn pack_emitter(
     emitter: &Emitter,
     to_world: Affine3A,

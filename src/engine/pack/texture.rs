@@ -11,7 +11,7 @@ use crate::texture::{self, Checkerboard, Image, TextureId};
 
 /// The textures met so far.
 pub(in crate::engine) struct TexturePacker<'a> {
-    /// The pictures that are there, by absolute path.
+    /// The pictures that are there, and [`no_picture`] for those that will not be, by absolute path.
     pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>,
     known: Vec<Texture>,
     /// The indices in `known` of the textures with a hash.
@@ -19,8 +19,13 @@ pub(in crate::engine) struct TexturePacker<'a> {
     packed: Vec<texture::Texture>,
 }
 
-/// The replacement of a picture that is not there (yet): grey, neither black nor white.
+/// The replacement of a picture that is not there: grey, neither black nor white.
 static NO_PICTURE: LazyLock<Arc<Image>> = LazyLock::new(|| Arc::new(Image::uniform(0.5)));
+
+/// What takes the place of a picture that cannot be read.
+pub(in crate::engine) fn no_picture() -> Arc<Image> {
+    NO_PICTURE.clone()
+}
 
 impl<'a> TexturePacker<'a> {
     pub fn new(pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>) -> Self {
@@ -81,7 +86,7 @@ impl<'a> TexturePacker<'a> {
     }
 
     fn bitmap(&self, bitmap: &Bitmap) -> texture::Bitmap {
-        let image = (self.pictures)(&bitmap.path).unwrap_or_else(|| NO_PICTURE.clone());
+        let image = (self.pictures)(&bitmap.path).unwrap_or_else(no_picture);
         packed_bitmap(bitmap, image)
     }
 
