@@ -77,12 +77,29 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         return export_to(&scene, &document.access, &args);
     }
     let extensions = match args.portable {
-        true => Extensions::Approximate,
+        true => {
+            report_one_sky(&scene);
+            Extensions::Approximate
+        }
         false => Extensions::Keep,
     };
     match write::write_anew(&scene, &args.output, extensions) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
+    }
+}
+
+/// Says which lights around the scene are left out for Mitsuba, which takes one.
+fn report_one_sky(scene: &SceneDescription) {
+    let mut skies = scene.skies();
+    if let Some(kept) = skies.next() {
+        let kept = &kept.identity.name;
+        for sky in skies {
+            report::line(format_args!(
+                "warning: emitter `{}` is left out: Mitsuba takes one light around the scene, and `{kept}` is the first",
+                sky.identity.name
+            ));
+        }
     }
 }
 

@@ -71,6 +71,11 @@ impl SceneDescription {
         others.copied().chain(of_meshes)
     }
 
+    /// The lights that surround the scene, in the order of the file.
+    pub fn skies(&self) -> impl Iterator<Item = &EmitterDescription> {
+        self.emitters.iter().filter(|light| light.emitter.is_sky())
+    }
+
     /// The indices of the media that something is in, once for each use.
     pub(super) fn media_in_use(&self) -> impl Iterator<Item = usize> {
         let of_shapes = self

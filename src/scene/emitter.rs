@@ -285,6 +285,11 @@ impl Emitter {
         matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
     }
 
+    /// Whether it surrounds the scene. Mitsuba takes one such light.
+    pub fn is_sky(&self) -> bool {
+        self.is_environment() || matches!(self.kind, EmitterKind::Constant { .. })
+    }
+
     /// Whether it is a box that is baked for games, and gives no light itself.
     pub fn is_probe(&self) -> bool {
         matches!(
@@ -295,11 +300,7 @@ impl Emitter {
 
     /// Whether it is somewhere, and not infinitely far away.
     pub(crate) fn has_place(&self) -> bool {
-        !self.is_environment()
-            && !matches!(
-                self.kind,
-                EmitterKind::Constant { .. } | EmitterKind::Directional { .. }
-            )
+        !self.is_sky() && !matches!(self.kind, EmitterKind::Directional { .. })
     }
 }
 

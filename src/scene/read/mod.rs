@@ -127,6 +127,7 @@ impl SceneReader<'_> {
         }
         self.read_crowds(usize::MAX);
         self.report_media_without_effect(&remains);
+        self.report_skies();
         self.description.remains = remains;
 
         let mut reader = Reader::new(&self.index, root, &mut self.diagnostics);
@@ -139,6 +140,20 @@ impl SceneReader<'_> {
         if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {
             let message = "the scene has no sensor: one that sees everything takes its place".to_owned();
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);
+        }
+    }
+}
+
+impl SceneReader<'_> {
+    /// Warns of every light around the scene but the first.
+    fn report_skies(&mut self) {
+        let further = self.description.skies().skip(1);
+        let further: Vec<_> = further.map(|sky| (sky.identity.span, sky.emitter.plugin())).collect();
+        for (span, plugin) in further {
+            let message = format!(
+                "emitter `{plugin}` is another light around the scene: here they add up, but Mitsuba refuses more than one"
+            );
+            self.diagnostics.warn(span, message);
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::layer::Layer;
 use crate::scene::assets::solid_mesh::solid_ply;
 use crate::scene::read::is_frame;
 use crate::scene::solid::parse_openings;
-use crate::scene::{Solid, SolidValue};
+use crate::scene::{Emitter, Solid, SolidValue};
 
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -38,6 +38,7 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
         // The members of a group have poses in the world, so that they stay where they are without the transform of the folder.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
         root.children.retain(|child| !is_frame(child));
+        keep_one_sky(root);
         let plugin = if has_media(root) { "volpath" } else { "path" };
         replace_auto(root, plugin);
     }
@@ -66,6 +67,18 @@ impl BesideFiles<'_> {
         self.list.push((name.clone(), text));
         name
     }
+}
+
+/// Leaves out all lights around the scene but the first.
+fn keep_one_sky(root: &mut Object) {
+    let is_sky = |child: &Child| {
+        let Child::Object(object) = child else { return false };
+        let emitter = Emitter::of_plugin(&object.plugin).filter(|_| object.category == Category::Emitter);
+        emitter.is_some_and(|emitter| emitter.is_sky())
+    };
+    let mut has_one = false;
+    root.children
+        .retain(|child| !is_sky(child) || !std::mem::replace(&mut has_one, true));
 }
 
 fn has_media(object: &Object) -> bool {

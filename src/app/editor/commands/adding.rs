@@ -157,7 +157,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
                 EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => at(above) * scale,
                 _ => at(above) * facing(-up),
             };
-            if is_sky(&emitter) {
+            if emitter.is_sky() {
                 set_sky(edit, emitter, pose, addition.name.as_deref().unwrap_or(plugin))
             } else {
                 edit.spawn((called, emitter, ToWorld(pose)))
@@ -367,15 +367,11 @@ fn set_environment(edit: &mut Edit, picture: PathBuf) {
 /// The light that is everywhere, if there is one.
 fn sky(world: &mut World) -> Option<Entity> {
     let mut emitters = world.query::<(&DocumentOrder, Entity, &Emitter)>();
-    let skies = emitters.iter(world).filter(|(.., emitter)| is_sky(emitter));
+    let skies = emitters.iter(world).filter(|(.., emitter)| emitter.is_sky());
     skies
         .map(|(order, entity, _)| (*order, entity))
         .min()
         .map(|(_, entity)| entity)
-}
-
-fn is_sky(emitter: &Emitter) -> bool {
-    emitter.is_environment() || matches!(emitter.kind, EmitterKind::Constant { .. })
 }
 
 /// Two skies would add up, and other programs refuse them.

@@ -149,7 +149,7 @@ fn sections(
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }
             choose_picture(inspected.entity, edit, commands);
-            if emitter.is_environment() || matches!(emitter.kind, EmitterKind::Constant { .. }) {
+            if emitter.is_sky() {
                 environments(ui, &model.assets.environments, commands);
             }
         });
