@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use bevy::prelude::App;
 use clap::Args;
 use sunroom::app::threads::MOST_WORKERS;
+use sunroom::document::Severity;
 use sunroom::document::paths::settle;
 use sunroom::files::FileError;
 use sunroom::memory;
-use sunroom::scene::Trust;
+use sunroom::scene::{SceneStatus, Trust};
 
 use super::monkey::MonkeyArgs;
 use super::{parse, report};
@@ -42,6 +44,28 @@ impl TrustArgs {
             true => Ok(trust),
             false => Err(format!("{}: {}", scene.display(), FileError::Outside)),
         }
+    }
+}
+
+#[derive(Args)]
+pub struct MissingArgs {
+    /// Go on without meshes and volumes that are not there, with a warning for each
+    #[arg(long)]
+    pub allow_missing: bool,
+}
+
+impl MissingArgs {
+    /// The severity of a missing file for a command that loads no app.
+    pub fn severity(&self) -> Severity {
+        match self.allow_missing {
+            true => Severity::Warning,
+            false => Severity::Error,
+        }
+    }
+
+    /// Says so to an app that loads a scene.
+    pub fn apply(&self, app: &mut App) {
+        app.world_mut().resource_mut::<SceneStatus>().allows_missing = self.allow_missing;
     }
 }
 

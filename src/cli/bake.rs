@@ -39,7 +39,7 @@ pub use self::shares::Shares;
 use self::keeping::Keeper;
 use self::progress::BakeProgress;
 
-use super::check::{has_only_warnings, report_left_out, report_scene};
+use super::check::{report_left_out, report_refusal, report_scene};
 use super::ending::{INTERRUPTED, TERMINATED};
 use super::outputs::{check_scene_stays, is_same_file};
 use super::render::cancel_on_interrupt;
@@ -378,6 +378,7 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Fail
     };
     let mut app: App = render_only(open, args.threads.threads);
     app.insert_resource(trust);
+    args.missing.apply(&mut app);
     let limits = Limits {
         cancel: cancel.clone(),
         ..Limits::default()
@@ -385,9 +386,7 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Fail
     let loaded = load_to_completion(&mut app, &limits);
     let status = app.world().resource::<SceneStatus>();
     if !report_scene(status, args.strict) {
-        if has_only_warnings(status) {
-            report::refused_for_warnings(&args.scene.scene);
-        }
+        report_refusal(status, &args.scene.scene);
         return Ok(None);
     }
     if !loaded? {

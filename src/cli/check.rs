@@ -137,9 +137,13 @@ pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     report::acceptable(&all, strict) && !status.has_errors()
 }
 
-/// Whether a scene that [`report_scene`] refuses has no errors, only warnings.
-pub fn has_only_warnings(status: &SceneStatus) -> bool {
-    !status.has_errors() && report::acceptable(&status.all_diagnostics(), false)
+/// Prints the last line about a scene that [`report_scene`] refuses, where more is to be said than that it has errors.
+pub fn report_refusal(status: &SceneStatus, scene: &Path) {
+    if !status.has_errors() && report::acceptable(&status.all_diagnostics(), false) {
+        report::refused_for_warnings(scene);
+    } else if status.lacks_only_files() {
+        report::refused_for_missing(scene);
+    }
 }
 
 /// Prints what was read but cannot be shown; false if that is too much to continue.

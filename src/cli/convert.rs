@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use sunroom::document::Diagnostics;
 use sunroom::document::paths::settle;
 use sunroom::files::{Access, keep_reads};
-use sunroom::scene::SceneDescription;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::{Hidden, export, is_export};
 use sunroom::scene::mesh_check::check_meshes;
@@ -14,8 +14,9 @@ use sunroom::scene::picture_check::check_pictures;
 use sunroom::scene::read;
 use sunroom::scene::volume_check::check_volumes;
 use sunroom::scene::write::{self, Extensions};
+use sunroom::scene::{FileKind, SceneDescription};
 
-use super::args::{MemoryArgs, SceneArgs, TrustArgs};
+use super::args::{MemoryArgs, MissingArgs, SceneArgs, TrustArgs};
 use super::outputs::{check_scene_stays, is_same_file};
 use super::report;
 
@@ -30,6 +31,8 @@ pub struct ConvertArgs {
     memory: MemoryArgs,
     #[command(flatten)]
     trust: TrustArgs,
+    #[command(flatten)]
+    missing: MissingArgs,
     /// Write nothing that Mitsuba does not know: of fuzzy `metal` the nearest `roughconductor`
     #[arg(long)]
     portable: bool,
@@ -54,8 +57,11 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         Err(error) => return report::error(error),
     };
     let scene = read::read(&mut document);
+    let mut lacks_meshes = false;
     if !document.diagnostics.has_errors() {
-        let pictures = check_meshes(&scene, &document.access, &mut document.diagnostics);
+        let missing = args.missing.severity();
+        let pictures = check_meshes(&scene, &document.access, missing, &mut document.diagnostics);
+        lacks_meshes = lacks_only_meshes(&scene, &document.diagnostics);
         check_pictures(&scene, &pictures, &document.access, &mut document.diagnostics);
         check_volumes(&scene, &document.access, &mut document.diagnostics);
     }
@@ -63,6 +69,8 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !report::acceptable(&document.diagnostics, args.strict) {
         if report::acceptable(&document.diagnostics, false) {
             report::refused_for_warnings(&args.scene.scene);
+        } else if lacks_meshes {
+            report::refused_for_missing(&args.scene.scene);
         }
         return ExitCode::FAILURE;
     }
@@ -87,6 +95,12 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }
+}
+
+/// Whether the errors are those of meshes that are not there.
+fn lacks_only_meshes(scene: &SceneDescription, diagnostics: &Diagnostics) -> bool {
+    let missing = scene.missing.values().filter(|file| file.kind == FileKind::Mesh);
+    diagnostics.error_count() == missing.count()
 }
 
 /// Says which lights around the scene are left out for Mitsuba, which takes one.

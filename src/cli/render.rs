@@ -35,7 +35,7 @@ pub use self::args::RenderArgs;
 pub use self::overrides::apply_overrides;
 
 use self::args::Accel;
-use super::check::{has_only_warnings, report_left_out, report_scene};
+use super::check::{report_left_out, report_refusal, report_scene};
 use super::display_server;
 use super::ending::{Ending, INTERRUPTED, TERMINATED, above};
 use super::named_outputs::{check_compression, default_output};
@@ -91,6 +91,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     // Other moments are read of the same text.
     app.world().resource::<KeepSource>().set(args.sequence.frames.is_some());
     app.insert_resource(trust);
+    args.missing.apply(&mut app);
     app.insert_resource(match args.accel {
         Accel::Linear => AccelMethod::Linear,
         Accel::Median => AccelMethod::Median,
@@ -112,9 +113,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     let loaded = load_to_completion(&mut app, &limits);
     let status = app.world().resource::<SceneStatus>();
     if !report_scene(status, args.strict) {
-        if has_only_warnings(status) {
-            report::refused_for_warnings(&args.scene.scene);
-        }
+        report_refusal(status, &args.scene.scene);
         return Ok(ExitCode::FAILURE);
     }
     if !loaded? {

@@ -80,6 +80,14 @@ pub fn refused_for_warnings(scene: &Path) {
     line(format_args!("{}: refused for its warnings", scene.display()));
 }
 
+/// Prints the last line about a scene of which only files are missing.
+pub fn refused_for_missing(scene: &Path) {
+    line(format_args!(
+        "{}: refused because files are missing; --allow-missing does without them",
+        scene.display()
+    ));
+}
+
 /// Whether the scene is good enough to go on: no errors, and if `strict` no warnings.
 pub fn acceptable(diagnostics: &Diagnostics, strict: bool) -> bool {
     !diagnostics.has_errors() && (!strict || diagnostics.warning_count() == 0)

@@ -10,7 +10,7 @@ use bevy::math::{Affine3A, Vec3};
 
 use super::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, EulerAngles, Film, IntegratorSettings, Keys, LengthUnit,
-    Material, Medium, Placements, Sensor, Shape, ShapeKind,
+    Material, Medium, MissingFiles, Placements, Sensor, Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
@@ -47,8 +47,8 @@ pub struct SceneDescription {
     pub remains: AuthoredScene,
     /// The files the scene was read from: itself and its includes, absolute. Meshes are not among them.
     pub sources: Vec<PathBuf>,
-    /// Places where a mesh was looked for in vain; the scene can be read again when one appears.
-    pub missing: Vec<PathBuf>,
+    /// The files that were not found; the scene can be read again when one appears.
+    pub missing: MissingFiles,
     /// The place where each picture is named first.
     pub picture_places: PicturePlaces,
     /// The place where each grid of a volume is named first, by the paths of their assets.

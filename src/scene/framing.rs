@@ -29,7 +29,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
         }
         ShapeKind::Solid(solid) => Aabb::from_points(solid.corners()),
         ShapeKind::Instance | ShapeKind::Frame => return None,
-        ShapeKind::Mesh(file) => mesh?.data(file.shape_index)?.bounds(),
+        ShapeKind::Mesh(file) => mesh?.shapes.get(file.shape_index as usize)?.bounds,
     };
     Some(local.transformed(to_world))
 }

@@ -154,7 +154,7 @@ fn is_known(world: &mut World, asset: &SceneAsset) -> bool {
     let is_known = file.was_written
         && known.len() == read.len()
         && known.iter().zip(read).all(are_same)
-        // A mesh that has appeared since is read.
+        // A file that has appeared since is read.
         && base.is_some_and(|base| base.scene.missing == asset.description.missing);
     if is_known {
         world.resource_mut::<SceneFile>().was_written = false;
@@ -243,6 +243,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
     file.volume_places.clone_from(&asset.description.volume_places);
+    file.missing.clone_from(&asset.description.missing);
     if let Some(asked) = asked {
         (file.handle, file.path) = (Some(asked.handle), asked.path);
         file.was_written = false;
@@ -279,6 +280,7 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&scene.picture_places);
         file.volume_places.clone_from(&scene.volume_places);
+        file.missing.clone_from(&scene.missing);
     }
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.file_is_broken = false;
@@ -308,6 +310,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&written.picture_places);
         file.volume_places.clone_from(&written.volume_places);
+        file.missing.clone_from(&written.missing);
     }
     share_description(world);
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {

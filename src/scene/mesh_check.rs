@@ -5,14 +5,20 @@ use std::path::PathBuf;
 
 use super::assets::parts_cache::is_part;
 use super::assets::triangle_mesh::{MeshShape, load_mesh};
-use super::{SceneDescription, ShapeKind};
+use super::missing::sentence;
+use super::{FileKind, SceneDescription, ShapeKind};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
 /// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an error for a mesh that cannot be
-/// read, a warning for what was left out of it. Files that are not there have been reported when the scene was read. The pictures (absolute) of
-/// the materials that come with the meshes and are in use.
-pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) -> BTreeSet<PathBuf> {
+/// read, a warning for what was left out of it. `missing`: the severity of files that are not there. The pictures (absolute) of the materials that
+/// come with the meshes and are in use.
+pub fn check_meshes(
+    scene: &SceneDescription,
+    access: &Access,
+    missing: Severity,
+    diagnostics: &mut Diagnostics,
+) -> BTreeSet<PathBuf> {
     let mut read: HashMap<_, Result<Vec<Findings>, String>> = HashMap::new();
     let mut reported = HashSet::new();
     let mut pictures = BTreeSet::new();
@@ -20,7 +26,14 @@ pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut
         let ShapeKind::Mesh(mesh) = &shape.shape.kind else {
             continue;
         };
-        if is_part(&mesh.path) || scene.missing.contains(&mesh.path) {
+        if is_part(&mesh.path) {
+            continue;
+        }
+        if let Some(file) = scene.missing.get(&mesh.path) {
+            if reported.insert((&mesh.path, 0)) {
+                let message = sentence(FileKind::Mesh, &mesh.path, &file.what());
+                diagnostics.push(missing, Some(file.span), message, file.help.clone());
+            }
             continue;
         }
         let is_first = !read.contains_key(&mesh.path);

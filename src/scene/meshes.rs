@@ -5,10 +5,10 @@ use std::collections::{HashMap, HashSet};
 use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
 
-use super::assets::cause;
+use super::assets::{cause, is_missing};
 use super::changes::Changes;
 use super::scene_file::SceneFile;
-use super::{Authored, DocumentOrder, FileProblem, MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
+use super::{Authored, DocumentOrder, FileKind, FileProblem, MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
 use crate::document::Span;
 
 pub(super) fn follow_mesh_files(
@@ -92,7 +92,11 @@ pub(super) fn report_meshes(
         match server.load_state(id) {
             LoadState::Failed(error) => {
                 if failed.insert(id) {
-                    errors.push(problem("filename", &cause(&error)));
+                    // What was read before stays: it is no stand-in that is shown.
+                    errors.push(match is_missing(&error) && asset.is_none() {
+                        true => file.missing_file(FileKind::Mesh, &mesh.path, place(authored, "filename")),
+                        false => problem("filename", &cause(&error)),
+                    });
                 }
             }
             LoadState::Loaded => {}

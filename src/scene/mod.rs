@@ -34,6 +34,7 @@ pub mod material;
 pub mod medium;
 pub mod mesh_check;
 mod meshes;
+mod missing;
 mod moment;
 pub(crate) mod names;
 pub mod object_change;
@@ -55,6 +56,7 @@ pub mod settings;
 pub mod shape;
 pub mod solid;
 pub mod spawn;
+mod stand_in;
 pub mod status;
 pub mod sun_sky;
 pub mod texture;
@@ -95,6 +97,7 @@ pub use medium::{
     Coefficients, ExteriorMedium, GridFile, InMedium, InteriorMedium, InteriorOf, Medium, PhaseBlend, PhaseFunction,
     VolumeFilter, VolumeFormat, VolumeParameter, VolumeWrap,
 };
+pub use missing::{FileKind, MissingFile, MissingFiles};
 pub use moment::shown_time;
 pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
@@ -114,6 +117,7 @@ pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, 
 pub use settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use solid::{Opening, Solid, SolidValue};
+pub use stand_in::{KnownBounds, StandIns};
 pub use status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
 };

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::SceneDescription;
 use super::assets::texture_map::{TextureMapError, load_picture};
+use super::missing::{NOT_THERE, sentence};
 use super::pictures::{negative_light, pictures_of_lights};
+use super::{FileKind, MissingFile, SceneDescription};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
@@ -30,14 +31,17 @@ pub fn check_pictures(
     places.sort_by_key(|(_, span)| span.map(|span| (span.source.0, span.start)));
     for (path, span) in places {
         let what = match load_picture(path, access) {
-            Err(TextureMapError::File(error)) if error.is_not_found() => "no such file".to_owned(),
+            Err(TextureMapError::File(error)) if error.is_not_found() => {
+                let noted = scene.missing.get(path);
+                noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what)
+            }
             Err(error) => error.to_string(),
             Ok(picture) if picture.negative_pixels > 0 && shining.contains(path) => {
                 negative_light(picture.negative_pixels)
             }
             Ok(_) => continue,
         };
-        let message = format!("picture {}: {what}", path.display());
+        let message = sentence(FileKind::Picture, path, &what);
         diagnostics.push(Severity::Warning, span, message, None);
     }
 }

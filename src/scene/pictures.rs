@@ -7,7 +7,7 @@ use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::assets::{cause, is_refused_picture};
+use super::assets::{cause, is_missing, is_refused_picture};
 use super::changes::Changes;
 use super::files_in_use::FilesInUse;
 use super::scene_file::SceneFile;
@@ -102,6 +102,9 @@ pub(super) fn report_pictures(
         let say = |what: String| file.picture_problem(path, &what);
         match server.load_state(handle) {
             // If the scene may not read the picture, the message is the same as for one that does not exist.
+            LoadState::Failed(error) if is_missing(&error) && !assets.contains(handle) => {
+                missing.push(file.missing_picture(path));
+            }
             LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
                 true => damaged.push(say(cause(&error))),
                 false => missing.push(say(cause(&error))),

@@ -11,6 +11,7 @@ use super::loading::{apply_scenes, open_scenes};
 use super::meshes::{follow_mesh_files, report_meshes};
 use super::pictures::{Pictures, follow_pictures, report_pictures};
 use super::scene_file::SceneFile;
+use super::stand_in::note_bounds;
 use super::volumes::{Volumes, follow_volumes, report_volumes};
 use super::watch::{SceneWatch, list_files, reload_changed_files, report_gone_files};
 use super::*;
@@ -70,6 +71,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<Pictures>()
             .init_resource::<Volumes>()
             .init_resource::<SceneStatus>()
+            .init_resource::<KnownBounds>()
             .init_resource::<write::KnownTexts>()
             .init_resource::<ActiveSensor>()
             .init_resource::<FreeView>()
@@ -115,6 +117,7 @@ impl Plugin for ScenePlugin {
                 (
                     follow_mesh_files,
                     report_meshes,
+                    note_bounds,
                     follow_pictures,
                     report_pictures,
                     follow_volumes,

@@ -7,8 +7,9 @@ use bevy::prelude::*;
 
 use super::assets::SceneAsset;
 use super::description::PicturePlaces;
-use super::{FileProblem, VolumeFormat};
-use crate::document::Diagnostics;
+use super::missing::sentence;
+use super::{FileKind, FileProblem, MissingFiles, VolumeFormat};
+use crate::document::{Diagnostics, Span};
 
 /// The file that the entities are from, and the one that was requested since.
 #[derive(Resource, Debug, Default)]
@@ -25,6 +26,8 @@ pub struct SceneFile {
     pub(super) picture_places: PicturePlaces,
     /// The places of volumes in the same texts, by the paths of their assets.
     pub(super) volume_places: PicturePlaces,
+    /// The files that were missing when the same texts were read.
+    pub(super) missing: MissingFiles,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
     /// Whether changes are held back, see [`Self::hold`].
@@ -62,15 +65,33 @@ impl SceneFile {
 
     /// A problem with a picture, at the place where it is named first, if the file names it.
     pub(super) fn picture_problem(&self, path: &Path, what: &str) -> FileProblem {
-        let what = format!("picture {}: {what}", path.display());
+        let what = sentence(FileKind::Picture, path, what);
         let span = self.picture_places.get(path).copied();
         FileProblem::new(path, span, what, &self.good_diagnostics)
+    }
+
+    /// A picture that is not there, at the place where it is named first, if the file names it.
+    pub(super) fn missing_picture(&self, path: &Path) -> FileProblem {
+        let span = self.picture_places.get(path).copied();
+        self.missing_file(FileKind::Picture, path, span)
+    }
+
+    /// The file of a volume that is not there, whose asset has this path.
+    pub(super) fn missing_volume(&self, asset: &Path) -> FileProblem {
+        let (path, _) = VolumeFormat::of_asset(asset);
+        let span = self.volume_places.get(asset).copied();
+        self.missing_file(FileKind::Volume, path, span)
+    }
+
+    /// A file that is not there, named at this place.
+    pub(super) fn missing_file(&self, kind: FileKind, path: &Path, span: Option<Span>) -> FileProblem {
+        FileProblem::of_missing(kind, path, span, self.missing.get(path), &self.good_diagnostics)
     }
 
     /// A problem with the file of a volume, whose asset has this path, at the place where it is named first.
     pub(super) fn volume_problem(&self, asset: &Path, what: &str) -> FileProblem {
         let (path, _) = VolumeFormat::of_asset(asset);
-        let what = format!("volume {}: {what}", path.display());
+        let what = sentence(FileKind::Volume, path, what);
         let span = self.volume_places.get(asset).copied();
         FileProblem::new(path, span, what, &self.good_diagnostics)
     }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::Lens;
+use super::missing::{NOT_THERE, sentence};
+use super::{FileKind, Lens, MissingFile};
 use crate::document::{Diagnostics, Severity, Span};
 
 /// Asks for a scene file. The open scene is replaced once the new one is read.
@@ -49,6 +50,10 @@ pub struct FileProblem {
     pub what: String,
     /// The sentence after its place in the scene file (`file:line:column: `), where it has one.
     pub message: String,
+    /// What can be done.
+    pub help: Option<String>,
+    /// What should be there, if there is no file.
+    pub missing: Option<FileKind>,
 }
 
 impl FileProblem {
@@ -62,6 +67,24 @@ impl FileProblem {
             span,
             what,
             message,
+            help: None,
+            missing: None,
+        }
+    }
+
+    /// The problem of a file that is not there; `noted`: what was found out about it when the scene was read.
+    pub(super) fn of_missing(
+        kind: FileKind,
+        path: &Path,
+        span: Option<Span>,
+        noted: Option<&MissingFile>,
+        diagnostics: &Diagnostics,
+    ) -> Self {
+        let what = noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what);
+        Self {
+            help: noted.and_then(|noted| noted.help.clone()),
+            missing: Some(kind),
+            ..Self::new(path, span, sentence(kind, path, &what), diagnostics)
         }
     }
 }
@@ -112,6 +135,8 @@ pub struct SceneStatus {
     pub fresh_load: bool,
     /// The changes by the last reload.
     pub reload: ReloadSummary,
+    /// Whether missing files are warnings: the picture that is wanted is one without them.
+    pub allows_missing: bool,
 }
 
 impl SceneStatus {
@@ -133,6 +158,7 @@ impl SceneStatus {
     /// The diagnostics and the problems with meshes, pictures and volumes, as messages of the same kind.
     pub fn all_diagnostics(&self) -> Diagnostics {
         let mut all = Diagnostics::clone(&self.diagnostics);
+        let allowed = |problem: &FileProblem| self.allows_missing && problem.missing.is_some();
         for (severity, problems) in [
             (Severity::Error, &self.mesh_errors),
             (Severity::Error, &self.volume_errors),
@@ -143,7 +169,8 @@ impl SceneStatus {
             (Severity::Warning, &self.volume_warnings),
         ] {
             for problem in problems {
-                all.push(severity, problem.span, problem.what.clone(), None);
+                let severity = if allowed(problem) { Severity::Warning } else { severity };
+                all.push(severity, problem.span, problem.what.clone(), problem.help.clone());
             }
         }
         all
@@ -151,8 +178,27 @@ impl SceneStatus {
 
     /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
-        let has_files = self.mesh_errors.is_empty() && self.volume_errors.is_empty();
-        self.state == SceneState::Failed || self.diagnostics.has_errors() || !has_files
+        let mut files = self.mesh_errors.iter().chain(&self.volume_errors);
+        self.state == SceneState::Failed
+            || self.diagnostics.has_errors()
+            || files.any(|problem| !self.allows_missing || problem.missing.is_none())
+    }
+
+    /// The problems of files that are not there: meshes, then volumes, then pictures.
+    pub fn missing_files(&self) -> impl Iterator<Item = &FileProblem> {
+        let all = self.mesh_errors.iter().chain(&self.volume_errors);
+        all.chain(&self.picture_problems)
+            .filter(|problem| problem.missing.is_some())
+    }
+
+    /// Whether nothing but missing files keeps the scene from being shown.
+    pub fn lacks_only_files(&self) -> bool {
+        let mut files = self.mesh_errors.iter().chain(&self.volume_errors);
+        self.has_errors()
+            && self.state != SceneState::Failed
+            && !self.diagnostics.has_errors()
+            && self.damaged_pictures.is_empty()
+            && files.all(|problem| problem.missing.is_some())
     }
 }
 

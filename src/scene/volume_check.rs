@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::assets::volume_map::{VolumeMapError, load_volume};
-use super::{SceneDescription, VolumeFormat};
+use super::missing::{NOT_THERE, sentence};
+use super::{FileKind, MissingFile, SceneDescription, VolumeFormat};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
@@ -13,14 +14,17 @@ pub fn check_volumes(scene: &SceneDescription, access: &Access, diagnostics: &mu
     let mut places: Vec<(&PathBuf, &Span)> = scene.volume_places.iter().collect();
     places.sort_by_key(|(_, span)| (span.source.0, span.start));
     for (asset, span) in places {
+        let (path, _) = VolumeFormat::of_asset(asset);
         let what = match load_volume(asset, access) {
-            Err(VolumeMapError::File(error)) if error.is_not_found() => Some("no such file".to_owned()),
+            Err(VolumeMapError::File(error)) if error.is_not_found() => {
+                let noted = scene.missing.get(path);
+                Some(noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what))
+            }
             Err(error) => Some(error.to_string()),
             Ok(volume) => volume.warning(),
         };
         if let Some(what) = what {
-            let (path, _) = VolumeFormat::of_asset(asset);
-            let message = format!("volume {}: {what}", path.display());
+            let message = sentence(FileKind::Volume, path, &what);
             diagnostics.push(Severity::Warning, Some(*span), message, None);
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::asset::{AssetLoadFailedEvent, LoadState};
 use bevy::prelude::*;
 
-use super::assets::{VolumeMap, cause};
+use super::assets::{VolumeMap, cause, is_missing};
 use super::files_in_use::FilesInUse;
 use super::scene_file::SceneFile;
 use super::{Medium, SceneStatus};
@@ -50,6 +50,9 @@ pub(super) fn report_volumes(
     let (mut errors, mut warnings, mut loading) = (Vec::new(), Vec::new(), 0);
     for (path, handle) in volumes.iter() {
         match server.load_state(handle) {
+            LoadState::Failed(error) if is_missing(&error) && !assets.contains(handle) => {
+                errors.push(file.missing_volume(path));
+            }
             LoadState::Failed(error) => errors.push(file.volume_problem(path, &cause(&error))),
             LoadState::Loaded => {}
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),

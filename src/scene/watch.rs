@@ -93,10 +93,10 @@ impl SceneWatch {
         let Some(watcher) = &mut self.watcher else {
             return;
         };
-        let wanted: HashSet<PathBuf> = self
-            .reloads
-            .keys()
-            .filter_map(|file| file.ancestors().skip(1).find(|folder| folder.is_dir()))
+        let parents: HashSet<&Path> = self.reloads.keys().filter_map(|file| file.parent()).collect();
+        let wanted: HashSet<PathBuf> = parents
+            .into_iter()
+            .filter_map(|parent| parent.ancestors().find(|folder| folder.is_dir()))
             .map(Path::to_owned)
             .collect();
         for folder in self.folders.difference(&wanted) {
@@ -149,7 +149,10 @@ pub(super) fn list_files(
     for (path, handle) in own.into_iter().chain(asked) {
         add(path, path);
         if let Some(scene) = scenes.get(handle) {
-            for source in scene.description.sources.iter().chain(&scene.description.missing) {
+            // A file that appears where it is expected is read without the scene.
+            let missing = scene.description.missing.values();
+            let elsewhere = missing.flat_map(|file| &file.others);
+            for source in scene.description.sources.iter().chain(elsewhere) {
                 add(source, path);
             }
         }
@@ -294,10 +297,9 @@ fn take_events(watch: &mut SceneWatch) {
         let before = watch.folders.clone();
         watch.watch_folders();
         let brought = |file: &Path| {
-            file.is_file()
-                && file
-                    .parent()
-                    .is_some_and(|folder| is_new(folder, &before, &watch.folders))
+            file.parent()
+                .is_some_and(|folder| is_new(folder, &before, &watch.folders))
+                && file.is_file()
         };
         let found: Vec<PathBuf> = watch
             .reloads

@@ -687,12 +687,8 @@ fn sheet(n: u32) -> MeshData {
 }
 
 fn mesh_asset(data: MeshData) -> TriangleMesh {
-    let shape = MeshShape {
-        data: Arc::new(data),
-        warnings: Vec::new(),
-    };
     TriangleMesh {
-        shapes: vec![shape],
+        shapes: vec![MeshShape::new(data, Vec::new())],
         dependencies: Vec::new(),
     }
 }

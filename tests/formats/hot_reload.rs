@@ -576,20 +576,26 @@ fn a_missing_mesh_that_appears_completes_the_scene() {
         ..OpenScene::default()
     });
     let mut open = Open { app, folder };
-    open.until("the failure", |world| {
-        world.resource::<SceneStatus>().state == SceneState::Failed
+    open.until("the scene without the mesh", |world| {
+        world.resource::<SceneStatus>().is_complete()
     });
-    let text = open.status().diagnostics.to_string();
+    let status = open.status();
+    assert!(status.has_errors() && status.lacks_only_files());
+    let text = &status.mesh_errors[0].message;
     assert!(
-        text.contains("mesh not found") && text.contains("scene.xml:2:"),
+        text.contains("scene.xml:2:") && text.contains("no such file; looked for "),
         "{text}"
     );
+    assert_eq!(open.count::<Shape>(), 1, "the shape is there");
     open.settle();
     // The folders are not there either.
     let models = open.path("assets/models");
     std::fs::create_dir_all(&models).unwrap();
     put(models.join("late.obj"), TRIANGLE).unwrap();
-    open.until("the scene", |world| world.resource::<SceneStatus>().is_complete());
+    open.until("the mesh", |world| {
+        let status = world.resource::<SceneStatus>();
+        status.is_complete() && !status.has_errors()
+    });
     assert_eq!(open.mesh("late").1.triangles.len(), 1);
 }
 

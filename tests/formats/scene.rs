@@ -613,10 +613,6 @@ fn what_cannot_be_is_an_error_with_its_line() {
             "2: error: `noise_target` is 0",
         ),
         ("<shape type='obj'/>", "2: error: shape `obj` needs a `filename`"),
-        (
-            "<shape type='obj'>\n<string name='filename' value='no/such.obj'/></shape>",
-            "3: error: mesh not found: `no/such.obj`; looked for ",
-        ),
     ] {
         let list = complaints(body);
         assert!(list.len() == 1 && list[0].starts_with(part), "{body}: {list:?}");
@@ -702,12 +698,47 @@ fn a_colour_for_a_number_is_its_mean() {
     assert!(text.contains("0.2, 0.4, 0.9"), "{text}");
 }
 
+/// A mesh that is not there is no error of the text: the scene can be looked at and saved.
+#[test]
+fn a_scene_keeps_the_names_of_files_that_are_not_there() {
+    let body = "<path value='parts'/><shape type='obj' id='a'>\n<string name='filename' value='no/such.obj'/></shape>
+        <shape type='ply' id='b'><string name='filename' value='parts/none.ply'/></shape>
+        <shape type='obj' id='c'><string name='filename' value='no/such.obj'/></shape>
+        <bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='none.png'/></texture></bsdf>";
+    let (scene, diagnostics) = describe(&format!("{body}<sensor type='perspective'/>"));
+    assert!(!diagnostics.has_errors(), "{diagnostics}");
+    let names: Vec<_> = scene
+        .missing
+        .keys()
+        .map(|path| path.file_name().unwrap().to_str().unwrap())
+        .collect();
+    assert_eq!(scene.missing.len(), 3, "each once: {names:?}");
+    let such = scene
+        .missing
+        .iter()
+        .find(|(path, _)| path.ends_with("no/such.obj"))
+        .unwrap()
+        .1;
+    assert_eq!(such.kind, FileKind::Mesh);
+    assert!(
+        such.others.iter().any(|place| place.ends_with("parts/no/such.obj")),
+        "{such:?}"
+    );
+    let (file, line, _) = diagnostics.locate(such.span).unwrap();
+    assert!(file.ends_with("scene.xml") && line == 3);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    save_description(&scene, &path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    for name in ["no/such.obj", "parts/none.ply", "none.png"] {
+        assert!(text.contains(name), "{text}");
+    }
+}
+
 #[test]
 fn a_missing_stanford_mesh_says_where_to_get_it() {
-    let (_, diagnostics) =
-        describe("<shape type='ply'><string name='filename' value='../assets/models/dragon.ply'/></shape>");
-    let error = diagnostics.list.iter().find(|d| d.severity == Severity::Error).unwrap();
-    let help = error.help.as_deref().unwrap();
+    let scene = clean("<shape type='ply'><string name='filename' value='../assets/models/dragon.ply'/></shape>");
+    let help = scene.missing.values().next().unwrap().help.as_deref().unwrap();
     assert!(
         help.contains("graphics.stanford.edu") && help.contains("SUNROOM_ASSETS"),
         "{help}"

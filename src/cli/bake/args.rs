@@ -9,7 +9,7 @@ use sunroom::bake::prefilter::{SIZES, is_size};
 use sunroom::bake::probes::ProbeSettings;
 use sunroom::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};
 
-use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
+use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
 use crate::cli::share::CheckpointArgs;
 
@@ -66,6 +66,8 @@ pub struct BakeArgs {
     pub memory: MemoryArgs,
     #[command(flatten)]
     pub trust: TrustArgs,
+    #[command(flatten)]
+    pub missing: MissingArgs,
     /// Treat warnings as errors
     #[arg(long)]
     pub strict: bool,

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use sunroom::layer::{Layers, layer_names};
 use sunroom::scene::PathPlugin;
 
-use crate::cli::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
+use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
 use crate::cli::picture_args::{DisplayArgs, FileArgs};
 use crate::cli::sequence::SequenceArgs;
@@ -71,6 +71,8 @@ pub struct RenderArgs {
     pub memory: MemoryArgs,
     #[command(flatten)]
     pub trust: TrustArgs,
+    #[command(flatten)]
+    pub missing: MissingArgs,
     /// Seed of the random numbers; the same seed gives the same picture on any number of threads
     #[arg(long)]
     pub seed: Option<u32>,

@@ -31,16 +31,25 @@ use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
 use volume_map::VolumeMapError;
 
+use super::missing::NOT_THERE;
 use crate::files::FileError;
 
 /// The cause of a failed load, without what the asset server wraps around it.
 pub(crate) fn cause(error: &AssetLoadError) -> String {
     match error {
         AssetLoadError::AssetLoaderError(error) => message(error.error()),
-        AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::NotFound(_)) => "no such file".to_owned(),
+        error if is_missing(error) => NOT_THERE.to_owned(),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::Io(error)) => error.to_string(),
         other => other.to_string(),
     }
+}
+
+/// Whether the error says that there is no file.
+pub(crate) fn is_missing(error: &AssetLoadError) -> bool {
+    matches!(
+        error,
+        AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::NotFound(_))
+    )
 }
 
 /// Whether the error says that the scene may not read the picture, whether or not the file exists.

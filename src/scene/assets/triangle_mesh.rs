@@ -14,6 +14,7 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
+use crate::math::Aabb;
 use crate::memory;
 use crate::scene::SceneAccess;
 
@@ -31,8 +32,21 @@ pub struct TriangleMesh {
 pub struct MeshShape {
     /// A new `Arc` after each reload.
     pub data: Arc<MeshData>,
+    /// The box around all of its vertices.
+    pub bounds: Aabb,
     /// One sentence for each thing that was left out or mended.
     pub warnings: Vec<String>,
+}
+
+impl MeshShape {
+    /// A mesh with these warnings.
+    pub fn new(data: MeshData, warnings: Vec<String>) -> Self {
+        Self {
+            bounds: data.bounds(),
+            data: Arc::new(data),
+            warnings,
+        }
+    }
 }
 
 impl TriangleMesh {
@@ -86,10 +100,7 @@ impl AssetLoader for MeshLoader {
 
 impl From<LoadedMesh> for MeshShape {
     fn from(loaded: LoadedMesh) -> Self {
-        Self {
-            data: Arc::new(loaded.mesh),
-            warnings: loaded.warnings,
-        }
+        Self::new(loaded.mesh, loaded.warnings)
     }
 }
 

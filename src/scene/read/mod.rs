@@ -1,6 +1,6 @@
 //! Turns a document into a [`SceneDescription`]: it knows which plugins and parameters exist, their defaults and their ranges.
 //!
-//! No ECS and no rendering; of the disk only whether mesh files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file asks for
+//! No ECS and no rendering; of the disk only whether files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file asks for
 //! that is not supported gets a stand-in and a warning with its place; what cannot be is an error, and the description is then only good
 //! for finding more errors. Reading never stops early.
 
@@ -29,7 +29,7 @@ use smol_str::SmolStr;
 use self::scene_reader::SceneReader;
 pub(super) use self::sensors::millimetres;
 use super::description::{DeclarationPlace, SceneDescription};
-use super::{AuthoredScene, LengthUnit};
+use super::{AuthoredScene, LengthUnit, missing};
 pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, Object, Reader, Severity, UNIT};
 use crate::scene::encode::objects::FRAME;
@@ -78,12 +78,16 @@ fn read_as(document: &mut Document, keeps_source: bool) -> SceneDescription {
     scene.read_root();
     let SceneReader {
         mut description,
-        diagnostics,
+        mut diagnostics,
         pictures,
         ..
     } = scene;
     description.picture_places = pictures.places;
     description.volume_places = pictures.volume_places;
+    description.missing = pictures.missing;
+    if diagnostics.has_errors() {
+        missing::report(&description.missing, &mut diagnostics);
+    }
     sort_materials(&mut description);
     sort_media(&mut description);
     document.diagnostics = diagnostics;

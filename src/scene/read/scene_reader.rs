@@ -13,7 +13,7 @@ use crate::document::animation::is_animated;
 use crate::document::paths::settle;
 use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span, Value};
 use crate::scene::description::{Identity, SceneDescription};
-use crate::scene::{Authored, EulerAngles, Keys, Material, ShapeKind};
+use crate::scene::{Authored, EulerAngles, Keys, Material, MissingFiles, ShapeKind};
 
 /// An object's place among all objects of the document.
 pub struct Place<'a> {
@@ -110,6 +110,7 @@ impl<'a> SceneReader<'a> {
                 folders: meshes.clone(),
                 places: HashMap::new(),
                 volume_places: HashMap::new(),
+                missing: MissingFiles::new(),
             },
             meshes,
             search_folders: &document.search_folders,

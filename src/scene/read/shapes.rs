@@ -9,12 +9,12 @@ use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::{SceneReader, angles_of};
 use crate::document::suggest::did_you_mean;
-use crate::document::{Category, Object, Reader, Severity};
+use crate::document::{Category, Object, Reader};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::solid::{file_range, parse_openings};
-use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
+use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_SHAPES: [&str; 9] = [
@@ -200,15 +200,7 @@ impl<'a> SceneReader<'a> {
         let span = property.map_or(object.span, |property| property.span);
         match self.meshes.find(name, &self.folder_of(span)) {
             Found::At(path) => path,
-            Found::Nowhere(places) => {
-                let list: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
-                let message = format!("mesh not found: `{name}`; looked for {}", list.join(", "));
-                self.diagnostics
-                    .push(Severity::Error, Some(span), message, advice(name));
-                let first = places.first().cloned().unwrap_or_default();
-                self.description.missing.extend(places);
-                first
-            }
+            Found::Nowhere(places) => self.pictures.note_missing(FileKind::Mesh, places, span, advice(name)),
         }
     }
 

@@ -168,10 +168,7 @@ mod tests {
         open.triangles.pop();
         let mut meshes = Assets::<TriangleMesh>::default();
         let mut mesh = |data: MeshData| {
-            let shape = MeshShape {
-                data: Arc::new(data),
-                warnings: Vec::new(),
-            };
+            let shape = MeshShape::new(data, Vec::new());
             let handle = meshes.add(TriangleMesh {
                 shapes: vec![shape],
                 dependencies: Vec::new(),
