@@ -36,6 +36,7 @@ pub mod mesh_check;
 mod meshes;
 mod missing;
 mod moment;
+mod named_files;
 pub(crate) mod names;
 pub mod object_change;
 mod object_state;
@@ -99,6 +100,7 @@ pub use medium::{
 };
 pub use missing::{FileKind, MissingFile, MissingFiles};
 pub use moment::shown_time;
+pub(crate) use named_files::NamesFiles;
 pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
 pub use opening::OpeningPace;

@@ -18,6 +18,7 @@ mod editing;
 mod gizmo;
 mod keys;
 mod media;
+mod missing;
 mod numbers;
 mod orientation;
 mod panels;

@@ -101,6 +101,7 @@ impl ViewportContent {
             wireframe: &self.wireframe,
             volume_boxes: &[],
             icons: &[],
+            stand_ins: &[],
             gizmo: GizmoModel {
                 settings: GizmoSettings::default(),
                 targets: &[],

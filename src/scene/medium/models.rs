@@ -154,6 +154,20 @@ impl Medium {
         });
     }
 
+    /// Shows `meet` every grid among the parameters, to be changed.
+    pub(crate) fn for_each_grid_mut(&mut self, meet: &mut dyn FnMut(&mut super::GridFile)) {
+        if let Coefficients::Extinction { sigma_t, albedo } = &mut self.coefficients {
+            [sigma_t, albedo]
+                .into_iter()
+                .filter_map(VolumeParameter::grid_mut)
+                .for_each(&mut *meet);
+        }
+        self.emission.grid_mut().into_iter().for_each(&mut *meet);
+        self.phase.for_each_volume_mut(&mut |weight| {
+            weight.grid_mut().into_iter().for_each(&mut *meet);
+        });
+    }
+
     /// Whether any of its values has a place in the world.
     pub(crate) fn has_place(&self) -> bool {
         let mut found = false;

@@ -49,6 +49,14 @@ impl<T> VolumeParameter<T> {
         }
     }
 
+    /// The grid, to be changed, if it is one.
+    pub(crate) fn grid_mut(&mut self) -> Option<&mut GridFile> {
+        match self {
+            Self::Grid(grid) => Some(grid),
+            _ => None,
+        }
+    }
+
     /// The map from the unit cube to the world, to be changed; None if it is the same everywhere.
     pub(crate) fn place_mut(&mut self) -> Option<&mut Affine3A> {
         match self {

@@ -40,6 +40,7 @@ impl Command {
             | Self::Reshape(.., Reshaping::Push) => Effect::Drag,
             Self::Import(_)
             | Self::UseFile(_)
+            | Self::FindFile { .. }
             | Self::MoveCameraToView
             | Self::Add(_)
             | Self::Build(_)

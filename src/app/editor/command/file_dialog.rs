@@ -2,7 +2,7 @@
 
 use bevy::prelude::Entity;
 
-use crate::scene::SquarePath;
+use crate::scene::{FileKind, SquarePath};
 
 /// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum FileDialogKind {
     SaveImage,
     /// A file whose content is added to the scene.
     Import,
+    /// The file that takes the place of a missing one, which the request names.
+    FindFile(FileKind),
     /// A picture of all directions, to be the scene's light from everywhere.
     OpenEnvironment,
     /// The folder for a level with its lightmaps.

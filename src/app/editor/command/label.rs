@@ -18,6 +18,7 @@ impl Command {
                 Some(AssetKind::Scene) => "Use file",
                 Some(AssetKind::Mesh | AssetKind::Volume) | None => "Import",
             },
+            Self::FindFile { .. } => "Find files",
             Self::MoveCameraToView => "Move camera to view",
             Self::Add(_) => "Add",
             Self::Build(block) => match block.kind {

@@ -109,6 +109,15 @@ pub enum Command {
     SaveImage(PathBuf),
     /// Keeps the picture beside the scene, to render it later, or resumes one that was kept.
     KeptPicture(KeptPicture),
+    /// Gives the things that name a missing file another path, and where `others` is true those of all other missing files that lie beside it.
+    FindFile {
+        /// The path that the scene has.
+        missing: PathBuf,
+        /// Where the file is.
+        found: PathBuf,
+        /// Whether the other missing files are looked for in the same folder.
+        others: bool,
+    },
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
     /// Puts a file into the scene: where it was dropped, or onto the selection.

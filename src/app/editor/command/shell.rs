@@ -10,6 +10,7 @@ use super::navigation_preset::NavigationPreset;
 use super::panel::Panel;
 use super::preferences::Preferences;
 use super::recovery_offer::Offer;
+use crate::scene::FileKind;
 
 /// A command for the window itself; none of them changes the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +47,19 @@ pub enum ShellCommand {
     AskAboutScene(Box<FileUse>),
     /// Lets scenes read the folders of these files.
     AllowFiles(Question),
+    /// Asks where a missing file is.
+    FindFile(SoughtFile),
+}
+
+/// A missing file that the user is to find.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SoughtFile {
+    /// What it is.
+    pub kind: FileKind,
+    /// The path that the scene has.
+    pub path: PathBuf,
+    /// Whether the other missing files are looked for in the folder where it is found.
+    pub others: bool,
 }
 
 /// A sheet that covers the window until it is closed.
@@ -67,6 +81,8 @@ pub enum Sheet {
     Bake,
     /// The list of the edits that can be recovered.
     Recovery,
+    /// The list of the files of the scene that are missing.
+    Missing,
     /// The start page: sample scenes, recent files, the tutorial.
     Start,
 }

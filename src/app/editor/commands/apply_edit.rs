@@ -7,8 +7,8 @@ use super::file_use::use_file;
 use super::pictures::set_picture;
 use super::things::{need, need_surface, replace, set_angles, transform};
 use super::{
-    adding, arranging, blocking, copying, fitting, grouping, limits, materials, media, mixing, placing, several,
-    texturing, timeline, uv_projection, view,
+    adding, arranging, blocking, copying, finding, fitting, grouping, limits, materials, media, mixing, placing,
+    several, texturing, timeline, uv_projection, view,
 };
 use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
@@ -28,6 +28,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(path) => adding::import_chosen(edit, &path)?,
         Command::UseFile(file) => use_file(edit, &file)?,
+        Command::FindFile { missing, found, others } => finding::find(edit, &missing, &found, others)?,
         Command::Paste(text) => adding::paste(edit, &text)?,
         Command::Add(addition) => adding::add(edit, addition)?,
         Command::Build(block) => blocking::build(edit, *block)?,

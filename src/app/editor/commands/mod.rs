@@ -14,6 +14,7 @@ mod edits;
 pub mod exporting;
 mod file_use;
 mod files;
+mod finding;
 mod finished;
 pub(crate) mod fitting;
 pub(crate) mod flight;

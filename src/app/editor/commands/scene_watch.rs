@@ -6,10 +6,12 @@ use bevy::prelude::*;
 
 use crate::app::editor::camera::navigation::up_axis;
 use crate::app::editor::camera::picking;
+use crate::app::editor::command::Command;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::options::WantedCamera;
@@ -141,7 +143,17 @@ pub(crate) fn follow_files(
     if !status.is_changed() {
         return;
     }
-    let troubles = FileTroubles::of(&status);
+    let mut troubles = FileTroubles::of(&status);
+    if !status.is_opening && status.files_loading() == 0 && known.missing != troubles.missing {
+        toasts.forget(Topic::MissingFiles);
+        if let Some(message) = missing(&troubles.missing) {
+            let list = Command::Shell(ShellCommand::ShowSheet(Sheet::Missing));
+            toasts.warn_of(Topic::MissingFiles, message, "Find…", list);
+        }
+    } else {
+        // Those that are read at the moment are told of with the last one.
+        troubles.missing.clone_from(&known.missing);
+    }
     for path in troubles.gone.iter().filter(|path| !known.gone.contains(path)) {
         toasts.warn(gone(path));
     }
@@ -164,6 +176,7 @@ pub(crate) fn follow_files(
 #[derive(Default)]
 pub(crate) struct FileTroubles {
     gone: Vec<PathBuf>,
+    missing: Vec<PathBuf>,
     unreadable: Vec<String>,
 }
 
@@ -173,9 +186,13 @@ impl FileTroubles {
         let all = of_meshes
             .chain(&status.volume_errors)
             .chain(&status.picture_problems)
-            .chain(&status.damaged_pictures);
+            .chain(&status.damaged_pictures)
+            .filter(|problem| problem.missing.is_none());
+        let mut missing: Vec<PathBuf> = status.missing_files().map(|problem| problem.path.clone()).collect();
+        missing.dedup();
         Self {
             gone: status.files_gone.clone(),
+            missing,
             unreadable: all.map(|problem| problem.message.clone()).collect(),
         }
     }
@@ -204,6 +221,27 @@ pub(crate) fn choose_camera(world: &mut World) {
             }
         }
     }
+}
+
+/// The most missing files that the message names.
+const MOST_NAMED: usize = 5;
+
+/// The message about all files that are missing; None if there are none.
+fn missing(files: &[PathBuf]) -> Option<String> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut names: Vec<String> = files.iter().take(MOST_NAMED).map(name).collect();
+    if let Some(more @ 1..) = files.len().checked_sub(MOST_NAMED) {
+        names.push(format!("{more} more"));
+    }
+    let last = names.pop()?;
+    Some(match names.is_empty() {
+        true => format!("A file of the scene is missing: {last}"),
+        false => format!(
+            "{} files of the scene are missing: {} and {last}",
+            files.len(),
+            names.join(", ")
+        ),
+    })
 }
 
 fn failure(path: &Path, has_good_scene: bool) -> String {

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};
 
+use crate::app::editor::command::FileDialogKind;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::shell::ShellCommand;
@@ -57,6 +58,11 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
         }
         ShellCommand::AskAboutScene(file) => world.resource_mut::<Requests>().scene_question = Some(*file),
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),
+        ShellCommand::FindFile(sought) => {
+            let mut requests = world.resource_mut::<Requests>();
+            requests.dialog = Some(FileDialogKind::FindFile(sought.kind));
+            requests.sought = Some(sought);
+        }
     }
     Ok(())
 }

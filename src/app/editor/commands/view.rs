@@ -18,7 +18,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
-use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, KnownBounds, Lens, Sensor, Shape, ShapeKind, ToWorld};
 
 /// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
 pub fn keep_step(world: &mut World) {
@@ -163,7 +163,8 @@ pub fn selected_bounds(world: &World) -> Aabb {
     let packed = world.resource::<PackedScene>();
     let selection = world.resource::<Selection>().entities();
     let bounds = selection.iter().filter_map(|entity| {
-        picking::bounds_of(packed, *entity).or_else(|| {
+        let of_mesh = || stand_in_bounds(world, *entity);
+        picking::bounds_of(packed, *entity).or_else(of_mesh).or_else(|| {
             // A light or a camera: where it is.
             let place = Vec3::from(world.get::<ToWorld>(*entity)?.0.translation);
             let half = 0.05 * world.resource::<ViewSettings>().navigation.scene_size;
@@ -171,6 +172,15 @@ pub fn selected_bounds(world: &World) -> Aabb {
         })
     });
     bounds.fold(Aabb::EMPTY, Aabb::union)
+}
+
+/// World bounds of the box that stands for a mesh which is not in the picture.
+fn stand_in_bounds(world: &World, entity: Entity) -> Option<Aabb> {
+    let ShapeKind::Mesh(file) = &world.get::<Shape>(entity)?.kind else {
+        return None;
+    };
+    let local = world.get_resource::<KnownBounds>()?.of(file);
+    Some(local.transformed(&world.get::<ToWorld>(entity)?.0))
 }
 
 pub fn frame_selection(world: &mut World) -> Result<(), CommandError> {

@@ -1,7 +1,7 @@
 //! Fills the panels' [`Model`] from the world, once per frame. Lists are made anew only when something in them changed.
 
 use std::cmp::Reverse;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Arc, Weak};
 
@@ -10,7 +10,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::leaks::Leaks;
-use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
+use super::{ComparisonModel, EditorModel, HistoryModel, Item, MissingItem, Notice, Outline, StatusModel};
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
@@ -223,6 +223,7 @@ pub fn gather_status(
     let errors = || status.errors.iter().map(String::as_str).chain(failed_bake);
     if scene.is_changed() || preferences.is_changed() || leaks.is_changed() || !errors().eq(seen_errors.iter()) {
         *seen_errors = errors().map(str::to_owned).collect();
+        model.missing = Arc::new(missing(&scene));
         model.notices = Arc::new(notices(&scene, &seen_errors, &preferences, &leaks.messages()));
     }
     if history.is_changed() {
@@ -269,6 +270,17 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
     files
 }
 
+fn missing(scene: &SceneStatus) -> Vec<MissingItem> {
+    let all = scene.missing_files().filter_map(|problem| {
+        Some(MissingItem {
+            kind: problem.missing?,
+            path: problem.path.clone(),
+        })
+    });
+    let mut known = HashSet::new();
+    all.filter(|item| known.insert(item.path.clone())).collect()
+}
+
 fn notices(
     scene: &SceneStatus,
     other_errors: &[String],
@@ -294,7 +306,10 @@ fn notices(
             .mesh_errors
             .iter()
             .chain(&scene.volume_errors)
-            .map(|problem| plain(Severity::Error, &problem.message)),
+            .map(|problem| Notice {
+                help: problem.help.clone(),
+                ..plain(Severity::Error, &problem.message)
+            }),
     );
     let diagnostics = &scene.diagnostics;
     notices.extend(

@@ -42,7 +42,7 @@ use crate::engine::{AutoStatus, RenderStatus};
 use crate::math::Aabb;
 use crate::render::clamp::BrightnessLimit;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, EulerAngles, Film, IntegratorSettings, LengthUnit, Material, Medium,
+    AccelMethod, AreaLight, Emitter, EulerAngles, FileKind, Film, IntegratorSettings, LengthUnit, Material, Medium,
     SamplerSettings, Sensor, Shape,
 };
 use item_list::ItemList;
@@ -383,6 +383,15 @@ pub struct Notice {
     pub excerpt: Option<String>,
 }
 
+/// A file of the scene that is missing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingItem {
+    /// What it is.
+    pub kind: FileKind,
+    /// The absolute path that the scene has.
+    pub path: PathBuf,
+}
+
 /// The data of the status line and the menus.
 #[derive(Clone, Debug, Default)]
 pub struct StatusModel {
@@ -437,6 +446,8 @@ pub struct Model {
     pub bake: BakeModel,
     /// The messages panel.
     pub notices: Arc<Vec<Notice>>,
+    /// The files of the scene that are missing, each once.
+    pub missing: Arc<Vec<MissingItem>>,
     /// The unit of length of the scene.
     pub unit: LengthUnit,
     /// The timeline.

@@ -284,6 +284,7 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     entry(ui, "recover", context, commands);
     ui.separator();
     entry(ui, "import", context, commands);
+    entry(ui, "missing-files", context, commands);
     ui.separator();
     for name in ["save", "save-as", "export", "bake-lightmaps", "save-image"] {
         entry(ui, name, context, commands);

@@ -30,6 +30,7 @@ pub mod material_tree;
 mod medium;
 mod medium_section;
 pub mod menu_bar;
+pub mod missing_files;
 pub mod outliner;
 pub mod paths;
 pub mod plain_value;

@@ -6,7 +6,7 @@ use super::full_film_question::FullFilmQuestion;
 use super::save_question::SaveQuestion;
 use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::panel::Panel;
-use crate::app::editor::command::shell::Sheet;
+use crate::app::editor::command::shell::{Sheet, SoughtFile};
 use crate::app::editor::command::{Command, FileDialogKind};
 
 /// The commands of this frame, in order; `commands` applies them once per frame.
@@ -18,6 +18,8 @@ pub struct CommandQueue(pub Vec<Command>);
 pub struct Requests {
     /// A file to ask for.
     pub dialog: Option<FileDialogKind>,
+    /// The missing file that it is asked for in place of.
+    pub sought: Option<SoughtFile>,
     /// The question how to save a file that others changed.
     pub save_question: Option<SaveQuestion>,
     /// The question whether to trace a large film in full.

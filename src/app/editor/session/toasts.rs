@@ -17,14 +17,16 @@ pub enum Tone {
     Error,
 }
 
-/// The topic of an error, by which it is removed when that is repaired.
+/// The topic of a message, by which it is removed when that is repaired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
     /// The open file cannot be read as it is now.
     SceneFile,
     /// The scene could not be saved.
     Saving,
-    /// Errors that are never repaired by themselves.
+    /// Files of the scene are missing.
+    MissingFiles,
+    /// Messages about what is never repaired by itself.
     Other,
 }
 
@@ -33,7 +35,7 @@ pub enum Topic {
 pub struct Toast {
     /// Errors stay, all others go.
     pub tone: Tone,
-    /// The topic of the error.
+    /// What it is about.
     pub topic: Topic,
     /// One or two sentences.
     pub text: String,
@@ -82,6 +84,16 @@ impl Toasts {
     pub(crate) fn keep_offering(&mut self, message: impl Into<String>, label: &'static str, command: Command) {
         self.offer(message, label, command);
         if let Some(toast) = self.0.last_mut() {
+            toast.stays = true;
+        }
+    }
+
+    /// Warns of something that a button helps with. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended.
+    pub(crate) fn warn_of(&mut self, topic: Topic, message: String, label: &'static str, command: Command) {
+        self.forget(topic);
+        self.add(Tone::Warning, topic, message, None);
+        if let Some(toast) = self.0.last_mut() {
+            toast.offer = Some((label, command));
             toast.stays = true;
         }
     }
@@ -147,9 +159,10 @@ impl Toasts {
         }
     }
 
-    /// Removes the error about `topic`, which is mended.
+    /// Removes the message about `topic` that would stay: it is mended.
     pub fn forget(&mut self, topic: Topic) {
-        self.0.retain(|toast| toast.tone != Tone::Error || toast.topic != topic);
+        let stays = |toast: &Toast| toast.tone == Tone::Error || toast.stays;
+        self.0.retain(|toast| !stays(toast) || toast.topic != topic);
     }
 
     /// The time until the next message fades or goes. None while none will.

@@ -13,6 +13,7 @@ use super::blocking::hand::BlockTarget;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};
+use super::stand_ins::StandIn;
 use super::state::ViewportState;
 use super::texturing::TextureTarget;
 use crate::accel::Tlas;
@@ -40,7 +41,7 @@ use crate::engine::PackedScene;
 use crate::math::Aabb;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
-    Sensor, Shape, ToWorld, world_bounds,
+    Sensor, Shape, StandIns, ToWorld, world_bounds,
 };
 
 /// The view of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
@@ -62,6 +63,10 @@ pub(crate) struct ViewportScene {
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
     pub icons: Vec<Icon>,
+    /// The boxes in place of meshes that are missing.
+    pub stand_ins: Vec<StandIn>,
+    /// The shapes that they may stand for.
+    lacking: Vec<Entity>,
     /// The shapes under the pointer and around it, while a tool blocks out.
     pub blocks: Vec<BlockTarget>,
     /// The textures of the selected shape, while a tool places them.
@@ -166,7 +171,11 @@ pub struct Sources<'w, 's> {
     locked: Query<'w, 's, Entity, With<Locked>>,
     newly_locked: Query<'w, 's, (), Added<Locked>>,
     unlocked: RemovedComponents<'w, 's, Locked>,
+    stand_ins: StandIns<'w, 's>,
+    lacking: Query<'w, 's, Lacking, (Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
 }
+
+type Lacking = (&'static ToWorld, Option<&'static Name>);
 
 type Movable = (
     &'static ToWorld,
@@ -176,7 +185,7 @@ type Movable = (
 );
 
 impl Sources<'_, '_> {
-    fn targets(&self, bounds: &[Option<Aabb>], members: &[Entity]) -> Vec<Target> {
+    fn targets(&self, bounds: &[Option<Aabb>], members: &[Entity], stand_ins: &[StandIn]) -> Vec<Target> {
         let selected = self.selection.entities();
         let selected = selected.iter().copied().zip(bounds.iter().chain(iter::repeat(&None)));
         let members = members.iter().map(|member| (*member, &None));
@@ -196,7 +205,9 @@ impl Sources<'_, '_> {
                 to_world: to_world.0 * Affine3A::from_translation(shape.map_or(Vec3::ZERO, Shape::middle)),
                 freedom,
                 // Hidden things are not in the picture.
-                bounds: bounds.or_else(|| world_bounds(shape?, &to_world.0, None)),
+                bounds: bounds
+                    .or_else(|| world_bounds(shape?, &to_world.0, None))
+                    .or_else(|| Some(stand_ins.iter().find(|it| it.icon.entity == entity)?.bounds)),
             })
         });
         targets.collect()
@@ -225,6 +236,17 @@ impl Sources<'_, '_> {
             );
         }
         found
+    }
+
+    /// The boxes of these shapes, as far as they are in sight.
+    fn boxes_of(&self, lacking: &[Entity]) -> Vec<StandIn> {
+        let boxes = lacking.iter().filter_map(|&entity| {
+            let (to_world, name) = self.lacking.get(entity).ok()?;
+            let name = name.map_or_else(|| "mesh".to_owned(), |name| name.as_str().to_owned());
+            let local = self.stand_ins.bounds(entity)?;
+            Some(StandIn::new(entity, name, &local, &to_world.0))
+        });
+        boxes.collect()
     }
 
     fn block(&self, entity: Entity) -> Option<BlockTarget> {
@@ -280,10 +302,15 @@ pub(crate) fn gather_viewport(
     seen.outline = outlines.outline().clone();
     let wireframe = settings.seeing.wireframe;
     seen.wireframe.update(packed, selection, wireframe);
-    seen.targets = sources.targets(&seen.bounds.bounds, &seen.members.members);
+    if sources.stand_ins.may_differ() || !sources.newly_named.is_empty() {
+        seen.lacking = sources.stand_ins.shapes();
+    }
+    seen.stand_ins = sources.boxes_of(&seen.lacking);
+    seen.targets = sources.targets(&seen.bounds.bounds, &seen.members.members, &seen.stand_ins);
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);
     seen.icons = sources.icons();
+    seen.icons.extend(seen.stand_ins.iter().map(|stand_in| stand_in.icon));
     let near = state.blocking.near.iter();
     seen.blocks = near.filter_map(|entity| sources.block(*entity)).collect();
     let inspected = model.0.inspected.as_ref();

@@ -1,4 +1,4 @@
-//! Icons for lights and cameras, which have no surface: they are drawn at their places, and the mouse can pick them.
+//! Icons for lights, cameras and missing meshes, which have no surface: they are drawn at their places, and the mouse can pick them.
 
 use std::f32::consts::TAU;
 
@@ -33,6 +33,8 @@ pub enum IconKind {
     Frustum,
     /// A cube from -1 to 1.
     Box,
+    /// A cube from -1 to 1 in place of a mesh that is not there.
+    StandIn,
 }
 
 impl IconKind {
@@ -58,11 +60,11 @@ const MOST_ICONS: usize = 1000;
 const SHADOW: Color32 = Color32::from_black_alpha(120);
 
 /// Draws the icons that are in front of the camera, at most a thousand of them.
-pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(Entity) -> Color32) {
+pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(&Icon) -> Color32) {
     let seen = icons.iter().filter_map(|icon| Some((icon, place(screen, icon)?)));
     for (icon, middle) in seen.take(MOST_ICONS) {
         let lines = lines(screen, icon, middle);
-        for stroke in [Stroke::new(3.0, SHADOW), Stroke::new(1.5, color(icon.entity))] {
+        for stroke in [Stroke::new(3.0, SHADOW), Stroke::new(1.5, color(icon))] {
             painter.extend(lines.iter().map(|ends| Shape::line_segment(*ends, stroke)));
             match icon.kind {
                 IconKind::Frustum => {}
@@ -139,7 +141,7 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
             edges.chain(upright).chain(body).flatten().collect()
         }
-        IconKind::Box => {
+        IconKind::Box | IconKind::StandIn => {
             let corner = |at: usize| {
                 let sign = |axis: usize| if at >> axis & 1 == 0 { -1.0 } else { 1.0 };
                 icon.pose.transform_point3(Vec3::new(sign(0), sign(1), sign(2)))

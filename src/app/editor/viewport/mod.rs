@@ -22,6 +22,7 @@ pub mod path_lines;
 pub mod pointer;
 pub(crate) mod rulers;
 mod snap_menu;
+pub mod stand_ins;
 pub mod state;
 pub mod steer_cursor;
 pub mod texturing;
@@ -51,6 +52,7 @@ use crate::math::Aabb;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::Rest;
+use icons::IconKind;
 use marks::{Tags, tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
@@ -309,10 +311,14 @@ fn paint_over(
             chosen,
             model.navigation.scene_size,
         );
-        icons::paint(&painter, screen, model.icons, |entity| {
-            Level::of(entity, model.keys.selection, state.pointer.hovered).color()
+        icons::paint(&painter, screen, model.icons, |icon| {
+            match Level::of(icon.entity, model.keys.selection, state.pointer.hovered) {
+                Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
+                level => level.color(),
+            }
         });
         let mut tags = Tags::default();
+        stand_ins::paint_names(&painter, screen, model.stand_ins, &mut tags);
         if model.keys.dimensions
             && let Some(bounds) = model.extent
         {

@@ -8,6 +8,7 @@ use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
+use super::stand_ins::StandIn;
 use super::texturing::{TextureTarget, TexturingModel};
 use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::compare_view::CompareView;
@@ -50,8 +51,10 @@ pub struct ViewportModel<'a> {
     pub wireframe: &'a Wireframe,
     /// The boxes of the volumes of what is selected, as world from the unit cube.
     pub volume_boxes: &'a [Affine3A],
-    /// The icons of lights and cameras.
+    /// The icons of lights and cameras, and the boxes of missing meshes.
     pub icons: &'a [Icon],
+    /// The boxes of missing meshes with their names.
+    pub stand_ins: &'a [StandIn],
     /// The data that the handles act on.
     pub gizmo: GizmoModel<'a>,
     /// The shapes under the pointer and around it, while a tool blocks out.

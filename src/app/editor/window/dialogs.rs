@@ -9,15 +9,16 @@ use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::shell::{ShellCommand, SoughtFile};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
-use crate::app::editor::words::files::{PICTURES, SCENE_FILES, extension, noisy_beside};
+use crate::app::editor::words::files::{PICTURES, SCENE_FILES, VOLUMES, extension, noisy_beside};
 use crate::files::{LARGEST_NOTE, check_writable, read_text};
 use crate::render::image_io::FileFormat;
 use crate::render::tonemap::ToneMap;
+use crate::scene::FileKind;
 
 #[derive(Resource, Default)]
 pub struct Dialogs {
@@ -32,6 +33,8 @@ pub struct Dialogs {
     import_folder: Option<PathBuf>,
     /// The folder to which a scene was last exported.
     export_folder: Option<PathBuf>,
+    /// The folder in which a missing file was last found.
+    found_folder: Option<PathBuf>,
     /// The folder in which a folder was last chosen.
     around_folder: Option<PathBuf>,
 }
@@ -65,7 +68,14 @@ impl Dialogs {
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
             let ending = self.image_ending.unwrap_or("png");
-            self.open = Some((wanted, opened(wanted, model, &self.start(wanted, model), ending)));
+            let dialog = opened(
+                wanted,
+                model,
+                &self.start(wanted, model),
+                ending,
+                requests.sought.as_ref(),
+            );
+            self.open = Some((wanted, dialog));
         }
         let Some((kind, dialog)) = &mut self.open else {
             return;
@@ -88,15 +98,16 @@ impl Dialogs {
                     FileDialogKind::Import => self.import_folder = folder,
                     FileDialogKind::AssetFolder | FileDialogKind::BakeFolder => self.around_folder = folder,
                     FileDialogKind::ExportScene => self.export_folder = folder,
+                    FileDialogKind::FindFile(_) => self.found_folder = folder,
                     FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
                 }
-                match picked(*kind, path) {
+                match picked(*kind, path, requests.sought.take()) {
                     Ok(command) => commands.push(command),
                     Err(message) => toasts.reject(message),
                 }
             }
         }
-        (self.open, requests.dialog) = (None, None);
+        (self.open, requests.dialog, requests.sought) = (None, None, None);
     }
 
     /// The folder that a dialog begins in.
@@ -113,6 +124,7 @@ impl Dialogs {
             FileDialogKind::ExportScene => self.export_folder.clone().or_else(|| own_folder(model)),
             FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
             FileDialogKind::Import => self.import_folder.clone(),
+            FileDialogKind::FindFile(_) => self.found_folder.clone(),
             FileDialogKind::AssetFolder => self.around_folder.clone(),
             FileDialogKind::BakeFolder => self.around_folder.clone().or_else(|| own_folder(model)),
             FileDialogKind::OpenScene => None,
@@ -204,8 +216,16 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
 }
 
 /// The command of a finished dialog; a message if the file is of another kind.
-fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
+fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Result<Command, String> {
     Ok(match kind {
+        FileDialogKind::FindFile(_) => {
+            let sought = sought.ok_or("No file is looked for any more.")?;
+            Command::FindFile {
+                missing: sought.path,
+                found: path,
+                others: sought.others,
+            }
+        }
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
         FileDialogKind::BakeFolder => Command::Bake(BakeCommand::ChooseFolder(path)),
@@ -255,14 +275,34 @@ const IMAGES: &[(&str, &str)] = &[
     ("PFM, linear", "pfm"),
 ];
 
-/// The dialog, in the folder `start`. `ending`: that of the file of a picture.
-fn opened(kind: FileDialogKind, model: DialogModel, start: &Path, ending: &str) -> FileDialog {
+/// The dialog, in the folder `start`. `ending`: that of the file of a picture; `sought`: the missing file that is to be found.
+fn opened(
+    kind: FileDialogKind,
+    model: DialogModel,
+    start: &Path,
+    ending: &str,
+    sought: Option<&SoughtFile>,
+) -> FileDialog {
     let proposed = |otherwise, extension| proposed_name(model.scene, otherwise, extension);
     let (title, purpose) = match kind {
         FileDialogKind::OpenScene => ("Open a scene".to_owned(), Purpose::Open(&SCENE_FILES)),
         FileDialogKind::Import => (
             "Import a mesh, a volume, a scene or an environment".to_owned(),
             Purpose::Open(IMPORTS),
+        ),
+        FileDialogKind::FindFile(kind) => (
+            sought.map_or_else(
+                || "Find the file".to_owned(),
+                |sought| {
+                    let name = sought.path.file_name().unwrap_or_default().to_string_lossy();
+                    format!("Find {name}")
+                },
+            ),
+            Purpose::Open(match kind {
+                FileKind::Mesh => &["obj", "ply", "serialized"],
+                FileKind::Picture => &PICTURES,
+                FileKind::Volume => &VOLUMES,
+            }),
         ),
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(&PICTURES)),
@@ -305,10 +345,10 @@ mod tests {
 
     #[test]
     fn an_environment_is_a_picture() {
-        let chosen = |path: &str| picked(FileDialogKind::OpenEnvironment, path.into());
+        let chosen = |path: &str| picked(FileDialogKind::OpenEnvironment, path.into(), None);
         assert!(chosen("room.xml").is_err() && chosen("room").is_err());
         assert_eq!(chosen("sky.HDR"), Ok(Command::Import("sky.HDR".into())));
-        let imported = picked(FileDialogKind::Import, "room.xml".into());
+        let imported = picked(FileDialogKind::Import, "room.xml".into(), None);
         assert_eq!(imported, Ok(Command::Import("room.xml".into())));
     }
 

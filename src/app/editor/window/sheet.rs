@@ -17,11 +17,12 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::Model;
 use crate::app::editor::panels::key_bindings::{KeyList, key_bindings};
 use crate::app::editor::panels::lengths;
+use crate::app::editor::panels::missing_files::missing_files;
 use crate::app::editor::panels::preferences::preferences;
 use crate::app::editor::panels::projection::projection;
 use crate::app::editor::panels::series::series;
 
-/// The width of the preferences, in points.
+/// The width of the preferences and of the missing files, in points.
 const WIDTH: f32 = 480.0;
 
 /// The data of the sheets beside the model.
@@ -73,6 +74,18 @@ pub fn show(
             form_sheet(context, "Project texture", model, |ui| {
                 projection(ui, form, shapes, commands)
             })
+        }
+        Sheet::Missing => {
+            let form = &mut widgets.missing;
+            let modal = Modal::new(Id::new("missing files")).show(context, |ui| {
+                ui.set_width(WIDTH);
+                ui.label(RichText::new("Missing files").heading().strong());
+                ui.add_space(6.0);
+                if missing_files(ui, form, &model.missing, commands) {
+                    ui.close();
+                }
+            });
+            !modal.should_close()
         }
         Sheet::Bake => widgets.bake.sheet(context, &model.bake, commands),
         Sheet::Recovery => recovery_question::list(context, shown.left, commands),

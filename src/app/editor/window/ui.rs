@@ -183,6 +183,7 @@ pub fn show_window(
         wireframe: &seen.wireframe,
         volume_boxes: &seen.volume_boxes,
         icons: &seen.icons,
+        stand_ins: &seen.stand_ins,
         gizmo: GizmoModel {
             settings: settings.gizmo,
             targets: &seen.targets,

@@ -9,6 +9,7 @@ use crate::app::editor::panels::assets::AssetsState;
 use crate::app::editor::panels::inspector::InspectorState;
 use crate::app::editor::panels::key_bindings::KeyList;
 use crate::app::editor::panels::library::LibraryState;
+use crate::app::editor::panels::missing_files::MissingForm;
 use crate::app::editor::panels::outliner::state::OutlinerState;
 use crate::app::editor::panels::projection::ProjectionForm;
 use crate::app::editor::panels::series::SeriesForm;
@@ -31,6 +32,8 @@ pub(crate) struct Widgets {
     pub projection: ProjectionForm,
     /// The form and the panel of a bake.
     pub bake: BakeWidgets,
+    /// The list of missing files.
+    pub missing: MissingForm,
     /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
@@ -48,6 +51,7 @@ impl Default for Widgets {
             series: SeriesForm::default(),
             projection: ProjectionForm::default(),
             bake: BakeWidgets::default(),
+            missing: MissingForm::default(),
             viewport_place: Rect::ZERO,
         }
     }

@@ -301,7 +301,7 @@ fn window(random: &mut Random) -> Vec<Act> {
         )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
-            const SHEETS: [Sheet; 8] = [
+            const SHEETS: [Sheet; 9] = [
                 Sheet::Palette,
                 Sheet::Shortcuts,
                 Sheet::Preferences,
@@ -309,6 +309,7 @@ fn window(random: &mut Random) -> Vec<Act> {
                 Sheet::Series,
                 Sheet::Projection,
                 Sheet::Bake,
+                Sheet::Missing,
                 Sheet::Start,
             ];
             let sheet = SHEETS[random.below(SHEETS.len())];

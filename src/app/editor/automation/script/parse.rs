@@ -1,6 +1,6 @@
 //! Parses one line of a script into commands. Things are called by their names, and parameters by those of the file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
@@ -33,6 +33,7 @@ use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::session::tutorial::LESSONS;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::document::paths::settle;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
@@ -162,6 +163,11 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("show-lightmap", [number]) => baking::page(number)?,
         ("save-image-to", [path]) => Command::SaveImage(path.into()),
         ("import-file", [path]) => Command::Import(path.into()),
+        ("find-file", [missing, found]) => Command::FindFile {
+            missing: settle(Path::new(missing)),
+            found: settle(Path::new(found)),
+            others: true,
+        },
         ("use-file", [path, at @ ..]) if at.len() < 2 => {
             let at = at.first().map(|at| parse_place(at)).transpose()?;
             let path = std::path::absolute(path).unwrap_or_else(|_| path.into());

@@ -1,7 +1,7 @@
 //! The verbs of scripts, with the words that follow them.
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 82] = [
+pub const VERBS: [(&str, &str); 83] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("export-to", "FILE"),
@@ -15,6 +15,7 @@ pub const VERBS: [(&str, &str); 82] = [
     ("show-lightmap", "NUMBER (from 0)"),
     ("save-image-to", "FILE"),
     ("import-file", "FILE"),
+    ("find-file", "MISSING FOUND"),
     (
         "use-file",
         "FILE [X,Y (0 to 1 from the upper left); else for the selection]",

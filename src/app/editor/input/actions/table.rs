@@ -72,6 +72,9 @@ pub const FILE: &[Action] = &[
     action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
         Some(Command::ShowDialog(FileDialogKind::Import))
     }),
+    action(Group::File, "missing-files", "Missing files…", &[], |_| {
+        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Missing)))
+    }),
     action(Group::File, "save", "Save", &[command(Key::S)], |_| Some(Command::Save)),
     action(Group::File, "save-as", "Save as…", &[command_shift(Key::S)], |_| {
         Some(Command::ShowDialog(FileDialogKind::SaveScene))
