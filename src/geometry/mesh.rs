@@ -72,6 +72,11 @@ pub struct MtlMaterial {
     pub maps: MtlMaps,
 }
 
+/// The name of tangents among a mesh's attributes: unit vectors, as glTF has them.
+pub const TANGENT: &str = "vertex_tangent";
+/// The name of the signs of bitangents, beside [`TANGENT`].
+pub const TANGENT_SIGN: &str = "vertex_tangent_sign";
+
 impl MeshData {
     /// The box around all vertices, also those of no triangle.
     pub fn bounds(&self) -> Aabb {

@@ -46,6 +46,8 @@ pub enum Material {
         nested: MaterialId,
         /// The normals as colours: (1, 1, 2) / 2 is the normal of the surface itself.
         normals: Parameter<Rgb>,
+        /// Whether they are in the tangent space of glTF, which follows the handedness of coordinates, rather than in the shading frame.
+        gltf_tangents: bool,
         /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },

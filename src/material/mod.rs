@@ -10,6 +10,7 @@ mod nesting;
 mod principled;
 mod scattering;
 mod table;
+mod tangents;
 mod textured;
 
 pub use bump::BumpOptions;

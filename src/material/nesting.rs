@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::bump::{Bump, BumpOptions, Orientation, displaced_normal};
 use super::definition::{Material, MaterialId};
 use super::scattering::{LARGEST_MIX, Part, Scattering};
+use super::tangents;
 use crate::accel::SurfacePoint;
 use crate::shading::lanes::BsdfLanes;
 use crate::shading::{Bsdf, ShadingTables, TransportMode};
@@ -230,9 +231,13 @@ impl<'a> Resolver<'a, '_> {
             Material::NormalMap {
                 nested,
                 normals,
+                gltf_tangents,
                 options,
             } => {
-                let normal = 2.0 * self.textures.color(*normals, self.at) - Vec3::ONE;
+                let mut normal = 2.0 * self.textures.color(*normals, self.at) - Vec3::ONE;
+                if *gltf_tangents {
+                    normal = tangents::in_frame(normal, self.point, &orientation.frame, self.at.mesh);
+                }
                 self.add_bumped(*nested, weight, orientation, bump, normal, *options);
             }
             Material::BumpMap {

@@ -75,6 +75,7 @@ fn ridged_cove() -> RenderScene {
         Material::NormalMap {
             nested: scene.material(diffuse(0.7)),
             normals: Parameter::Constant(0.5 * (normal.normalize() + 1.0)),
+            gltf_tangents: false,
             options: BumpOptions {
                 flip_invalid_normals: true,
                 use_shadowing_function: false,
@@ -112,6 +113,7 @@ fn coated_cove() -> RenderScene {
             Material::NormalMap {
                 nested: scene.material(nested),
                 normals: Parameter::Constant(0.5 * (Vec3::new(0.5, 0.3, 0.8).normalize() + 1.0)),
+                gltf_tangents: false,
                 options: BumpOptions {
                     flip_invalid_normals: true,
                     use_shadowing_function: true,

@@ -181,12 +181,14 @@ impl MaterialPacker<'_, '_, '_> {
             }
             Material::NormalMap {
                 normals,
+                gltf_tangents,
                 flip_invalid_normals,
                 use_shadowing_function,
             } => {
                 return material::Material::NormalMap {
                     nested: first(self),
                     normals: self.textures.packed(normals),
+                    gltf_tangents: *gltf_tangents,
                     options: BumpOptions {
                         flip_invalid_normals: *flip_invalid_normals,
                         use_shadowing_function: *use_shadowing_function,

@@ -57,6 +57,7 @@ pub(in crate::engine) fn push_mtl(
         id = push(Material::NormalMap {
             nested: id,
             normals: textures.parameter(&mtl_picture(map, true)),
+            gltf_tangents: true,
             options: BumpOptions {
                 flip_invalid_normals: true,
                 use_shadowing_function: true,

@@ -164,6 +164,11 @@ declare_plugins! {
                 "A picture of normals: red along u, green along v, blue outwards, each 0 to 1 for -1 to 1. It is to be read raw.",
                 "a texture",
             )),
+            gltf_tangents: bool = false => Flag(ParameterInfo::switch(
+                "gltf_tangents",
+                "As in glTF",
+                "Green goes against v, or as the mesh's own tangents say, as in glTF, Blender and game engines. Off, it goes along the normal times the direction of u, as in Mitsuba, which is the other way where coordinates are mirrored.",
+            )),
             flip_invalid_normals: bool = true => Flag(FLIP_INVALID_NORMALS),
             use_shadowing_function: bool = true => Flag(USE_SHADOWING_FUNCTION),
         },

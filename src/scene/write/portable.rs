@@ -128,6 +128,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
             (Category::Medium, _) => medium(inner, extensions == Extensions::Approximate),
+            (Category::Bsdf, "normalmap") if extensions == Extensions::Approximate => {
+                inner.properties.retain(|property| property.name != "gltf_tangents");
+            }
             (Category::Bsdf, "roughconductor") if extensions == Extensions::Approximate => {
                 inner
                     .properties

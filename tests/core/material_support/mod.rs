@@ -214,6 +214,7 @@ impl Made {
         self.about_normal(upright, flip, shadow, move |nested, options| Material::NormalMap {
             nested,
             normals,
+            gltf_tangents: false,
             options,
         })
     }
