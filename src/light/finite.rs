@@ -86,7 +86,7 @@ impl FiniteLight {
     /// Radiance sent along the unit vector `wo` from a point of its surface.
     pub fn emitted(&self, hit: &SurfaceHit, wo: Vec3, textures: &TextureTable) -> Rgb {
         match self {
-            Self::Surface(light) if wo.dot(hit.shading_normal) > 0.0 => light.radiance(hit, textures),
+            Self::Surface(light) if light.shines_to(hit, wo) => light.radiance(hit, textures),
             _ => Rgb::ZERO,
         }
     }

@@ -56,6 +56,15 @@ pub(super) struct AreaSample {
 }
 
 impl AreaSample {
+    /// The sample with the normal on the side of a place, for a surface that shines to both.
+    pub fn facing(self, reference: Vec3) -> Self {
+        let is_behind = (reference - self.position).dot(self.normal) < 0.0;
+        Self {
+            normal: if is_behind { -self.normal } else { self.normal },
+            ..self
+        }
+    }
+
     /// The sample as seen from a place; None if the point shows its back or its edge.
     pub fn seen_from(self, reference: Vec3) -> Option<SurfaceSample> {
         SurfaceSample::from_area(self.position, self.normal, self.pdf_area, reference)

@@ -65,6 +65,8 @@ pub enum LightSource {
         slot: u32,
         /// The radiance. Negative values of a texture count as no light.
         radiance: Parameter<Rgb>,
+        /// Whether the back shines as the front does.
+        is_two_sided: bool,
     },
     /// A point light of radiant intensity in W/sr.
     Point {

@@ -25,6 +25,8 @@ use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceLight {
     radiance: Parameter<Rgb>,
+    /// Whether the back shines as the front does.
+    shines_both_ways: bool,
     /// Average luminance of the radiance: of all of it, or of every part.
     brightness: Vec<f32>,
     shape: EmitterShape,
@@ -75,12 +77,12 @@ const POSITION_ROUNDING: f32 = 16.0 * f32::EPSILON;
 const LEAST_BRIGHTNESS: f32 = 0.1;
 
 impl SurfaceLight {
-    /// The light of an instance; None if there is no such instance.
+    /// The light of a slot of an instance; None if there is no such instance.
     pub fn new(
         geometry: &Tlas,
-        instance: u32,
-        slot: u32,
+        (instance, slot): (u32, u32),
         radiance: Parameter<Rgb>,
+        shines_both_ways: bool,
         textures: &TextureTable,
     ) -> Option<Self> {
         let instance = geometry.instances().get(instance as usize)?;
@@ -107,7 +109,7 @@ impl SurfaceLight {
                 EmitterShape::Cylinder(CylinderLight::new(to_world, instance.local_from_world, side))
             }
             Primitive::Mesh(blas) => {
-                let triangles = TriangleLight::of_mesh(instance, blas.mesh(), slot);
+                let triangles = TriangleLight::of_mesh(instance, blas.mesh(), slot, shines_both_ways);
                 match radiance {
                     Parameter::Constant(_) => rectangle_of(blas, &to_world, &triangles),
                     Parameter::Texture(_) => None,
@@ -128,6 +130,7 @@ impl SurfaceLight {
         let mut light = Self {
             smooth: is_smooth.then(|| Box::new(instance.clone())),
             radiance,
+            shines_both_ways,
             brightness: vec![mean_luminance(textures, radiance)],
             shape,
             bounds,
@@ -146,7 +149,9 @@ impl SurfaceLight {
     /// The rectangle in a form that is sampled from many places at once; None if the surface is no rectangle of one radiance.
     pub fn sole_rectangle(&self) -> Option<SoleRectangle> {
         match (&self.shape, self.radiance) {
-            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) => light.sole(radiance, self.error),
+            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) if !self.shines_both_ways => {
+                light.sole(radiance, self.error)
+            }
             _ => None,
         }
     }
@@ -189,13 +194,19 @@ impl SurfaceLight {
         };
         LightBounds {
             bounds,
-            cone,
+            cone: if self.shines_both_ways { NormalCone::ALL } else { cone },
             cos_emission: 0.0,
             intensity: seen_area * self.brightness.get(part as usize).unwrap_or(&self.brightness[0]),
         }
     }
 
-    /// Radiance sent to the front from a point of this surface.
+    /// Whether light leaves a point of this surface along `wo`.
+    pub fn shines_to(&self, hit: &SurfaceHit, wo: Vec3) -> bool {
+        let cos = wo.dot(hit.shading_normal);
+        cos > 0.0 || self.shines_both_ways && cos < 0.0
+    }
+
+    /// Radiance sent to the sides that shine from a point of this surface.
     pub fn radiance(&self, hit: &SurfaceHit, textures: &TextureTable) -> Rgb {
         textures.light(self.radiance, &self.texture_point(hit))
     }
@@ -334,9 +345,10 @@ impl SurfaceLight {
         }
     }
 
-    /// Whether light leaves a part on both sides, as the shading normal says.
+    /// Whether light leaves a part on both sides, or on the one that the shading normal says.
     pub fn is_two_sided(&self, part: u32) -> bool {
-        matches!(&self.shape, EmitterShape::Mesh(triangles) if triangles[part as usize].emits_by_shading_normal())
+        self.shines_both_ways
+            || matches!(&self.shape, EmitterShape::Mesh(triangles) if triangles[part as usize].emits_by_shading_normal())
     }
 
     /// The start of a ray that leaves a point of the surface.
@@ -370,6 +382,9 @@ impl SurfaceLight {
     }
 
     fn sample_point(&self, part: u32, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+        if self.shines_both_ways && !matches!(self.shape, EmitterShape::Mesh(_)) {
+            return self.sample_area(part, u)?.facing(reference).seen_from(reference);
+        }
         match &self.shape {
             EmitterShape::Rectangle(light) => light.sample(reference, u),
             EmitterShape::Disk(light) => light.sample_area(u).seen_from(reference),
@@ -393,6 +408,9 @@ impl SurfaceLight {
 
     /// Density per solid angle of [`Self::sample`] at a point of the part.
     pub fn pdf(&self, part: u32, reference: Vec3, hit: &SurfaceHit) -> f32 {
+        if self.shines_both_ways && !matches!(self.shape, EmitterShape::Mesh(_)) {
+            return solid_angle_pdf(self.start_pdf(part, hit), hit.position, hit.normal, reference);
+        }
         match &self.shape {
             EmitterShape::Rectangle(light) => light.pdf(reference, hit),
             EmitterShape::Disk(light) => solid_angle_pdf(1.0 / light.area, hit.position, hit.normal, reference),

@@ -125,8 +125,13 @@ impl LightTable {
                 instance,
                 slot,
                 radiance,
+                is_two_sided,
             } => Light::Finite(FiniteLight::Surface(SurfaceLight::new(
-                geometry, instance, slot, radiance, textures,
+                geometry,
+                (instance, slot),
+                radiance,
+                is_two_sided,
+                textures,
             )?)),
             LightSource::Point { position, intensity } => {
                 Light::Finite(FiniteLight::Point(PointLight { position, intensity }))

@@ -25,6 +25,8 @@ enum Emission {
     OneSide(f32),
     /// The shading normal decides, because vertex normals are at an angle to the triangle. Seen from near its plane, either side can shine.
     ByShadingNormal,
+    /// Both sides.
+    BothWays,
 }
 
 /// Sine of the angle between a vertex normal and the triangle's up to which they count as parallel: rounding of four decimal digits.
@@ -32,7 +34,7 @@ const PARALLEL: f32 = 1e-4;
 
 impl TriangleLight {
     /// The triangles of one material slot, in the order of the mesh.
-    pub fn of_mesh(instance: &Instance, mesh: &MeshData, slot: u32) -> Vec<Self> {
+    pub fn of_mesh(instance: &Instance, mesh: &MeshData, slot: u32, shines_both_ways: bool) -> Vec<Self> {
         let slot_of = |triangle: usize| mesh.material_of_triangle.get(triangle).copied().unwrap_or(0);
         (0..mesh.triangles.len())
             .filter(|&triangle| u32::from(slot_of(triangle)) == slot)
@@ -42,7 +44,10 @@ impl TriangleLight {
                 let corners = mesh.corners(triangle).map(|p| place.transform_point3(p));
                 Self {
                     corners,
-                    emission: Emission::of(instance, primitive, corners),
+                    emission: match shines_both_ways {
+                        true => Emission::BothWays,
+                        false => Emission::of(instance, primitive, corners),
+                    },
                     primitive,
                 }
             })
@@ -53,7 +58,7 @@ impl TriangleLight {
     fn scaled_normal(&self) -> Vec3 {
         match self.emission {
             Emission::OneSide(side) => side * counter_clockwise_normal(self.corners),
-            Emission::ByShadingNormal => counter_clockwise_normal(self.corners),
+            Emission::ByShadingNormal | Emission::BothWays => counter_clockwise_normal(self.corners),
         }
     }
 
@@ -61,7 +66,7 @@ impl TriangleLight {
     pub fn emitting_normal(&self) -> Option<Vec3> {
         match self.emission {
             Emission::OneSide(_) => self.scaled_normal().try_normalize(),
-            Emission::ByShadingNormal => None,
+            Emission::ByShadingNormal | Emission::BothWays => None,
         }
     }
 
@@ -102,7 +107,7 @@ impl TriangleLight {
         match self.emission {
             Emission::OneSide(_) if height <= 0.0 => return None,
             Emission::OneSide(_) => {}
-            Emission::ByShadingNormal => normal *= height.signum(),
+            Emission::ByShadingNormal | Emission::BothWays => normal *= height.signum(),
         }
         if let Some(seen) = SphericalTriangle::new(self.corners, reference) {
             return Some(SurfaceSample {

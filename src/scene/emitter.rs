@@ -16,12 +16,18 @@ use super::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
 use crate::color::Rgb;
 
 declare_parameters! {
-    /// Makes a shape emit from its front, evenly in all directions.
+    /// Makes a shape emit from its front or from both sides, evenly in all directions.
     #[derive(Component, Reflect, Clone, Debug, PartialEq)]
     #[reflect(Component, PartialEq)]
     pub struct AreaLight {
         /// The radiance in W/(m^2 sr).
         radiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(RADIANCE),
+        /// Whether the back shines as the front does.
+        two_sided: bool = false => Flag(ParameterInfo::switch(
+            "two_sided",
+            "Both sides",
+            "The back shines as well, as in glTF files whose materials have two sides. Mitsuba's lights shine from the front alone.",
+        )),
         /// The sampling weight, as that of [`Emitter`].
         sampling_weight: f32 = 1.0 => SamplingWeight(SAMPLING_WEIGHT),
     }

@@ -27,6 +27,14 @@ fn emitter(primitive: Primitive, to_world: Affine3A, flipped: bool) -> RenderSce
     scene.build()
 }
 
+/// One shape that shines from both sides.
+fn both_ways(primitive: Primitive, to_world: Affine3A, flipped: bool) -> RenderScene {
+    let mut scene = SceneBuilder::default();
+    scene.add(primitive, to_world, black(), Some(Rgb::ONE)).flip_normals = flipped;
+    scene.both_ways();
+    scene.build()
+}
+
 /// Turned so that it shines on the origin.
 fn triangle(corners: [Vec3; 3]) -> RenderScene {
     let [a, b, c] = corners;
@@ -224,6 +232,19 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
             ),
         ),
         ("flock of triangles", emitter(flock(3), Affine3A::IDENTITY, false)),
+        (
+            "rectangle of two sides, from behind",
+            both_ways(Primitive::Rectangle, down(1.0, 0.8), true),
+        ),
+        ("disk of two sides", both_ways(Primitive::Disk, down(0.8, 1.0), false)),
+        (
+            "two triangles of two sides, from behind",
+            both_ways(square_mesh(), down(1.0, 0.8), true),
+        ),
+        (
+            "leaning normals of two sides",
+            both_ways(leaning_triangle(slope), Affine3A::IDENTITY, false),
+        ),
         ("sky", sky.build()),
     ]
 }

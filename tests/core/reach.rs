@@ -101,6 +101,7 @@ fn a_shape_of_several_slots_is_a_lamp_if_all_of_them_shine() {
     let geometry = Tlas::build(shapes.into(), SplitMethod::Sah);
     let reach = |slots: &[u32]| {
         let shining = slots.iter().map(|&slot| LightSource::Surface {
+            is_two_sided: false,
             instance: 1,
             slot,
             radiance: Parameter::Constant(Rgb::ONE),

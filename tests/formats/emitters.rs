@@ -124,6 +124,7 @@ fn every_parameter_survives_being_saved() {
     assert_eq!(scene.emitters[0].emitter.sampling_weight, 0.25);
     let expected = AreaLight {
         radiance: Parameter::Texture(slide),
+        two_sided: false,
         sampling_weight: 3.0,
     };
     assert_eq!(scene.shapes[0].area_light, Some(expected));

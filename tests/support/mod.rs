@@ -84,6 +84,7 @@ impl SceneBuilder {
             .push(Instance::new(primitive, to_world).expect("an invertible transform"));
         let light = radiance.map(|radiance| {
             let source = LightSource::Surface {
+                is_two_sided: false,
                 instance,
                 slot: 0,
                 radiance,
@@ -98,6 +99,15 @@ impl SceneBuilder {
         });
         self.materials.push(material);
         self.instances.last_mut().expect("just pushed")
+    }
+
+    /// Lets the shape that was added last shine from both sides.
+    pub fn both_ways(&mut self) -> &mut Self {
+        match self.lights.last_mut().map(|light| &mut light.source) {
+            Some(LightSource::Surface { is_two_sided, .. }) => *is_two_sided = true,
+            other => panic!("{other:?}"),
+        }
+        self
     }
 
     /// A material of no shape, for others to nest.

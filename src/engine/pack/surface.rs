@@ -191,7 +191,11 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
         });
         let own_light = source.light.map(|light| {
             let light = check.area_light(light);
-            (self.textures.packed(&light.radiance), light.sampling_weight)
+            (
+                self.textures.packed(&light.radiance),
+                light.sampling_weight,
+                light.two_sided,
+            )
         });
         if own_light.is_some() && is_member {
             check.report("a shape of a group cannot be a light");
@@ -209,10 +213,10 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
                 .or_else(|| from_file.get(slot as usize).copied())
                 .unwrap_or(if own_light.is_some() { LAMP_ID } else { STAND_IN_ID });
             let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
-            let (radiance, sampling_weight) = own_light.unwrap_or_else(|| {
+            let (radiance, sampling_weight, is_two_sided) = own_light.unwrap_or_else(|| {
                 // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
                 let radiance = in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)));
-                (Parameter::Constant(radiance), 1.0)
+                (Parameter::Constant(radiance), 1.0, false)
             });
             let is_bright = match radiance {
                 Parameter::Constant(color) => color.is_finite() && color != Rgb::ZERO,
@@ -224,6 +228,7 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
                     instance: number,
                     slot,
                     radiance,
+                    is_two_sided,
                 };
                 let light = WeightedSource {
                     source,

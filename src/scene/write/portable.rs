@@ -131,6 +131,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
             (Category::Bsdf, "normalmap") if extensions == Extensions::Approximate => {
                 inner.properties.retain(|property| property.name != "gltf_tangents");
             }
+            (Category::Emitter, "area") if extensions == Extensions::Approximate => {
+                inner.properties.retain(|property| property.name != "two_sided");
+            }
             (Category::Bsdf, "roughconductor") if extensions == Extensions::Approximate => {
                 inner
                     .properties

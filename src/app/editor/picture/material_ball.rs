@@ -155,6 +155,7 @@ impl MaterialBall {
             ],
         };
         let soft_box = |instance, radiance| LightSource::Surface {
+            is_two_sided: false,
             instance,
             slot: 0,
             radiance: Parameter::Constant(Rgb::splat(radiance)),
