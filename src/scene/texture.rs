@@ -57,9 +57,19 @@ impl<T> Parameter<T> {
         let Some((square, rest)) = place.split() else {
             return self.set_picture(picture);
         };
-        if let Self::Texture(Texture::Checkerboard { color0, color1, .. }) = self {
-            let inside = if square == 0 { color0 } else { color1 };
-            inside.set_picture_at(rest, picture);
+        match self {
+            Self::Texture(Texture::Checkerboard { color0, color1, .. }) => {
+                let inside = if square == 0 { color0 } else { color1 };
+                inside.set_picture_at(rest, picture);
+            }
+            Self::Texture(Texture::MeshAttribute { times: Some(times), .. }) => {
+                let mut inside = Parameter::<Rgb>::Texture((**times).clone());
+                inside.set_picture_at(rest, picture);
+                if let Parameter::Texture(texture) = inside {
+                    **times = texture;
+                }
+            }
+            _ => {}
         }
     }
 }
@@ -129,6 +139,8 @@ pub enum Texture {
         name: String,
         /// A factor on the value.
         scale: f32,
+        /// A texture that multiplies the value as well.
+        times: Option<Box<Self>>,
     },
 }
 
@@ -139,12 +151,21 @@ pub struct Bitmap {
     pub path: PathBuf,
     /// How values between texel centres come about.
     pub filter: TextureFilter,
-    /// What lies outside of the unit square.
+    /// What lies outside of the unit square along u.
     pub wrap: TextureWrap,
+    /// The same along v; None is as along u, as the format has it.
+    pub wrap_v: Option<TextureWrap>,
     /// Numbers as they stand in the file, not decoded to linear.
     pub raw: bool,
     /// Applied to uv before the look-up.
     pub to_uv: Affine2,
+}
+
+impl Bitmap {
+    /// What lies outside of the unit square along u and along v.
+    pub fn wraps(&self) -> [TextureWrap; 2] {
+        [self.wrap, self.wrap_v.unwrap_or(self.wrap)]
+    }
 }
 
 /// How values between texel centres come about.
@@ -201,7 +222,11 @@ impl Texture {
                     }
                 }
             }
-            Self::MeshAttribute { .. } => {}
+            Self::MeshAttribute { times, .. } => {
+                if let Some(times) = times {
+                    times.for_each_placing(meet);
+                }
+            }
         }
     }
 
@@ -216,7 +241,11 @@ impl Texture {
                     }
                 }
             }
-            Self::MeshAttribute { .. } => {}
+            Self::MeshAttribute { times, .. } => {
+                if let Some(times) = times {
+                    times.for_each_bitmap(meet);
+                }
+            }
         }
     }
 }

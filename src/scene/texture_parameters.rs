@@ -23,6 +23,13 @@ pub(crate) const WRAP_MODE: ParameterInfo = ParameterInfo::new(
     "repeat, mirror or clamp",
 );
 
+pub(crate) const WRAP_MODE_V: ParameterInfo = ParameterInfo::new(
+    "wrap_mode_v",
+    "Outside (v)",
+    "The same along v alone, where it differs from that along u.",
+    "repeat, mirror or clamp",
+);
+
 pub(crate) const RAW: ParameterInfo = ParameterInfo::switch(
     "raw",
     "Raw numbers",
@@ -61,3 +68,11 @@ pub(crate) const NAME: ParameterInfo = ParameterInfo::new(
 /// The factor on a mesh attribute.
 pub(crate) const SCALE: ParameterInfo =
     ParameterInfo::new("scale", "Factor", "Multiplies the values of the mesh.", "any number");
+
+/// What multiplies a mesh attribute.
+pub(crate) const TIMES: ParameterInfo = ParameterInfo::new(
+    "times",
+    "Times",
+    "A texture that multiplies the values of the mesh, as a picture with vertex colours over it.",
+    "a texture",
+);

@@ -37,8 +37,8 @@ pub struct Bitmap {
     pub image: Arc<Image>,
     /// How values between texel centres come about.
     pub filter: Filter,
-    /// What lies outside of the unit square.
-    pub wrap: Wrap,
+    /// What lies outside of the unit square along u and along v.
+    pub wrap: [Wrap; 2],
     /// Take the samples as they are, without decoding them to linear: for pictures of data.
     pub raw: bool,
     /// Applied to uv before the look-up.
@@ -107,8 +107,9 @@ impl Bitmap {
 
     fn texel(&self, x: i64, y: i64) -> Rgb {
         let (width, height) = (self.image.width(), self.image.height());
+        let [across, down] = self.wrap;
         self.image
-            .texel(self.wrap.apply(x, width), self.wrap.apply(y, height), self.raw)
+            .texel(across.apply(x, width), down.apply(y, height), self.raw)
     }
 }
 
@@ -144,7 +145,7 @@ mod tests {
         Bitmap {
             image: Arc::new(Image::new(2, 2, 1, samples, Transfer::Linear).unwrap()),
             filter,
-            wrap,
+            wrap: [wrap; 2],
             raw: false,
             to_uv: Affine2::IDENTITY,
         }
@@ -198,6 +199,17 @@ mod tests {
         assert_eq!(row(Wrap::Repeat), [1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
         assert_eq!(row(Wrap::Mirror), [1, 2, 2, 1, 0, 0, 1, 2, 2, 1, 0]);
         assert_eq!(row(Wrap::Clamp), [0, 0, 0, 0, 0, 0, 1, 2, 2, 2, 2]);
+    }
+
+    #[test]
+    fn u_and_v_are_continued_each_in_its_own_way() {
+        let mut bitmap = four(Filter::Nearest, Wrap::Clamp);
+        bitmap.wrap = [Wrap::Clamp, Wrap::Repeat];
+        // Right of the picture its last column goes on, and below its rows begin again.
+        let below = [1.25, 1.75].map(|v| value(&bitmap, 3.25, v));
+        assert_eq!(below, [1.0, 4.0]);
+        bitmap.wrap = [Wrap::Mirror, Wrap::Clamp];
+        assert_eq!([1.25, 1.75].map(|u| value(&bitmap, u, 5.0)), [4.0, 2.0]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::MeshPoint;
+use super::{MeshPoint, TextureId};
 use crate::color::Rgb;
 
 /// The attribute of that name of whatever mesh it is looked up on; black on surfaces without it.
@@ -12,9 +12,12 @@ pub struct MeshAttribute {
     pub name: Arc<str>,
     /// Multiplies the value.
     pub scale: f32,
+    /// A texture before this one in the table that multiplies it as well.
+    pub times: Option<TextureId>,
 }
 
 impl MeshAttribute {
+    /// The value without the texture that multiplies it.
     pub(super) fn color(&self, at: Option<MeshPoint>) -> Rgb {
         at.and_then(|at| {
             Some(
@@ -26,7 +29,7 @@ impl MeshAttribute {
         .map_or(Rgb::ZERO, |value| self.scale * value)
     }
 
-    /// A guess, since meshes differ: half of what the scale makes of 1.
+    /// A guess, since meshes differ: half of what the scale makes of 1, without the texture that multiplies it.
     pub(super) fn mean(&self) -> f32 {
         0.5 * self.scale
     }

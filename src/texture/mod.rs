@@ -145,7 +145,10 @@ impl TextureTable {
                     let [a, b] = checkerboard.colors.map(|color| self.mean_color(color));
                     0.5 * (a + b)
                 }
-                Texture::MeshAttribute(attribute) => Rgb::splat(attribute.mean()),
+                Texture::MeshAttribute(attribute) => {
+                    let times = attribute.times.map(Parameter::Texture);
+                    attribute.mean() * times.map_or(Rgb::ONE, |times| self.mean_color(times))
+                }
             },
         }
     }
@@ -154,7 +157,10 @@ impl TextureTable {
         match &self.textures[id.0 as usize] {
             Texture::Bitmap(bitmap) => bitmap.color(at.uv),
             Texture::Checkerboard(checkerboard) => self.color(checkerboard.color(at.uv), at),
-            Texture::MeshAttribute(attribute) => attribute.color(at.mesh),
+            Texture::MeshAttribute(attribute) => {
+                let times = attribute.times.map_or(Rgb::ONE, |times| self.color_of(times, at));
+                times * attribute.color(at.mesh)
+            }
         }
     }
 

@@ -59,7 +59,7 @@ fn bitmap(filter: Filter, wrap: Wrap, to_uv: Affine2, contrast: i32, eight_bits:
     Texture::Bitmap(Bitmap {
         image: Arc::new(Image::new(7, 5, 3, samples, transfer).expect("a whole picture")),
         filter,
-        wrap,
+        wrap: [wrap; 2],
         raw: false,
         to_uv,
     })
@@ -138,6 +138,7 @@ fn others() -> Vec<(&'static str, RenderScene)> {
     let glow = Texture::MeshAttribute(MeshAttribute {
         name: "vertex_glow".into(),
         scale: 1.5,
+        times: None,
     });
     let small = Affine3A::from_scale(Vec3::splat(0.5));
     let tube = Affine3A::from_translation(Vec3::X * 0.6) * Affine3A::from_scale(Vec3::new(0.3, 0.3, 0.8));

@@ -39,10 +39,14 @@ impl<'a> TexturePacker<'a> {
 
     /// The packed parameter that is this texture.
     pub fn parameter<T>(&mut self, texture: &Texture) -> texture::Parameter<T> {
+        texture::Parameter::Texture(self.id(texture))
+    }
+
+    fn id(&mut self, texture: &Texture) -> TextureId {
         let alike = alike(texture);
         let known = self.places.get(&alike).into_iter().flatten();
         if let Some(&place) = known.into_iter().find(|&&place| self.known[place as usize] == *texture) {
-            return texture::Parameter::Texture(TextureId(place));
+            return TextureId(place);
         }
         // Textures inside come before the one that refers to them.
         let packed = match texture {
@@ -51,16 +55,17 @@ impl<'a> TexturePacker<'a> {
                 colors: [self.packed(color0), self.packed(color1)],
                 to_uv: **to_uv,
             }),
-            Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
+            Texture::MeshAttribute { name, scale, times } => texture::Texture::MeshAttribute(texture::MeshAttribute {
                 name: name.as_str().into(),
                 scale: *scale,
+                times: times.as_deref().map(|times| self.id(times)),
             }),
         };
         let place = self.packed.len() as u32;
         self.known.push(texture.clone());
         self.packed.push(packed);
         self.places.entry(alike).or_default().push(place);
-        texture::Parameter::Texture(TextureId(place))
+        TextureId(place)
     }
 
     /// The packed parameter: a constant as it is, or the texture.

@@ -18,6 +18,7 @@ pub(crate) fn mtl_picture(map: &MtlMap, raw: bool) -> Texture {
             true => TextureWrap::Clamp,
             false => TextureWrap::Repeat,
         },
+        wrap_v: None,
         raw,
         to_uv: Affine2::from_scale_angle_translation(scale, 0.0, offset),
     }))

@@ -20,11 +20,11 @@ pub(crate) fn packed_bitmap(bitmap: &Bitmap, image: Arc<Image>) -> texture::Bitm
             TextureFilter::Nearest => Filter::Nearest,
             TextureFilter::Bilinear => Filter::Bilinear,
         },
-        wrap: match bitmap.wrap {
+        wrap: bitmap.wraps().map(|wrap| match wrap {
             TextureWrap::Repeat => Wrap::Repeat,
             TextureWrap::Mirror => Wrap::Mirror,
             TextureWrap::Clamp => Wrap::Clamp,
-        },
+        }),
         raw: bitmap.raw,
         to_uv: bitmap.to_uv,
     }

@@ -12,7 +12,9 @@ use crate::document::value::format_float;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
 use crate::scene::medium::{GRID, USE_GRID_BBOX};
 use crate::scene::read::spectra::UNIFORM;
-use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
+use crate::scene::texture_parameters::{
+    COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
+};
 use crate::scene::{
     Bitmap, EulerAngles, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeFormat,
     VolumeParameter,
@@ -82,9 +84,12 @@ impl IntoObject<'_> {
                 inside.put_color(COLOR1.name, color1);
                 inside.put_to_uv(to_uv);
             }
-            Texture::MeshAttribute { name, scale } => {
+            Texture::MeshAttribute { name, scale, times } => {
                 inside.put(NAME.name, Value::String(name.clone()));
                 inside.put(SCALE.name, Value::Float(*scale));
+                if let Some(times) = times {
+                    inside.put_texture(TIMES.name, times);
+                }
             }
         }
         self.object.children.push(inside.object.into());
@@ -95,14 +100,17 @@ impl IntoObject<'_> {
             TextureFilter::Nearest => "nearest",
             TextureFilter::Bilinear => "bilinear",
         };
-        let wrap = match bitmap.wrap {
+        let wrap_name = |wrap| match wrap {
             TextureWrap::Repeat => "repeat",
             TextureWrap::Mirror => "mirror",
             TextureWrap::Clamp => "clamp",
         };
         self.put(FILENAME.name, Value::String(file_name(&bitmap.path, self.folder)));
         self.put(FILTER_TYPE.name, Value::String(filter.to_owned()));
-        self.put(WRAP_MODE.name, Value::String(wrap.to_owned()));
+        self.put(WRAP_MODE.name, Value::String(wrap_name(bitmap.wrap).to_owned()));
+        if let Some(wrap) = bitmap.wrap_v {
+            self.put(WRAP_MODE_V.name, Value::String(wrap_name(wrap).to_owned()));
+        }
         self.put(RAW.name, Value::Boolean(bitmap.raw));
         self.put_to_uv(&bitmap.to_uv);
     }

@@ -17,7 +17,7 @@ use crate::gltf::write::material::{
     Transmission, Volume,
 };
 use crate::scene::description::SceneDescription;
-use crate::scene::{AreaLight, Coefficients, ShapeKind, Texture};
+use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
 /// The roughness of sheen, of which the scene format has none: a glow as wide as its own.
 const SHEEN_ROUGHNESS: f32 = 0.5;
@@ -242,12 +242,14 @@ impl MaterialWriter<'_, '_> {
         let mut colors = None;
         let (base, base_factor) = match look.base {
             Level::Varying(Varying {
-                texture: Texture::MeshAttribute { name, scale },
+                texture: Texture::MeshAttribute { name, scale, times },
                 factor,
                 ..
             }) => {
                 colors = Some((name, scale));
-                (None, factor)
+                // What multiplies the values of the mesh is a picture in glTF, too.
+                let times = times.map(|times| Level::of_color(&Parameter::Texture(*times)).times(factor));
+                parts(self.without_attribute(times.unwrap_or(Level::Constant(factor)), "the colour"))
             }
             level => parts(self.without_attribute(level, "the colour")),
         };
@@ -392,7 +394,6 @@ fn parts(level: Level) -> (Option<Varying>, Rgb) {
 
 /// Whether a texture, or one inside of it, is of the mesh's own values.
 fn has_attribute(texture: &Texture) -> bool {
-    use crate::scene::Parameter;
     match texture {
         Texture::MeshAttribute { .. } => true,
         Texture::Bitmap(_) => false,

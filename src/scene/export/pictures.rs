@@ -44,7 +44,7 @@ pub(super) struct Planes {
 struct Lie {
     to_uv: Affine2,
     filter: TextureFilter,
-    wrap: TextureWrap,
+    wraps: [TextureWrap; 2],
     size: (u32, u32),
 }
 
@@ -126,7 +126,7 @@ impl<'a> Pictures<'a> {
         let lie = common.unwrap_or(Lie {
             to_uv: Affine2::IDENTITY,
             filter: TextureFilter::Bilinear,
-            wrap: TextureWrap::Repeat,
+            wraps: [TextureWrap::Repeat; 2],
             size: (BAKED, BAKED),
         });
         if common.is_none() {
@@ -138,15 +138,15 @@ impl<'a> Pictures<'a> {
             None => self.baked(planes, common.is_some(), lie.size, &name, messages)?,
         };
         let picture = writer.add_picture(PictureBytes { name, bytes });
-        let code = match lie.wrap {
+        let [wrap_s, wrap_t] = lie.wraps.map(|wrap| match wrap {
             TextureWrap::Repeat => None,
             TextureWrap::Mirror => Some(33648),
             TextureWrap::Clamp => Some(33071),
-        };
+        });
         let sampler = Sampler {
             mag_filter: (lie.filter == TextureFilter::Nearest).then_some(9728),
-            wrap_s: code,
-            wrap_t: code,
+            wrap_s,
+            wrap_t,
         };
         let info = TextureInfo {
             index: writer.add_texture(picture, sampler),
@@ -161,11 +161,11 @@ impl<'a> Pictures<'a> {
     /// The file of a picture that means in glTF what it means here.
     fn as_it_is(&self, planes: &Planes) -> Option<Vec<u8>> {
         let is_alone = planes.channels.iter().all(Option::is_none);
-        let varying = planes.color.as_ref().filter(|_| is_alone && planes.srgb)?;
+        let varying = planes.color.as_ref().filter(|_| is_alone)?;
         let Texture::Bitmap(bitmap) = &varying.texture else {
             return None;
         };
-        if bitmap.raw || varying.map != Map::Same || varying.as_number {
+        if bitmap.raw == planes.srgb || varying.map != Map::Same || varying.as_number {
             return None;
         }
         let bytes = memory::read_data(&bitmap.path, self.access).ok()?;
@@ -259,7 +259,7 @@ impl<'a> Pictures<'a> {
                 Lie {
                     to_uv: bitmap.to_uv,
                     filter: bitmap.filter,
-                    wrap: bitmap.wrap,
+                    wraps: bitmap.wraps(),
                     size: image.map_or((1, 1), |image| (image.width(), image.height())),
                 }
             }
@@ -270,7 +270,7 @@ impl<'a> Pictures<'a> {
                 Lie {
                     to_uv: **to_uv,
                     filter: TextureFilter::Nearest,
-                    wrap: TextureWrap::Repeat,
+                    wraps: [TextureWrap::Repeat; 2],
                     size: (2, 2),
                 }
             }
@@ -308,9 +308,10 @@ impl<'a> Pictures<'a> {
                     to_uv: place.unwrap_or(**to_uv),
                 })
             }
-            Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
+            Texture::MeshAttribute { name, scale, times } => texture::Texture::MeshAttribute(texture::MeshAttribute {
                 name: name.as_str().into(),
                 scale: *scale,
+                times: times.as_deref().map(|times| self.pack(times, None, textures, messages)),
             }),
         };
         textures.push(packed);

@@ -27,6 +27,7 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
         "mesh_attribute" => Texture::MeshAttribute {
             name: attribute_name(reader)?,
             scale: reader.float_or("scale", 1.0),
+            times: reader.texture("times", pictures).map(Box::new),
         },
         plugin => {
             let message = format!("texture `{plugin}` is not supported");
@@ -49,16 +50,8 @@ fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
             TextureFilter::default()
         }
     };
-    let wrap = match reader.string("wrap_mode") {
-        None | Some("repeat") => TextureWrap::Repeat,
-        Some("mirror") => TextureWrap::Mirror,
-        Some("clamp") => TextureWrap::Clamp,
-        Some(other) => {
-            let message = format!("expected the wrap mode `repeat`, `mirror` or `clamp`, found `{other}`");
-            reader.error_at("wrap_mode", message);
-            TextureWrap::default()
-        }
-    };
+    let wrap = wrap_mode(reader, "wrap_mode").unwrap_or_default();
+    let wrap_v = wrap_mode(reader, "wrap_mode_v");
     let raw = reader.boolean_or("raw", false);
     let to_uv = to_uv(reader);
     let Some(name) = reader.string("filename") else {
@@ -71,8 +64,23 @@ fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
         path: pictures.find(name, reader),
         filter,
         wrap,
+        wrap_v: wrap_v.filter(|other| *other != wrap),
         raw,
         to_uv,
+    })
+}
+
+/// What lies outside of the picture, if it is given.
+fn wrap_mode(reader: &mut Reader, name: &str) -> Option<TextureWrap> {
+    Some(match reader.string(name)? {
+        "repeat" => TextureWrap::Repeat,
+        "mirror" => TextureWrap::Mirror,
+        "clamp" => TextureWrap::Clamp,
+        other => {
+            let message = format!("expected the wrap mode `repeat`, `mirror` or `clamp`, found `{other}`");
+            reader.error_at(name, message);
+            return None;
+        }
     })
 }
 

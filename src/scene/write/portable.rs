@@ -131,6 +131,12 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
             (Category::Bsdf, "normalmap") if extensions == Extensions::Approximate => {
                 inner.properties.retain(|property| property.name != "gltf_tangents");
             }
+            (Category::Texture, "bitmap") if extensions == Extensions::Approximate => {
+                inner.properties.retain(|property| property.name != "wrap_mode_v");
+            }
+            (Category::Texture, "mesh_attribute") if extensions == Extensions::Approximate => {
+                inner.children.retain(|child| child.name() != Some("times"));
+            }
             (Category::Emitter, "area") if extensions == Extensions::Approximate => {
                 inner.properties.retain(|property| property.name != "two_sided");
             }

@@ -40,7 +40,7 @@ fn bitmap(channels: u32, filter: Filter, value: impl Fn(u32, u32, u32) -> f32) -
     Texture::Bitmap(Bitmap {
         image: Arc::new(Image::new(SIZE, SIZE, channels as usize, samples, Transfer::Linear).expect("a picture")),
         filter,
-        wrap: Wrap::Repeat,
+        wrap: [Wrap::Repeat; 2],
         raw: false,
         to_uv: Affine2::IDENTITY,
     })

@@ -84,7 +84,8 @@ impl TextureGroup {
 pub(crate) fn has_textures<'m>(materials: impl IntoIterator<Item = &'m Material>) -> bool {
     let mut found = false;
     for material in materials {
-        material.for_each_texture(&mut |texture| found |= !matches!(texture, Texture::MeshAttribute { .. }));
+        material
+            .for_each_texture(&mut |texture| found |= !matches!(texture, Texture::MeshAttribute { times: None, .. }));
     }
     found
 }

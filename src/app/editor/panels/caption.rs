@@ -84,7 +84,9 @@ mod tests {
     use super::*;
     use crate::app::editor::panels::fields::NAME_WIDTH;
     use crate::color::Rgb;
-    use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
+    use crate::scene::texture_parameters::{
+        COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
+    };
     use crate::scene::{
         Absorption, Coefficients, ConductorIor, Distribution, Emitter, EmitterKind, Material, Medium, ParameterRef,
         PhaseFunction, Principled, PrincipledIndex, Roughness, SunPosition, SunSky,
@@ -129,6 +131,8 @@ mod tests {
             &FILENAME,
             &FILTER_TYPE,
             &WRAP_MODE,
+            &WRAP_MODE_V,
+            &TIMES,
             &RAW,
             &TO_UV,
             &COLOR0,

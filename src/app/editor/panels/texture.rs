@@ -8,7 +8,7 @@ use super::fields::{self, NumberStyle};
 use super::plain_value::PlainValue;
 use crate::app::editor::command::texture_placing::Placing;
 use crate::color::Rgb;
-use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE};
+use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE, WRAP_MODE_V};
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 
 /// The kind of value that a parameter has.
@@ -67,6 +67,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
             *value = Parameter::Texture(Texture::MeshAttribute {
                 name: "vertex_color".to_owned(),
                 scale: 1.0,
+                times: None,
             });
         }
     }
@@ -85,6 +86,9 @@ pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     ];
     let mut changed = fields::choice(ui, &FILTER_TYPE, &mut bitmap.filter, &filters);
     changed |= fields::choice(ui, &WRAP_MODE, &mut bitmap.wrap, &wraps);
+    if let Some(wrap) = &mut bitmap.wrap_v {
+        changed |= fields::choice(ui, &WRAP_MODE_V, wrap, &wraps);
+    }
     changed |= fields::checkbox(ui, &RAW, &mut bitmap.raw);
     placing(ui, &mut bitmap.to_uv) || changed
 }

@@ -12,7 +12,7 @@ use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
-use crate::scene::texture_parameters::{COLOR0, COLOR1, SCALE};
+use crate::scene::texture_parameters::{COLOR0, COLOR1, SCALE, TIMES};
 use crate::scene::{Parameter, SquarePath, Texture};
 
 /// The edits of the user in a slot.
@@ -173,9 +173,25 @@ impl Slot<'_> {
                 }
                 edit.changed |= texture::placing(ui, to_uv);
             }
-            Texture::MeshAttribute { name, scale } => {
+            Texture::MeshAttribute { name, scale, times } => {
                 edit.changed |= texture::mesh_attribute(ui, name);
                 edit.changed |= fields::number(ui, &SCALE, scale, 0.01, f32::MIN..=f32::MAX);
+                if let Some(inside) = times.take() {
+                    let mut value = Parameter::Texture(*inside);
+                    let slot = Slot {
+                        caption: (&TIMES).into(),
+                        plain: "nothing",
+                        textures: self.textures,
+                        place: self.place.within(0),
+                    };
+                    let shown = slot.show(ui, &mut value, Rgb::ONE, |ui, caption, color| {
+                        color_field::color(ui, caption, color)
+                    });
+                    edit.add(shown);
+                    if let Parameter::Texture(texture) = value {
+                        *times = Some(Box::new(texture));
+                    }
+                }
             }
         }
         edit
