@@ -36,6 +36,8 @@ pub struct Document {
     pub uses_unit_name: bool,
     /// Whether the document was made from a file of another format. Spans then tell where things come from, but there is no such text.
     pub imported: bool,
+    /// The id of the light that stands in where nothing lights the scene of a file of another format. It is no part of the file's content.
+    pub stand_in_light: Option<String>,
     /// Permits the files that the scene may read.
     pub access: Access,
     /// The problems with the file, and the texts that messages and revisions point into.
@@ -54,6 +56,7 @@ impl Document {
             includes: Vec::new(),
             uses_unit_name: false,
             imported: false,
+            stand_in_light: None,
             access: Access::everywhere(),
             diagnostics: Diagnostics::default(),
         }

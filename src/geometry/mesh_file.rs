@@ -166,7 +166,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
 
 /// Collects warnings: equal ones are counted under the place of the first, and their kinds are bounded in number.
 #[derive(Default)]
-pub(super) struct Warnings {
+pub(crate) struct Warnings {
     kinds: Vec<Kind>,
     left_out: u64,
 }
@@ -235,7 +235,7 @@ impl Warnings {
 }
 
 /// Computes all normals if the file has none. Otherwise normalises them, and computes those that are zero or not finite.
-pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
+pub(crate) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
     if mesh.normals.is_empty() {
         mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
         mesh.has_computed_normals = true;

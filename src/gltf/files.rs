@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use glam::Vec3;
+
 use super::objects::{object, with};
 use super::picture::Picture;
 use super::scene::{Imported, References};
@@ -9,6 +11,7 @@ use super::{Gltf, GltfError, ReadFile};
 use crate::document::{Category, Object, Value};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::ply_write::binary_ply;
+use crate::texture::load_image;
 
 /// Keeps a part under a plain name such as `mesh-0.ply`, which is given once. Returns the name by which the scene finds it.
 pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
@@ -55,5 +58,19 @@ impl References for Parts<'_, '_, '_> {
             self.replaced.insert(picture.image);
         }
         self.keep(format!("picture-{index}.{}", made.extension), &made.bytes)
+    }
+
+    fn mean(&mut self, picture: &Picture) -> Result<Vec3, GltfError> {
+        let made = self.gltf.picture(picture, self.read)?;
+        let image = load_image(&made.bytes).map_err(|error| GltfError::Image {
+            index: picture.image,
+            what: error.to_string(),
+        })?;
+        // Pictures brighter than white have linear numbers.
+        Ok(image.mean(made.extension == "exr"))
+    }
+
+    fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError> {
+        self.keep(name.to_owned(), bytes)
     }
 }

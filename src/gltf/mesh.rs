@@ -2,14 +2,17 @@
 
 use glam::{Vec2, Vec3};
 
-use super::schema::{Mesh, Primitive};
+use super::schema::{Material, Mesh, Primitive};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
-use crate::geometry::mesh::MeshData;
-use crate::geometry::mesh_file::LoadedMesh;
+use crate::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
+use crate::geometry::mesh_file::{LoadedMesh, Warnings, complete_normals};
+use crate::geometry::vertex_normals::unit;
 
 /// The name of vertex colours among a mesh's attributes.
 pub const VERTEX_COLOR: &str = "vertex_color";
+/// The name of the alpha of vertex colours, which is there if the material lets it count.
+pub const VERTEX_ALPHA: &str = "vertex_alpha";
 
 const TRIANGLES: u32 = 4;
 const STRIP: u32 = 5;
@@ -39,16 +42,27 @@ impl Gltf {
     /// One mesh, in its own space. v is 0 at the upper edge of pictures, as everywhere.
     pub fn mesh(&self, number: u32) -> Result<LoadedMesh, GltfError> {
         let count = self.mesh_count() as usize;
-        let found = self.primitives().nth(number as usize).ok_or(GltfError::Index {
+        let mut before = number as usize;
+        for mesh in &self.root.meshes {
+            if let Some(found) = mesh.primitives.get(before) {
+                return self.read_primitive(number, found, &mesh.weights);
+            }
+            before -= mesh.primitives.len();
+        }
+        Err(GltfError::Index {
             what: "primitive",
             index: number as usize,
             count,
-        })?;
-        self.read_primitive(number, found)
+        })
     }
 
-    /// One mesh whose number is known.
-    pub(super) fn read_primitive(&self, number: u32, primitive: &Primitive) -> Result<LoadedMesh, GltfError> {
+    /// One mesh whose number is known. `weights`: those of the morph targets at rest.
+    pub(super) fn read_primitive(
+        &self,
+        number: u32,
+        primitive: &Primitive,
+        weights: &[f32],
+    ) -> Result<LoadedMesh, GltfError> {
         let index = number as usize;
         let bad = |what: String| GltfError::Primitive { index, what };
         let mut warnings = Vec::new();
@@ -63,7 +77,8 @@ impl Gltf {
         // Primitives may share their vertices with others, of which each has its part.
         let used = indexed.as_deref().map(used_vertices);
         let used = used.as_deref();
-        let positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
+        let mut positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
+        self.morph("POSITION", primitive, weights, (vertices, used), &mut positions)?;
         if let Some(slot) = positions.iter().position(|position| !position.is_finite()) {
             let vertex = used.map_or(slot, |used| used[slot] as usize);
             return Err(bad(format!("the position of vertex {vertex} is not finite")));
@@ -91,10 +106,11 @@ impl Gltf {
             }
             Ok(Some(accessor).filter(|_| count == vertices))
         };
-        let normals: Vec<Vec3> = match per_vertex("NORMAL")? {
+        let mut normals: Vec<Vec3> = match per_vertex("NORMAL")? {
             Some(accessor) => into_vectors(self.vectors::<3>(accessor, "VEC3", used)?),
             None => Vec::new(),
         };
+        self.morph("NORMAL", primitive, weights, (vertices, used), &mut normals)?;
         let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
             Some(accessor) => {
                 let uvs = self.vectors::<2>(accessor, "VEC2", used)?;
@@ -104,19 +120,18 @@ impl Gltf {
         };
         let mut attributes = Vec::new();
         if let Some(accessor) = per_vertex("COLOR_0")? {
-            // If the material has no picture, its colour is this product, for which there is no other place.
-            let factor = self.base_color(primitive);
-            let colors = self.colors(accessor, used)?.into_iter();
-            attributes.push(MeshAttribute {
-                name: VERTEX_COLOR.to_owned(),
-                domain: AttributeDomain::Vertex,
-                channels: 3,
-                values: AttributeValues::F32(
-                    colors
-                        .flat_map(|color| finite((Vec3::from(color) * factor).to_array()))
-                        .collect(),
-                ),
-            });
+            let counts_alpha = self.look_of(primitive).is_some_and(Material::counts_alpha);
+            self.add_colors(accessor, primitive, counts_alpha, used, &mut attributes)?;
+        }
+        // Nothing else asks for tangents, and without normals they do not count (section 3.7.2.1).
+        let has_normal_map = self
+            .look_of(primitive)
+            .is_some_and(|look| look.normal_texture.is_some());
+        if has_normal_map
+            && !normals.is_empty()
+            && let Some(accessor) = per_vertex("TANGENT")?
+        {
+            self.add_tangents(accessor, used, &mut attributes)?;
         }
         let mut mesh = MeshData {
             triangles,
@@ -126,32 +141,107 @@ impl Gltf {
             attributes,
             ..MeshData::default()
         };
-        let are_unit = mesh.normals.iter().all(|normal| normal.try_normalize().is_some());
-        if mesh.normals.is_empty() || !are_unit {
-            mesh = mesh.with_vertex_normals();
-            // The file that is made of the mesh has them.
-            mesh.has_computed_normals = false;
-        } else {
-            mesh.normals.iter_mut().for_each(|normal| *normal = normal.normalize());
-        }
+        let mut about_normals = Warnings::default();
+        complete_normals(&mut mesh, &mut about_normals);
+        // The file that is made of the mesh has them.
+        mesh.has_computed_normals = false;
+        let about_normals = about_normals.finish().into_iter();
+        warnings.extend(about_normals.map(|sentence| format!("primitive {index}: {sentence}")));
         Ok(LoadedMesh { mesh, warnings })
     }
 
-    /// Linear RGB; alpha is not kept.
-    fn colors(&self, accessor: usize, used: Option<&[u32]>) -> Result<Vec<[f32; 3]>, GltfError> {
-        match self.accessor(accessor)?.kind.as_str() {
-            "VEC4" => Ok(self
-                .vectors::<4>(accessor, "VEC4", used)?
-                .into_iter()
-                .map(|[r, g, b, _]| [r, g, b])
-                .collect()),
-            _ => self.vectors::<3>(accessor, "VEC3", used),
+    /// Moves values of vertices by the morph targets at rest, of a mesh with so many vertices of which some are used.
+    fn morph(
+        &self,
+        name: &str,
+        primitive: &Primitive,
+        weights: &[f32],
+        (vertices, used): (usize, Option<&[u32]>),
+        values: &mut [Vec3],
+    ) -> Result<(), GltfError> {
+        let targets = primitive.targets.iter().zip(weights);
+        for (target, weight) in targets.filter(|(_, weight)| **weight != 0.0 && weight.is_finite()) {
+            let Some(accessor) = target.get(name).copied().filter(|_| !values.is_empty()) else {
+                continue;
+            };
+            if self.accessor(accessor)?.count == vertices {
+                let moved: Vec<Vec3> = into_vectors(self.vectors::<3>(accessor, "VEC3", used)?);
+                for (value, by) in values.iter_mut().zip(moved) {
+                    *value += *weight * by;
+                }
+            }
         }
+        Ok(())
+    }
+
+    /// Adds the linear colours of vertices, and their alpha if it counts.
+    fn add_colors(
+        &self,
+        accessor: usize,
+        primitive: &Primitive,
+        counts_alpha: bool,
+        used: Option<&[u32]>,
+        attributes: &mut Vec<MeshAttribute>,
+    ) -> Result<(), GltfError> {
+        let of_vertices = |name: &str, channels, values| MeshAttribute {
+            name: name.to_owned(),
+            domain: AttributeDomain::Vertex,
+            channels,
+            values: AttributeValues::F32(values),
+        };
+        let has_alpha = self.accessor(accessor)?.kind == "VEC4";
+        let colors: Vec<[f32; 4]> = match has_alpha {
+            true => self.vectors::<4>(accessor, "VEC4", used)?,
+            false => self
+                .vectors::<3>(accessor, "VEC3", used)?
+                .into_iter()
+                .map(|[r, g, b]| [r, g, b, 1.0])
+                .collect(),
+        };
+        // If the material has no picture, its colour is this product, for which there is no other place.
+        let factor = self.base_color(primitive);
+        let linear = |[r, g, b, _]: &[f32; 4]| finite((Vec3::new(*r, *g, *b) * factor).to_array());
+        attributes.push(of_vertices(VERTEX_COLOR, 3, colors.iter().flat_map(linear).collect()));
+        if has_alpha && counts_alpha {
+            let alphas = colors.iter().map(|color| finite([color[3]])[0]);
+            attributes.push(of_vertices(VERTEX_ALPHA, 1, alphas.collect()));
+        }
+        Ok(())
+    }
+
+    /// Adds tangents, unless one has no direction: those that follow from the coordinates count then.
+    fn add_tangents(
+        &self,
+        accessor: usize,
+        used: Option<&[u32]>,
+        attributes: &mut Vec<MeshAttribute>,
+    ) -> Result<(), GltfError> {
+        let tangents = self.vectors::<4>(accessor, "VEC4", used)?;
+        let unit = |[x, y, z, _]: &[f32; 4]| unit(Vec3::new(*x, *y, *z));
+        let Some(directions) = tangents.iter().map(unit).collect::<Option<Vec<Vec3>>>() else {
+            return Ok(());
+        };
+        let signs = tangents.iter().map(|[.., sign]| if *sign < 0.0 { -1.0 } else { 1.0 });
+        let directions = directions.into_iter().flat_map(|direction| direction.to_array());
+        for (name, channels, values) in [(TANGENT, 3, directions.collect()), (TANGENT_SIGN, 1, signs.collect())] {
+            attributes.push(MeshAttribute {
+                name: name.to_owned(),
+                domain: AttributeDomain::Vertex,
+                channels,
+                values: AttributeValues::F32(values),
+            });
+        }
+        Ok(())
+    }
+
+    fn look_of(&self, primitive: &Primitive) -> Option<&Material> {
+        self.root.materials.get(primitive.material?)
     }
 
     fn base_color(&self, primitive: &Primitive) -> Vec3 {
-        let material = primitive.material.and_then(|index| self.root.materials.get(index));
-        let factor = material.map_or([1.0; 4], |material| material.pbr_metallic_roughness.base_color_factor);
+        let factor = self
+            .look_of(primitive)
+            .map_or([1.0; 4], |look| look.pbr_metallic_roughness.base_color_factor);
         Vec3::new(factor[0], factor[1], factor[2])
     }
 }

@@ -2,14 +2,18 @@
 //!
 //! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
 //! format how they belong together. Nothing here draws or knows entities. Animations of nodes become key frames; skins and morph targets are not
-//! read: meshes have their shape at rest.
+//! read: meshes have their shape at rest, skinned ones at the place where their bones hold them then.
 
 mod accessor;
 mod animation;
 mod camera;
+mod emission;
 mod error;
 pub mod files;
 mod folders;
+mod instances;
+mod lights;
+mod limits;
 mod material;
 mod mesh;
 mod motion;
@@ -20,6 +24,10 @@ mod picture;
 mod placed;
 pub mod scene;
 mod schema;
+mod skin;
+mod specular_glossiness;
+mod studio;
+mod texture;
 mod uri;
 pub mod write;
 mod zeros;
@@ -27,21 +35,24 @@ mod zeros;
 use std::borrow::Cow;
 
 pub use self::error::{GltfError, ReadFile};
-use self::schema::Root;
+use self::schema::{Material, Root};
 use crate::memory::{self, Held};
 
 /// The extensions that a file may require.
-const SUPPORTED: [&str; 11] = [
+const SUPPORTED: [&str; 14] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
@@ -84,7 +95,8 @@ impl Gltf {
             false => (bytes, None),
         };
         let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
-        let root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
+        let mut root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
+        root.materials.iter_mut().for_each(Material::settle);
         if !root.asset.version.starts_with("2.") {
             return Err(GltfError::Version(root.asset.version));
         }

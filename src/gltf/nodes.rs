@@ -48,6 +48,10 @@ impl Gltf {
             if std::mem::replace(&mut seen[index], true) {
                 return Err(GltfError::Tree(index));
             }
+            // Hidden with all that hangs on it.
+            if !node.extensions.visibility.visible {
+                continue;
+            }
             let above = parent.map(|place: usize| &placed.nodes[place]);
             let curves = animations.nodes.get(&index);
             let local = curves.map_or_else(|| node.local(), |curves| curves.local(node, 0.0));

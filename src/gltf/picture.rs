@@ -1,7 +1,7 @@
-//! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut off, normals turned. The
+//! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut off, normals scaled. The
 //! format has no textures that are products of others, and neither metals nor roughness share a picture there.
 
-use image::{DynamicImage, ImageBuffer, Luma, Rgb};
+use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgb32FImage};
 
 use super::{Gltf, GltfError, ReadFile};
 use crate::color::{linear_from_srgb, srgb_from_linear};
@@ -15,6 +15,26 @@ pub struct Picture {
     pub made: Made,
 }
 
+/// How alpha becomes a share: times a factor; with a cutoff 0 below and 1 from there on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alpha {
+    /// Multiplies the alpha.
+    pub factor: f32,
+    /// The least alpha of what is there.
+    pub cutoff: Option<f32>,
+}
+
+impl Alpha {
+    /// The share that an alpha stands for.
+    pub fn of(self, alpha: f32) -> f32 {
+        let alpha = self.factor * alpha;
+        match self.cutoff {
+            Some(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+            None => alpha,
+        }
+    }
+}
+
 /// The operation on the file's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Made {
@@ -22,16 +42,25 @@ pub enum Made {
     Color([f32; 3]),
     /// Numbers: a channel times a factor.
     Channel { channel: usize, factor: f32 },
-    /// Numbers: alpha times a factor; with a cutoff 0 below and 1 from there on.
-    Alpha { factor: f32, cutoff: Option<f32> },
-    /// Normals, with x and y scaled. In the file y is up, in the format it goes along v, which is down.
+    /// Numbers: the share that alpha stands for.
+    Alpha(Alpha),
+    /// Light as sRGB: a colour where alpha says that something is; times another image, if there is one.
+    Light {
+        color: [f32; 3],
+        of: Option<usize>,
+        alpha: Alpha,
+    },
+    /// Normals, with x and y scaled.
     Normals { scale: f32 },
 }
 
 impl Made {
     /// Whether the samples are numbers that are not decoded from sRGB. Colours brighter than white are: Mitsuba warns of them otherwise.
     pub fn is_raw(&self) -> bool {
-        !matches!(self, Self::Color(factor) if factor.iter().all(|&factor| factor <= 1.0))
+        match self {
+            Self::Color(factor) | Self::Light { color: factor, .. } => factor.iter().any(|&factor| factor > 1.0),
+            Self::Channel { .. } | Self::Alpha(_) | Self::Normals { .. } => true,
+        }
     }
 }
 
@@ -58,7 +87,10 @@ impl Gltf {
             image::ImageFormat::Jpeg => "jpg",
             _ => return Err(bad("is neither PNG nor JPEG".to_owned())),
         };
-        if picture.made == Made::Color([1.0; 3]) {
+        if matches!(
+            picture.made,
+            Made::Color([1.0, 1.0, 1.0]) | Made::Normals { scale: 1.0 }
+        ) {
             return Ok(PictureFile {
                 bytes: bytes.into_owned(),
                 extension,
@@ -67,7 +99,23 @@ impl Gltf {
         }
         let (image, _memory) =
             decode_picture(&bytes, format, CONVERTED_BYTES).map_err(|error| bad(error.to_string()))?;
-        let made = make(&image, picture.made);
+        let shining = match picture.made {
+            Made::Light { of: Some(other), .. } if other != index => {
+                let bytes = self.image_file(other, read)?;
+                let bad = |error: String| GltfError::Image {
+                    index: other,
+                    what: error,
+                };
+                let format = image::guess_format(&bytes).map_err(|error| bad(error.to_string()))?;
+                Some(decode_picture(&bytes, format, CONVERTED_BYTES).map_err(|error| bad(error.to_string()))?)
+            }
+            _ => None,
+        };
+        let made = make(
+            &image,
+            shining.as_ref().map_or(&image, |(image, _)| image),
+            picture.made,
+        );
         let (format, extension) = match made {
             DynamicImage::ImageRgb32F(_) => (image::ImageFormat::OpenExr, "exr"),
             _ => (image::ImageFormat::Png, "png"),
@@ -86,8 +134,27 @@ impl Gltf {
 /// Bytes per pixel for the four floats that a picture is converted to, and for the three that it becomes.
 const CONVERTED_BYTES: u64 = 28;
 
-fn make(image: &DynamicImage, made: Made) -> DynamicImage {
-    let unit = |share: f32| (share.clamp(0.0, 1.0) * 65535.0).round() as u16;
+/// The share of the largest number of 16 bits.
+fn unit(share: f32) -> u16 {
+    (share.clamp(0.0, 1.0) * 65535.0).round() as u16
+}
+
+/// Linear colours as a picture.
+fn encoded(linear: Rgb32FImage, made: Made) -> DynamicImage {
+    // A PNG cannot hold values above white.
+    if made.is_raw() {
+        return DynamicImage::ImageRgb32F(linear);
+    }
+    let encoded = linear
+        .pixels()
+        .flat_map(|pixel| pixel.0.map(|value| unit(srgb_from_linear(value))));
+    let encoded: Option<ImageBuffer<Rgb<u16>, _>> =
+        ImageBuffer::from_raw(linear.width(), linear.height(), encoded.collect());
+    DynamicImage::ImageRgb16(encoded.unwrap_or_default())
+}
+
+/// `shining`: the image that is multiplied in [`Made::Light`].
+fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImage {
     let grey = |of: &dyn Fn([f32; 4]) -> f32| {
         let source = image.to_rgba32f();
         let pixels = source.pixels().map(|pixel| unit(of(pixel.0))).collect();
@@ -102,33 +169,38 @@ fn make(image: &DynamicImage, made: Made) -> DynamicImage {
                     *value = factor * linear_from_srgb(*value);
                 }
             }
-            // A PNG cannot hold values above white.
-            if made.is_raw() {
-                return DynamicImage::ImageRgb32F(linear);
-            }
-            let encoded = linear
-                .pixels()
-                .flat_map(|pixel| pixel.0.map(|value| unit(srgb_from_linear(value))));
-            let encoded: Option<ImageBuffer<Rgb<u16>, _>> =
-                ImageBuffer::from_raw(linear.width(), linear.height(), encoded.collect());
-            DynamicImage::ImageRgb16(encoded.unwrap_or_default())
+            encoded(linear, made)
+        }
+        Made::Light { color, of, alpha } => {
+            let shares = image.to_rgba32f();
+            let colors = shining.to_rgb32f();
+            let (width, height) = match of {
+                Some(_) => (shares.width().max(colors.width()), shares.height().max(colors.height())),
+                None => shares.dimensions(),
+            };
+            // The texel of a picture of another size at the same place.
+            let place = |at: u32, of: u32, size: u32| (u64::from(at) * u64::from(size) / u64::from(of.max(1))) as u32;
+            let linear = ImageBuffer::from_fn(width, height, |x, y| {
+                let (across, down) = (place(x, width, shares.width()), place(y, height, shares.height()));
+                let share = alpha.of(shares.get_pixel(across, down).0[3]).max(0.0);
+                let (across, down) = (place(x, width, colors.width()), place(y, height, colors.height()));
+                let texel = of.map_or([1.0; 3], |_| colors.get_pixel(across, down).0.map(linear_from_srgb));
+                Rgb(std::array::from_fn(|channel| color[channel] * share * texel[channel]))
+            });
+            encoded(linear, made)
         }
         Made::Channel { channel, factor } => grey(&|pixel| factor * pixel[channel.min(3)]),
-        Made::Alpha { factor, cutoff: None } => grey(&|pixel| factor * pixel[3]),
-        Made::Alpha {
-            factor,
-            cutoff: Some(cutoff),
-        } => grey(&|pixel| if factor * pixel[3] >= cutoff { 1.0 } else { 0.0 }),
+        Made::Alpha(alpha) => grey(&|pixel| alpha.of(pixel[3])),
         Made::Normals { scale } => {
             let source = image.to_rgb32f();
-            let turned = source.pixels().flat_map(|pixel| {
+            let scaled = source.pixels().flat_map(|pixel| {
                 let [x, y, z] = pixel.0.map(|value| 2.0 * value - 1.0);
-                let normal = glam::Vec3::new(scale * x, -scale * y, z).normalize_or(glam::Vec3::Z);
+                let normal = glam::Vec3::new(scale * x, scale * y, z).normalize_or(glam::Vec3::Z);
                 normal.to_array().map(|value| unit(0.5 + 0.5 * value))
             });
-            let turned: Option<ImageBuffer<Rgb<u16>, _>> =
-                ImageBuffer::from_raw(source.width(), source.height(), turned.collect());
-            DynamicImage::ImageRgb16(turned.unwrap_or_default())
+            let scaled: Option<ImageBuffer<Rgb<u16>, _>> =
+                ImageBuffer::from_raw(source.width(), source.height(), scaled.collect());
+            DynamicImage::ImageRgb16(scaled.unwrap_or_default())
         }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
+use super::instances::MOST_INSTANCES;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
@@ -16,19 +17,35 @@ impl Gltf {
         let first = self.first_primitives();
         let mut known: BTreeMap<u32, Option<Arc<MeshData>>> = BTreeMap::new();
         let mut placed = Vec::new();
-        for place in self.placed_nodes(&self.animations())?.nodes {
+        let nodes = self.placed_nodes(&self.animations())?;
+        let rest = self.rest_poses(&nodes);
+        for place in nodes.nodes {
             let node = self.get("node", &self.root.nodes, place.index)?;
-            let pose = Affine3A::from_mat4(place.world);
+            let pose = Affine3A::from_mat4(self.pose_of_skin(node, &rest).unwrap_or(place.world));
             let Some(mesh) = node.mesh.filter(|_| is_invertible(&pose)) else {
                 continue;
             };
-            let primitives = &self.get("mesh", &self.root.meshes, mesh)?.primitives;
-            for (number, primitive) in (first[mesh]..).zip(primitives) {
-                let read = || self.read_primitive(number, primitive).ok();
+            let about = self.get("mesh", &self.root.meshes, mesh)?;
+            let poses = self.instance_poses(node).ok().flatten().filter(|_| node.skin.is_none());
+            let poses: Vec<Affine3A> = match poses {
+                Some(inner) => {
+                    let left = MOST_INSTANCES.saturating_sub(placed.len());
+                    let inner = inner.into_iter().take(left);
+                    inner
+                        .map(|inner| pose * Affine3A::from_mat4(inner))
+                        .filter(is_invertible)
+                        .collect()
+                }
+                None => vec![pose],
+            };
+            for (number, primitive) in (first[mesh]..).zip(&about.primitives) {
+                let read = || self.read_primitive(number, primitive, &about.weights).ok();
                 let mesh = known
                     .entry(number)
                     .or_insert_with(|| read().map(|loaded| Arc::new(loaded.mesh)));
-                placed.extend(mesh.clone().map(|mesh| (mesh, pose)));
+                if let Some(mesh) = mesh {
+                    placed.extend(poses.iter().map(|pose| (mesh.clone(), *pose)));
+                }
             }
         }
         Ok(placed)

@@ -1,21 +1,22 @@
 //! The scene of a file in the scene format: what its nodes place, with materials, lights and cameras.
 //!
-//! Where the file has no camera, one looks at everything from the front, a little from above; where it has no light, there is a white sky.
-//! Intensities are taken over as numbers: candela and lux become W/sr and W/m^2.
+//! Where the file has no camera, one looks at everything from the front, a little from above; where nothing lights it, there is the light of a studio.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::f32::consts::PI;
 use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::mesh::VERTEX_COLOR;
-use super::motion::{Allowance, Placement, is_sound};
-use super::nodes::PlacedNodes;
+use super::emission::Glow;
+use super::instances::MOST_INSTANCES;
+use super::lights::Lighting;
+use super::material::MeshValues;
+use super::mesh::{VERTEX_ALPHA, VERTEX_COLOR};
+use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::Picture;
-use super::schema::{Light, Node, Primitive};
-use super::{Gltf, GltfError, is_supported};
+use super::schema::{Node, Primitive};
+use super::{Gltf, GltfError, is_supported, studio};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
@@ -27,6 +28,10 @@ pub trait References {
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
     /// The name of a picture's file; `index` numbers the pictures through.
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError>;
+    /// The mean colour of a picture, linear.
+    fn mean(&mut self, picture: &Picture) -> Result<Vec3, GltfError>;
+    /// The name of a file with these bytes, which is none of the pictures; `name` is a plain one.
+    fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError>;
 }
 
 /// A scene as it would stand in a file of the format.
@@ -36,10 +41,9 @@ pub struct Imported {
     pub root: Object,
     /// One sentence for each thing of the file that is left out.
     pub warnings: Vec<String>,
+    /// The id of the light that stands in where nothing lights the scene. It is no part of the file's content.
+    pub stand_in: Option<String>,
 }
-
-/// The most things that a warning names.
-const MOST_NAMES: usize = 5;
 
 pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
@@ -60,20 +64,24 @@ pub(super) struct Builder<'a> {
     /// The number that the next thing of a name may get.
     next_numbers: HashMap<String, u32>,
     pub(super) sensors: Vec<Object>,
-    /// The ids of bsdfs by material and whether meshes bring the colours.
-    materials: BTreeMap<(Option<usize>, bool), String>,
+    /// The ids of bsdfs by material and what meshes bring.
+    materials: BTreeMap<(Option<usize>, MeshValues), String>,
     bsdfs: Vec<Object>,
     /// The ids of the media inside of materials; None for those that have none.
     interiors: BTreeMap<usize, Option<String>>,
     media: Vec<Object>,
-    emitters: Vec<Object>,
+    /// The light of materials, in the same way.
+    glows: BTreeMap<(Option<usize>, MeshValues), Option<Glow>>,
+    pub(super) emitters: Vec<Object>,
     /// The groups of folders.
     pub(super) groups: Vec<Object>,
     /// The folder of the node at hand.
     folder: Rc<str>,
     pub(super) shapes: Vec<Object>,
-    has_area_light: bool,
+    pub(super) lighting: Lighting,
     pub(super) bounds: Aabb,
+    /// The number of instances that may still be placed.
+    pub(super) instances_left: usize,
 }
 
 /// The properties of a mesh that do not depend on where it is placed.
@@ -81,7 +89,8 @@ pub(super) struct Builder<'a> {
 struct KnownMesh {
     shape: Object,
     bounds: Aabb,
-    has_colors: bool,
+    values: MeshValues,
+    area: f32,
 }
 
 impl Gltf {
@@ -104,12 +113,14 @@ impl Gltf {
             bsdfs: Vec::new(),
             interiors: BTreeMap::new(),
             media: Vec::new(),
+            glows: BTreeMap::new(),
             emitters: Vec::new(),
             groups: Vec::new(),
             folder: "".into(),
             shapes: Vec::new(),
-            has_area_light: false,
+            lighting: Lighting::default(),
             bounds: Aabb::EMPTY,
+            instances_left: MOST_INSTANCES,
         };
         for name in self.root.extensions_used.iter().filter(|name| !is_supported(name)) {
             builder.warn(format!("the extension {name} is not read"));
@@ -121,13 +132,17 @@ impl Gltf {
         warnings.for_each(|warning| builder.warn(warning));
         builder.warn_of_deformation(&placed);
         let folders = builder.folders(&placed)?;
+        let rest = self.rest_poses(&placed);
         let mut allowance = Allowance::default();
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;
             if about.places_something() {
                 let placement = self.placement(&placed, &animations, place, &mut allowance)?;
                 builder.folder = folders[place].path.clone();
-                builder.node(node.index, about, placement)?;
+                let of_mesh = self
+                    .pose_of_skin(about, &rest)
+                    .map(|pose| Placement::still(affine(pose)));
+                builder.node(node.index, about, placement, of_mesh)?;
             }
         }
         builder.finish()
@@ -177,59 +192,51 @@ impl Builder<'_> {
         name
     }
 
-    /// Says which meshes of the scene would change their shape.
-    fn warn_of_deformation(&mut self, placed: &PlacedNodes) {
-        let gltf = self.gltf;
-        let list = |is_one: &dyn Fn(&Node) -> bool| {
-            let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
-            let name = |node: &Node| {
-                let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
-                let name = node.name.clone().or_else(|| mesh?.name.clone());
-                format!("`{}`", name.as_deref().unwrap_or("mesh"))
-            };
-            let names: Vec<String> = nodes.filter(|node| is_one(node)).map(name).collect();
-            let others = names.len().saturating_sub(MOST_NAMES);
-            match others {
-                0 => (names.len(), names.join(", ")),
-                _ => (
-                    names.len(),
-                    format!("{} and {others} more", names[..MOST_NAMES].join(", ")),
-                ),
-            }
-        };
-        match list(&|node| node.mesh.is_some() && node.skin.is_some()) {
-            (0, _) => {}
-            (1, name) => self.warn(format!("skins are not read: {name} stays in its pose at rest")),
-            (_, names) => self.warn(format!("skins are not read: {names} stay in their pose at rest")),
-        }
-        let has_targets = |node: &Node| {
-            let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
-            mesh.is_some_and(|mesh| mesh.primitives.iter().any(|primitive| !primitive.targets.is_empty()))
-        };
-        match list(&has_targets) {
-            (0, _) => {}
-            (1, name) => self.warn(format!("morph targets are not read: {name} keeps its shape at rest")),
-            (_, names) => self.warn(format!("morph targets are not read: {names} keep their shape at rest")),
-        }
+    /// The mean colour of a picture that has a file, linear.
+    pub fn mean_of_picture(&mut self, picture: Picture) -> Vec3 {
+        self.references.mean(&picture).unwrap_or(Vec3::ONE)
     }
 
-    fn node(&mut self, index: usize, node: &Node, mut placement: Placement) -> Result<(), GltfError> {
+    /// The name of the file with the picture of the studio.
+    pub fn studio_file(&mut self) -> Result<String, GltfError> {
+        let name = "studio.exr";
+        let bytes = studio::picture().map_err(|source| GltfError::Keep {
+            name: name.to_owned(),
+            source: std::io::Error::other(source),
+        })?;
+        self.references.file(name, &bytes)
+    }
+
+    /// `of_mesh`: where the mesh stands, if its bones say it and not the node.
+    fn node(
+        &mut self,
+        index: usize,
+        node: &Node,
+        placement: Placement,
+        of_mesh: Option<Placement>,
+    ) -> Result<(), GltfError> {
         let gltf = self.gltf;
-        if !is_invertible(&Affine3A::from_mat4(placement.world)) {
-            // A scale of zero is how files hide a node for a while (section 3.5.3).
-            let title = gltf.node_title(index);
-            self.warn(format!("{title} is flattened by its transform: it is left out"));
+        if let (Some(mesh), Some(place)) = (node.mesh, of_mesh.and_then(|place| self.possible(index, place))) {
+            self.mesh(node, mesh, &place)?;
+        }
+        let mesh = node.mesh.filter(|_| node.skin.is_none());
+        if mesh.is_none() && node.camera.is_none() && node.extensions.light.is_none() {
             return Ok(());
         }
-        if !is_sound(&placement) {
-            let title = gltf.node_title(index);
-            self.warn(format!(
-                "{title} is flattened by its animation, or goes to infinity: it stands still"
-            ));
-            placement = Placement::still(placement.world);
-        }
-        if let Some(mesh) = node.mesh {
-            self.mesh(node, mesh, &placement)?;
+        let Some(placement) = self.possible(index, placement) else {
+            return Ok(());
+        };
+        if let Some(mesh) = mesh {
+            match self.instances(index, node) {
+                None => self.mesh(node, mesh, &placement)?,
+                Some(poses) => {
+                    for pose in poses {
+                        if let Some(place) = self.possible(index, placement.of_inner(pose)) {
+                            self.mesh(node, mesh, &place)?;
+                        }
+                    }
+                }
+            }
         }
         if let Some(camera) = node.camera {
             let camera = gltf.get("camera", &gltf.root.cameras, camera)?;
@@ -246,6 +253,25 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// The placement if things can stand there; None (reported) if it flattens them.
+    fn possible(&mut self, node: usize, placement: Placement) -> Option<Placement> {
+        let gltf = self.gltf;
+        if !is_invertible(&Affine3A::from_mat4(placement.world)) {
+            // A scale of zero is how files hide a node for a while (section 3.5.3).
+            let title = gltf.node_title(node);
+            self.warn(format!("{title} is flattened by its transform: it is left out"));
+            return None;
+        }
+        if !is_sound(&placement) {
+            let title = gltf.node_title(node);
+            self.warn(format!(
+                "{title} is flattened by its animation, or goes to infinity: it stands still"
+            ));
+            return Some(Placement::still(placement.world));
+        }
+        Some(placement)
+    }
+
     fn mesh(&mut self, node: &Node, mesh: usize, placement: &Placement) -> Result<(), GltfError> {
         let gltf = self.gltf;
         let about = gltf.get("mesh", &gltf.root.meshes, mesh)?;
@@ -256,7 +282,7 @@ impl Builder<'_> {
                 self.warn(format!("points and lines are left out ({name})"));
                 continue;
             }
-            let Some(mesh) = self.known_mesh(number, primitive, name)? else {
+            let Some(mesh) = self.known_mesh(number, primitive, &about.weights, name)? else {
                 continue;
             };
             let map = Affine3A::from_mat4(placement.world);
@@ -283,7 +309,7 @@ impl Builder<'_> {
             shape = with_world(shape, placement, Mat4::IDENTITY);
             shape.children.push(Child::Reference {
                 name: None,
-                id: self.material(material, mesh.has_colors).into(),
+                id: self.material(material, mesh.values).into(),
                 span: Span::default(),
             });
             if let Some(medium) = material.and_then(|material| self.interior(material)) {
@@ -293,9 +319,12 @@ impl Builder<'_> {
                     span: Span::default(),
                 });
             }
-            if let Some(emitter) = self.emitter(material) {
-                self.has_area_light = true;
-                shape = with_child(shape, emitter);
+            let glow = self.known_glow(material, mesh.values);
+            // On average over all directions, a map changes areas by this factor.
+            let scale = map.matrix3.determinant().abs().powf(2.0 / 3.0);
+            self.lighting.note_surface(scale * mesh.area, glow.as_ref());
+            if let Some(glow) = glow {
+                shape = with_child(shape, glow.emitter);
             }
             self.shapes.push(shape);
         }
@@ -303,17 +332,27 @@ impl Builder<'_> {
     }
 
     /// The mesh of a primitive; None (reported, with the name) if it cannot be read.
-    fn known_mesh(&mut self, number: u32, primitive: &Primitive, name: &str) -> Result<Option<KnownMesh>, GltfError> {
+    fn known_mesh(
+        &mut self,
+        number: u32,
+        primitive: &Primitive,
+        weights: &[f32],
+        name: &str,
+    ) -> Result<Option<KnownMesh>, GltfError> {
         if let Some(known) = self.meshes.get(&number) {
             return Ok(known.clone());
         }
-        let known = match self.gltf.read_primitive(number, primitive) {
+        let known = match self.gltf.read_primitive(number, primitive, weights) {
             Ok(loaded) => {
                 loaded.warnings.into_iter().for_each(|warning| self.warn(warning));
                 Some(KnownMesh {
                     shape: self.references.shape(number, &loaded.mesh)?,
                     bounds: loaded.mesh.bounds(),
-                    has_colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
+                    values: MeshValues {
+                        colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
+                        alpha: loaded.mesh.attribute(VERTEX_ALPHA).is_some(),
+                    },
+                    area: area(&loaded.mesh),
                 })
             }
             Err(error) => {
@@ -327,17 +366,26 @@ impl Builder<'_> {
     }
 
     /// The id of a bsdf.
-    fn material(&mut self, index: Option<usize>, vertex_colors: bool) -> String {
-        if let Some(id) = self.materials.get(&(index, vertex_colors)) {
+    fn material(&mut self, index: Option<usize>, mesh: MeshValues) -> String {
+        if let Some(id) = self.materials.get(&(index, mesh)) {
             return id.clone();
         }
         let name = index.and_then(|index| self.gltf.root.materials[index].name.as_deref());
         let id = self.unique(name.unwrap_or("material"));
-        let mut bsdf = self.bsdf(index, vertex_colors);
+        let mut bsdf = self.bsdf(index, mesh);
         bsdf.id = Some(id.as_str().into());
         self.bsdfs.push(bsdf);
-        self.materials.insert((index, vertex_colors), id.clone());
+        self.materials.insert((index, mesh), id.clone());
         id
+    }
+
+    fn known_glow(&mut self, index: Option<usize>, mesh: MeshValues) -> Option<Glow> {
+        if let Some(known) = self.glows.get(&(index, mesh)) {
+            return known.clone();
+        }
+        let glow = self.glow(index, mesh);
+        self.glows.insert((index, mesh), glow.clone());
+        glow
     }
 
     /// The id of the medium inside of a material's surfaces, if there is one.
@@ -360,52 +408,11 @@ impl Builder<'_> {
         id
     }
 
-    fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
-        let title = format!("light `{}`", name.unwrap_or("unnamed"));
-        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &title);
-        let emitter = |plugin: &str| object(Category::Emitter, plugin);
-        // Lights of the file shine along -z.
-        let turn = Mat4::from_rotation_y(PI);
-        let mut emitter = match light.kind.as_str() {
-            "directional" => {
-                let mut emitter = with_color(emitter("directional"), "irradiance", power);
-                let forward = |world: Mat4| Value::Vector(world.transform_vector3(Vec3::NEG_Z));
-                match placement.moves() {
-                    // A direction that turns would not go along an arc.
-                    true => emitter = with_world(emitter, placement, turn),
-                    false => emitter.properties.push(placement.property("direction", forward)),
-                }
-                emitter
-            }
-            "point" => {
-                let mut emitter = with_color(emitter("point"), "intensity", power);
-                let place = |world: Mat4| Value::Point(world.w_axis.truncate());
-                emitter.properties.push(placement.property("position", place));
-                emitter
-            }
-            "spot" => {
-                let outer = light.spot.outer_cone_angle.to_degrees();
-                let emitter = with_color(emitter("spot"), "intensity", power);
-                let emitter = with_float(emitter, "cutoff_angle", outer);
-                let inner = light.spot.inner_cone_angle.to_degrees().min(outer);
-                with_world(with_float(emitter, "beam_width", inner), placement, turn)
-            }
-            other => {
-                let sentence = format!("lights of type `{other}` are not supported: one is left out");
-                return self.warn(sentence);
-            }
-        };
-        emitter.id = name
-            .filter(|name| !name.trim().is_empty())
-            .map(|name| self.unique_in_folder(name).into());
-        self.emitters.push(emitter);
-    }
-
-    fn unique(&mut self, name: &str) -> String {
+    pub(super) fn unique(&mut self, name: &str) -> String {
         self.unique_in("", name, "")
     }
 
-    fn unique_in_folder(&mut self, name: &str) -> String {
+    pub(super) fn unique_in_folder(&mut self, name: &str) -> String {
         let folder = self.folder.clone();
         self.unique_in(&folder, name, "")
     }
@@ -446,10 +453,7 @@ impl Builder<'_> {
             let sensor = self.overview()?;
             self.sensors.push(sensor);
         }
-        if self.emitters.is_empty() && !self.has_area_light {
-            let sky = object(Category::Emitter, "constant");
-            self.emitters.push(with_color(sky, "radiance", Vec3::ONE));
-        }
+        let stand_in = self.stand_in_light()?;
         let mut root = object(Category::Scene, "");
         let integrator = if self.media.is_empty() { "path" } else { "volpath" };
         root.children = std::iter::once(object(Category::Integrator, integrator))
@@ -465,8 +469,16 @@ impl Builder<'_> {
         Ok(Imported {
             root,
             warnings: self.warnings,
+            stand_in,
         })
     }
+}
+
+/// The area of all triangles of a mesh.
+fn area(mesh: &MeshData) -> f32 {
+    (0..mesh.triangles.len())
+        .map(|triangle| mesh.area_of_triangle(triangle))
+        .sum()
 }
 
 /// An error if a number of the scene is too large for single precision.

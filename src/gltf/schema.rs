@@ -28,6 +28,7 @@ pub struct Root {
     pub buffer_views: Vec<BufferView>,
     pub buffers: Vec<Buffer>,
     pub animations: Vec<Animation>,
+    pub skins: Vec<Skin>,
     pub extensions: RootExtensions,
 }
 
@@ -117,6 +118,29 @@ pub struct Node {
 pub struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub light: Option<NodeLight>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Visibility,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instancing: Option<Instancing>,
+}
+
+/// Accessors of the poses of many instances.
+#[derive(Debug, Deserialize)]
+pub struct Instancing {
+    pub attributes: HashMap<String, usize>,
+}
+
+/// Whether a node is seen, and what hangs on it.
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub struct Visibility {
+    pub visible: bool,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self { visible: true }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -124,10 +148,21 @@ pub struct NodeLight {
     pub light: usize,
 }
 
+/// The bones of meshes: indices of nodes, and the accessor of the maps from the mesh into the space of each.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Skin {
+    pub joints: Vec<usize>,
+    pub inverse_bind_matrices: Option<usize>,
+}
+
 #[derive(Debug, Deserialize)]
 pub struct Mesh {
     pub name: Option<String>,
     pub primitives: Vec<Primitive>,
+    /// Those of the morph targets at rest.
+    #[serde(default)]
+    pub weights: Vec<f32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -138,7 +173,7 @@ pub struct Primitive {
     #[serde(default = "triangles")]
     pub mode: u32,
     #[serde(default)]
-    pub targets: Vec<Value>,
+    pub targets: Vec<HashMap<String, usize>>,
 }
 
 fn triangles() -> u32 {
@@ -155,6 +190,7 @@ pub struct Material {
     pub emissive_factor: [f32; 3],
     pub alpha_mode: Option<String>,
     pub alpha_cutoff: Option<f32>,
+    pub double_sided: bool,
     pub extensions: MaterialExtensions,
 }
 
@@ -199,6 +235,30 @@ pub struct MaterialExtensions {
     pub specular: Option<Specular>,
     #[serde(rename = "KHR_materials_unlit")]
     pub unlit: Option<Value>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub specular_glossiness: Option<SpecularGlossiness>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct SpecularGlossiness {
+    pub diffuse_factor: [f32; 4],
+    pub diffuse_texture: Option<TextureInfo>,
+    pub specular_factor: [f32; 3],
+    pub glossiness_factor: f32,
+    pub specular_glossiness_texture: Option<TextureInfo>,
+}
+
+impl Default for SpecularGlossiness {
+    fn default() -> Self {
+        Self {
+            diffuse_factor: [1.0; 4],
+            diffuse_texture: None,
+            specular_factor: [1.0; 3],
+            glossiness_factor: 1.0,
+            specular_glossiness_texture: None,
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -241,6 +301,7 @@ pub struct Clearcoat {
     pub clearcoat_texture: Option<TextureInfo>,
     pub clearcoat_roughness_factor: f32,
     pub clearcoat_roughness_texture: Option<TextureInfo>,
+    pub clearcoat_normal_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -248,6 +309,8 @@ pub struct Clearcoat {
 pub struct Sheen {
     pub sheen_color_factor: [f32; 3],
     pub sheen_color_texture: Option<TextureInfo>,
+    pub sheen_roughness_factor: f32,
+    pub sheen_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]

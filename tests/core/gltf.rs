@@ -92,10 +92,17 @@ fn materials_become_principled() {
           "KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25}}}"#;
     let (parts, rest) = textured_quad(material);
     let (imported, files) = import(&parts.text(&rest));
-    assert_eq!(imported.warnings, Vec::<String>::new());
+    assert_eq!(
+        imported.warnings,
+        [
+            "material 0 (tin): its coat has the normals of what is below it",
+            "material 0 (tin): alpha does not dim its light, because its pictures lie differently",
+        ]
+    );
     let mask = of(&imported.root, Category::Bsdf)[0];
     assert_eq!((mask.plugin.as_str(), mask.id.as_deref()), ("mask", Some("tin")));
     let normal_map = inside(inside(mask, "twosided"), "normalmap");
+    assert_eq!(value(normal_map, "gltf_tangents"), &Value::Boolean(true));
     let principled = inside(normal_map, "principled");
     assert_eq!(value(principled, "eta"), &Value::Float(1.33));
     assert_eq!(value(principled, "clearcoat"), &Value::Float(0.75));
@@ -141,7 +148,7 @@ fn materials_become_principled() {
         ([0.0; 3], [1.0; 3])
     );
     let normal = Vec3::from(first(child(normal_map, "normalmap"))) * 2.0 - 1.0;
-    let expected = Vec3::new(0.5, -0.5 / 255.0, -1.0).normalize();
+    let expected = Vec3::new(0.5, 0.5 / 255.0, -1.0).normalize();
     assert!(normal.abs_diff_eq(expected, 1e-4), "{normal} {expected}");
     let area = inside(of(&imported.root, Category::Shape)[0], "area");
     let (name, radiance) = picture(child(area, "radiance"));
@@ -154,8 +161,9 @@ fn materials_become_principled() {
 #[test]
 fn transmission_is_thin_without_a_volume() {
     let material = |more: &str| {
-        let text =
-            format!(r#"{{"extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.9}}{more}}}}}"#);
+        let text = format!(
+            r#"{{"pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.9}}{more}}}}}"#
+        );
         let (parts, rest) = textured_quad(&text);
         import(&parts.text(&rest)).0
     };
@@ -183,7 +191,7 @@ fn a_volume_absorbs_light() {
         import(&parts.text(&rest)).0
     };
     let green = r#""thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.25, 1, 0]"#;
-    let Imported { root, warnings } = import_with(green);
+    let Imported { root, warnings, .. } = import_with(green);
     assert!(warnings.is_empty(), "{warnings:?}");
     let medium = of(&root, Category::Medium)[0];
     let Value::Rgb(sigma_t) = value(medium, "sigma_t") else {
@@ -279,7 +287,335 @@ fn without_camera_and_light_there_are_some() {
     let pose = world(sensor);
     let toward = Vec3::new(0.5, 0.5, 0.0) - Vec3::from(pose.translation);
     assert!(pose.transform_vector3(Vec3::Z).dot(toward.normalize()) > 0.9999);
-    assert_eq!(of(&imported.root, Category::Emitter)[0].plugin, "constant");
+    let studio = of(&imported.root, Category::Emitter)[0];
+    assert_eq!(studio.plugin, "envmap");
+    assert_eq!(imported.stand_in.as_deref(), studio.id.as_deref());
+}
+
+/// A square that shines as its material says, on a floor of 100 times its area, with a punctual light.
+fn stand_in(material: &str, floor: bool, light: &str) -> Option<String> {
+    let (mut parts, rest) = textured_quad(material);
+    let far: Vec<f32> = SQUARE.iter().map(|number| 10.0 * number).collect();
+    let far = parts.floats("VEC3", &far);
+    let nodes = match floor {
+        true => r#""nodes": [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"mesh": 1}]"#,
+        false => r#""nodes": [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}]"#,
+    };
+    let rest = rest
+        .replace(r#""nodes": [{"mesh": 0}]"#, nodes)
+        .replace(
+            r#""nodes": [0]"#,
+            if floor { r#""nodes": [0, 1]"# } else { r#""nodes": [0]"# },
+        )
+        .replace(
+            r#""meshes": ["#,
+            &format!(r#""extensions": {{"KHR_lights_punctual": {{"lights": [{light}]}}}}, "meshes": ["#),
+        )
+        .replace(
+            r#""material": 0}]}]"#,
+            &format!(r#""material": 0}}]}}, {{"primitives": [{{"attributes": {{"POSITION": {far}}}, "mode": 6}}]}}]"#),
+        );
+    let (imported, _) = import(&parts.text(&rest));
+    let studios = of(&imported.root, Category::Emitter);
+    let studios = studios.iter().filter(|emitter| emitter.plugin == "envmap").count();
+    assert_eq!(studios, usize::from(imported.stand_in.is_some()));
+    imported.stand_in
+}
+
+#[test]
+fn what_stands_in_for_light_goes_when_something_lights_the_scene() {
+    let dark = r#"{"type": "point", "intensity": 0}"#;
+    let emission = |factor: &str, more: &str| format!(r#"{{"emissiveFactor": {factor}{more}}}"#);
+    let strength = |strength: &str| {
+        format!(r#", "extensions": {{"KHR_materials_emissive_strength": {{"emissiveStrength": {strength}}}}}"#)
+    };
+    // The mean of the picture has a luminance of about 0.22.
+    let picture = r#", "emissiveTexture": {"index": 0}"#;
+    let gone = r#", "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.1]}"#;
+    for (material, floor, light, is_lit) in [
+        ("{}".to_owned(), false, dark, false),
+        ("{}".to_owned(), false, r#"{"type": "directional"}"#, true),
+        ("{}".to_owned(), false, r#"{"type": "spot", "color": [0, 0, 0]}"#, false),
+        (emission("[1, 1, 1]", ""), false, dark, true),
+        (emission("[0.01, 0.01, 0.01]", ""), false, dark, false),
+        (emission("[0, 0, 0]", picture), false, dark, false),
+        (emission("[1, 1, 1]", picture), false, dark, true),
+        (emission("[0.05, 0.05, 0.05]", picture), false, dark, false),
+        // A small lamp in a large place has to be bright.
+        (emission("[1, 1, 1]", ""), true, dark, false),
+        (emission("[1, 1, 1]", &strength("10")), true, dark, true),
+        (emission("[1, 1, 1]", &strength("0")), false, dark, false),
+        (emission("[1, 1, 1]", gone), false, dark, false),
+    ] {
+        let found = stand_in(&material, floor, light);
+        assert_eq!(found.is_none(), is_lit, "{material} {light}: {found:?}");
+    }
+}
+
+#[test]
+fn black_pictures_do_not_shine() {
+    let (mut parts, rest) = textured_quad(r#"{"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}}"#);
+    let image = image::RgbImage::new(2, 2);
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("can be written");
+    let black = parts.view(&bytes.into_inner(), "");
+    let rest = rest.replace(r#""bufferView": 2"#, &format!(r#""bufferView": {black}"#));
+    let (imported, _) = import(&parts.text(&rest));
+    assert!(imported.stand_in.is_some());
+    assert!(
+        of(&imported.root, Category::Shape)[0]
+            .objects()
+            .all(|child| child.plugin != "area")
+    );
+}
+
+#[test]
+fn light_goes_by_alpha_and_from_both_sides_of_what_has_two() {
+    let emitter = |material: &str| {
+        let (parts, rest) = textured_quad(material);
+        let (imported, files) = import(&parts.text(&rest));
+        assert_eq!(imported.warnings, Vec::<String>::new(), "{material}");
+        (inside(of(&imported.root, Category::Shape)[0], "area").clone(), files)
+    };
+    let light = |material: &str| {
+        let (area, files) = emitter(material);
+        let Value::String(name) = value(child(&area, "radiance"), "filename") else {
+            panic!("no name")
+        };
+        let bytes = &files.iter().find(|(file, _)| file == name).expect("is written").1;
+        let image = image::load_from_memory(bytes).expect("a picture").to_rgb32f();
+        [0, 1].map(|x| Vec3::from(image.get_pixel(x, 0).0))
+    };
+    let (one, both) = (
+        r#"{"emissiveFactor": [1, 1, 1]}"#,
+        r#"{"emissiveFactor": [1, 1, 1], "doubleSided": true}"#,
+    );
+    assert!(
+        emitter(one)
+            .0
+            .properties
+            .iter()
+            .all(|property| property.name != "two_sided")
+    );
+    assert_eq!(value(&emitter(both).0, "two_sided"), &Value::Boolean(true));
+    // Alpha is 0.2 and 0.8.
+    let base = r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}"#;
+    let [left, right] = light(&format!(
+        r#"{{"emissiveFactor": [1, 0.5, 0], "alphaMode": "MASK", {base}}}"#
+    ));
+    assert_eq!(left, Vec3::ZERO);
+    assert!(right.abs_diff_eq(Vec3::new(1.0, 0.735_36, 0.0), 1e-4), "{right}");
+    // Both pictures are one here; the numbers of those that are brighter than white are linear.
+    let [left, right] = light(&format!(
+        r#"{{"emissiveFactor": [2, 2, 2], "emissiveTexture": {{"index": 0}}, "alphaMode": "BLEND", {base}}}"#
+    ));
+    assert!(left.abs_diff_eq(0.4 * Vec3::new(1.0, 0.215_86, 0.0), 1e-4), "{left}");
+    assert!(right.abs_diff_eq(1.6 * Vec3::new(0.0, 0.051_27, 1.0), 1e-4), "{right}");
+    // Without a picture the factor alone counts.
+    let faded = r#"{"emissiveFactor": [1, 1, 1], "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]}}"#;
+    assert_eq!(value(&emitter(faded).0, "radiance"), &Value::Rgb(Vec3::splat(0.25)));
+}
+
+/// The quad with colours of its vertices, the last of which are clear.
+fn colored_quad(material: &str) -> Imported {
+    let (mut parts, rest) = textured_quad(material);
+    let colors = parts.floats("VEC4", &[[1.0, 0.5, 0.0, 1.0], [1.0, 0.5, 0.0, 0.0]].concat().repeat(2));
+    let rest = rest.replace(r#""POSITION": 0"#, &format!(r#""POSITION": 0, "COLOR_0": {colors}"#));
+    import(&parts.text(&rest)).0
+}
+
+#[test]
+fn colours_of_vertices_multiply_pictures_and_their_alpha_counts() {
+    let picture = r#""baseColorTexture": {"index": 0}"#;
+    let imported = colored_quad(&format!(r#"{{"pbrMetallicRoughness": {{{picture}}}}}"#));
+    assert_eq!(imported.warnings, Vec::<String>::new());
+    let principled = inside(of(&imported.root, Category::Bsdf)[0], "principled");
+    let colors = child(principled, "base_color");
+    assert_eq!(
+        (colors.plugin.as_str(), value(colors, "name")),
+        ("mesh_attribute", &Value::String("vertex_color".into()))
+    );
+    assert_eq!(child(colors, "times").plugin, "bitmap");
+
+    let fading = colored_quad(r#"{"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}}"#);
+    let opacity = child(of(&fading.root, Category::Bsdf)[0], "opacity");
+    assert_eq!(value(opacity, "name"), &Value::String("vertex_alpha".into()));
+    assert_eq!(value(opacity, "scale"), &Value::Float(0.5));
+    let both = colored_quad(&format!(
+        r#"{{"alphaMode": "BLEND", "pbrMetallicRoughness": {{{picture}}}}}"#
+    ));
+    assert_eq!(
+        child(child(of(&both.root, Category::Bsdf)[0], "opacity"), "times").plugin,
+        "bitmap"
+    );
+    assert_eq!([fading.warnings, both.warnings].concat(), Vec::<String>::new());
+    let cut = colored_quad(r#"{"name": "lace", "alphaMode": "MASK"}"#);
+    assert_eq!(
+        cut.warnings,
+        ["material 0 (lace): alpha of vertices fades, and is not cut off"]
+    );
+    // Opaque surfaces have none.
+    let opaque = colored_quad("{}");
+    assert_eq!(
+        (of(&opaque.root, Category::Bsdf)[0].plugin.as_str(), opaque.warnings),
+        ("twosided", vec![])
+    );
+}
+
+#[test]
+fn metal_beside_thin_glass_is_a_blend() {
+    let bsdf = |pbr: &str, more: &str| {
+        let text = format!(
+            r#"{{"name": "leaded", "pbrMetallicRoughness": {{{pbr}}}, "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}}{more}}}}}"#
+        );
+        let (parts, rest) = textured_quad(&text);
+        let (imported, _) = import(&parts.text(&rest));
+        (of(&imported.root, Category::Bsdf)[0].clone(), imported.warnings)
+    };
+    let (blend, warnings) = bsdf(r#""metallicFactor": 0.25, "roughnessFactor": 0.5"#, "");
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(
+        (blend.plugin.as_str(), value(&blend, "weight")),
+        ("blendbsdf", &Value::Float(0.25))
+    );
+    let bsdfs: Vec<&str> = blend.objects().map(|inner| inner.plugin.as_str()).collect();
+    assert_eq!(bsdfs, ["principledthin", "twosided"]);
+    let metal = inside(inside(&blend, "twosided"), "principled");
+    assert_eq!(value(metal, "metallic"), &Value::Float(1.0));
+    assert_eq!(value(metal, "roughness"), &Value::Float(0.5));
+    let (by_picture, _) = bsdf(r#""metallicRoughnessTexture": {"index": 0}"#, "");
+    assert_eq!(child(&by_picture, "weight").plugin, "bitmap");
+    // What is all metal lets nothing through.
+    let (metal, _) = bsdf(r#""metallicFactor": 1"#, "");
+    assert_eq!(
+        inside(&metal, "principled")
+            .properties
+            .iter()
+            .find(|it| it.name == "spec_trans"),
+        None
+    );
+    let (_, warnings) = bsdf(
+        r#""metallicFactor": 0"#,
+        r#", "KHR_materials_clearcoat": {"clearcoatFactor": 1}"#,
+    );
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("(leaded)") && warnings[0].contains("coat is left out"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn layers_that_the_models_cannot_have_are_named() {
+    let said = |layers: &str| {
+        let (parts, rest) = textured_quad(&format!(r#"{{"name": "cloth", "extensions": {{{layers}}}}}"#));
+        let (imported, _) = import(&parts.text(&rest));
+        let bsdf = inside(of(&imported.root, Category::Bsdf)[0], "principled").clone();
+        (bsdf, imported.warnings)
+    };
+    let sheen = |numbers: &str| said(&format!(r#""KHR_materials_sheen": {{{numbers}}}"#));
+    let (bsdf, warnings) = sheen(r#""sheenColorFactor": [0.5, 0.5, 0.5], "sheenRoughnessFactor": 0.5"#);
+    assert_eq!((value(&bsdf, "sheen"), warnings), (&Value::Float(0.5), vec![]));
+    for (numbers, part) in [
+        (
+            r#""sheenColorFactor": [0.9, 0.1, 0.1], "sheenRoughnessFactor": 0.5"#,
+            "no colour",
+        ),
+        (r#""sheenColorFactor": [0.5, 0.5, 0.5]"#, "width"),
+        (
+            r#""sheenColorFactor": [0.5, 0.5, 0.5], "sheenRoughnessFactor": 0.5, "sheenColorTexture": {"index": 0}"#,
+            "no texture",
+        ),
+    ] {
+        let (_, warnings) = sheen(numbers);
+        assert!(
+            warnings.len() == 1 && warnings[0].contains("(cloth)") && warnings[0].contains(part),
+            "{numbers}: {warnings:?}"
+        );
+    }
+    // A reflectance of 4 % head on, as converters from specular-glossiness write it: that of an index of 1.5.
+    let (bsdf, warnings) = said(
+        r#""KHR_materials_specular": {"specularColorFactor": [0.04, 0.04, 0.04]}, "KHR_materials_ior": {"ior": 1000}"#,
+    );
+    assert_eq!(warnings, Vec::<String>::new());
+    let Value::Float(eta) = value(&bsdf, "eta") else {
+        panic!("no number")
+    };
+    assert!((eta - 1.5).abs() < 2e-3, "{eta}");
+}
+
+#[test]
+fn pictures_repeat_along_u_and_v_each_in_its_own_way() {
+    let wraps = |s: u32, t: u32| {
+        let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}"#);
+        let rest = rest.replace(
+            r#""wrapS": 33071, "wrapT": 33071"#,
+            &format!(r#""wrapS": {s}, "wrapT": {t}"#),
+        );
+        let (imported, _) = import(&parts.text(&rest));
+        assert_eq!(imported.warnings, Vec::<String>::new());
+        let color = child(
+            inside(of(&imported.root, Category::Bsdf)[0], "principled"),
+            "base_color",
+        )
+        .clone();
+        ["wrap_mode", "wrap_mode_v"].map(|name| {
+            let found = color.properties.iter().find(|property| property.name == name);
+            found.map(|property| property.value.clone())
+        })
+    };
+    let mode = |name: &str| Some(Value::String(name.into()));
+    assert_eq!(wraps(33071, 10497), [mode("clamp"), mode("repeat")]);
+    assert_eq!(wraps(10497, 33648), [None, mode("mirror")]);
+    assert_eq!(wraps(33648, 33648), [mode("mirror"), None]);
+}
+
+/// The node of a skinned mesh does not place it, but its bones do: by their rest pose, from the pose in which the mesh is bound to them.
+#[test]
+fn bones_place_skinned_meshes() {
+    let place = |skin: &str, bone: &str| {
+        let mut parts = Parts::default();
+        let positions = parts.floats("VEC3", &SQUARE);
+        let mut bound = glam::Mat4::from_translation(Vec3::new(0.0, 0.0, -5.0))
+            .to_cols_array()
+            .to_vec();
+        bound.extend(glam::Mat4::IDENTITY.to_cols_array());
+        let view = parts.view(
+            &bound.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>(),
+            "",
+        );
+        parts.accessor(view, 5126, "MAT4", 2, "");
+        let text = parts.text(&format!(
+            r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}}}, "mode": 6}}]}}], "skins": [{skin}],
+               "nodes": [{{"mesh": 0, "skin": 0, "scale": [0.3, 0.3, 0.3], "children": [3]}}, {{"children": [2], "translation": [1, 0, 0]}}, {{{bone}}}, {{"mesh": 0}}],
+               "scenes": [{{"nodes": [0, 1]}}]"#
+        ));
+        let file = open(&text).expect("opens");
+        let (imported, _) = import_file(&file).expect("imports");
+        let shapes = of(&imported.root, Category::Shape);
+        let is_placed = |shape: &&Object| shape.properties.iter().any(|property| property.name == "to_world");
+        // What hangs on the node goes by it.
+        assert!(
+            world(shapes[1])
+                .transform_vector3(Vec3::X)
+                .abs_diff_eq(0.3 * Vec3::X, 1e-6)
+        );
+        let found = if is_placed(&shapes[0]) {
+            world(shapes[0])
+        } else {
+            Affine3A::IDENTITY
+        };
+        assert_eq!(file.placed_meshes().expect("reads")[0].1, found);
+        found
+    };
+    assert_eq!(place(r#"{"joints": []}"#, ""), Affine3A::IDENTITY);
+    assert_eq!(place(r#"{"joints": [2]}"#, ""), Affine3A::from_translation(Vec3::X));
+    let bound = place(
+        r#"{"joints": [2, 1], "inverseBindMatrices": 1}"#,
+        r#""translation": [0, 0, 5]"#,
+    );
+    assert_eq!(bound, Affine3A::from_translation(Vec3::X));
 }
 
 #[test]
@@ -497,7 +833,8 @@ fn what_cannot_be_read_of_a_mesh_is_left_out_and_said() {
         };
         assert!(warning.contains("flag") && warning.contains(part), "{warning}");
         assert_eq!(of(&imported.root, Category::Shape).len(), 1, "{part}");
-        assert_eq!(files.len(), 1, "{part}");
+        let meshes = files.iter().filter(|(name, _)| name.ends_with(".ply"));
+        assert_eq!(meshes.count(), 1, "{part}");
     }
     let (imported, _) = import(&good.replacen(r#""material": 0"#, r#""material": 4"#, 1));
     assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("material 4"));
@@ -562,7 +899,7 @@ fn a_picture_that_promises_more_than_its_bytes_can_hold_takes_no_memory() {
 fn what_cannot_be_kept_is_an_error() {
     let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}"#);
     let file = open(&parts.text(&rest)).expect("opens");
-    for kind in ["mesh", "picture"] {
+    for kind in ["mesh", "picture", "studio"] {
         let mut keep = |name: &str, _: &[u8]| match name.starts_with(kind) {
             true => Err(std::io::Error::other("the disk is full")),
             false => Ok(name.to_owned()),
@@ -672,4 +1009,84 @@ fn flat_meshes_that_are_mirrored_keep_their_front() {
         .map(|shape| shape.properties.iter().any(|property| property.name == "flip_normals"))
         .collect();
     assert_eq!(flips, [false, true, false, false]);
+}
+
+#[test]
+fn hidden_nodes_are_left_out_with_what_hangs_on_them() {
+    let (parts, rest) = textured_quad("{}");
+    let nodes = r#""nodes": [{"mesh": 0, "name": "seen", "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": false}}, "children": [2]}, {"mesh": 0}]"#;
+    let rest = rest
+        .replace(r#""nodes": [{"mesh": 0}]"#, nodes)
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+    let used = r#""extensionsUsed": ["KHR_node_visibility"], "#;
+    let (imported, _) = import(&parts.text(&format!("{used}{rest}")));
+    let shapes = of(&imported.root, Category::Shape);
+    assert_eq!(
+        shapes.iter().map(|shape| shape.id.as_deref()).collect::<Vec<_>>(),
+        [Some("seen")]
+    );
+    assert_eq!(imported.warnings, Vec::<String>::new());
+}
+
+/// What the material says in metallic-roughness counts where it says both.
+#[test]
+fn specular_glossiness_is_read_where_there_is_nothing_else() {
+    let bsdf = |more: &str| {
+        let text = format!(
+            r#"{{"name": "old", "extensions": {{"KHR_materials_pbrSpecularGlossiness": {{"diffuseFactor": [0.1, 0.4, 0.1, 1], "specularFactor": [0, 0, 0],
+              "glossinessFactor": 0.75{more}}}}}}}"#
+        );
+        let (parts, rest) = textured_quad(&text);
+        let (imported, _) = import(&parts.text(&rest));
+        (
+            inside(of(&imported.root, Category::Bsdf)[0], "diffuse").clone(),
+            imported.warnings,
+        )
+    };
+    let (paint, warnings) = bsdf("");
+    assert_eq!(value(&paint, "reflectance"), &Value::Rgb(Vec3::new(0.1, 0.4, 0.1)));
+    assert_eq!(warnings, Vec::<String>::new());
+    let (pictured, warnings) = bsdf(r#", "diffuseTexture": {"index": 0}, "specularGlossinessTexture": {"index": 0}"#);
+    assert_eq!(child(&pictured, "reflectance").plugin, "bitmap");
+    assert!(warnings.len() == 1 && warnings[0].contains("(old)"), "{warnings:?}");
+    let both = r#"{"pbrMetallicRoughness": {"roughnessFactor": 0.5}, "extensions": {"KHR_materials_pbrSpecularGlossiness": {}}}"#;
+    let (parts, rest) = textured_quad(both);
+    let principled = inside(of(&import(&parts.text(&rest)).0.root, Category::Bsdf)[0], "principled").clone();
+    assert_eq!(value(&principled, "metallic"), &Value::Float(1.0));
+}
+
+#[test]
+fn instances_stand_where_their_node_has_them() {
+    let place = |attributes: &str, count: usize| {
+        let (mut parts, rest) = textured_quad("{}");
+        let places = parts.floats("VEC3", &[[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]].concat()[..3 * count]);
+        let scales = parts.floats("VEC3", &[[1.0; 3], [3.0; 3]].concat());
+        let attributes = attributes
+            .replace("PLACES", &places.to_string())
+            .replace("SCALES", &scales.to_string());
+        let node = format!(
+            r#""nodes": [{{"mesh": 0, "name": "leaf", "scale": [2, 2, 2], "extensions": {{"EXT_mesh_gpu_instancing": {{"attributes": {{{attributes}}}}}}}}}]"#
+        );
+        let file = open(&parts.text(&rest.replace(r#""nodes": [{"mesh": 0}]"#, &node))).expect("opens");
+        let (imported, _) = import_file(&file).expect("imports");
+        let shapes = of(&imported.root, Category::Shape);
+        let poses: Vec<Affine3A> = shapes.into_iter().map(world).collect();
+        let seen: Vec<Affine3A> = file
+            .placed_meshes()
+            .expect("reads")
+            .into_iter()
+            .map(|(_, pose)| pose)
+            .collect();
+        assert_eq!(seen, poses);
+        (poses, imported.warnings)
+    };
+    let at =
+        |scale: f32, by: Vec3| Affine3A::from_scale_rotation_translation(Vec3::splat(scale), glam::Quat::IDENTITY, by);
+    let (poses, warnings) = place(r#""TRANSLATION": PLACES, "SCALE": SCALES, "_ID": 0"#, 2);
+    assert_eq!(poses, [at(2.0, 2.0 * Vec3::X), at(6.0, 4.0 * Vec3::Y)]);
+    assert_eq!(warnings, Vec::<String>::new());
+    let (poses, warnings) = place(r#""TRANSLATION": PLACES, "SCALE": SCALES"#, 1);
+    assert_eq!(poses, [at(2.0, Vec3::ZERO)]);
+    assert!(warnings.len() == 1 && warnings[0].contains("leaf"), "{warnings:?}");
 }

@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use sunroom::geometry::attribute::AttributeValues;
-use sunroom::geometry::mesh::MeshData;
+use sunroom::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
+use sunroom::geometry::ply::load_ply;
+use sunroom::geometry::ply_write::binary_ply;
 use sunroom::gltf::{Gltf, GltfError};
 use sunroom::memory;
 
@@ -288,4 +290,85 @@ fn counts_offsets_and_strides_of_any_size_are_errors_of_the_accessor() {
             .to_string();
         assert!(error.contains("accessor 0"), "{stride}: {error}");
     }
+}
+
+/// Only the vertices without a usable normal get one of the triangles.
+#[test]
+fn one_bad_normal_leaves_the_others() {
+    for bad in [[0.0; 3], [f32::NAN, 0.0, 1.0], [f32::INFINITY, 0.0, 0.0]] {
+        let mut parts = Parts::default();
+        let positions = parts.floats("VEC3", &SQUARE);
+        let normals = parts.floats(
+            "VEC3",
+            &[[1.0, 0.0, 0.0], bad, [0.0, 2.0, 0.0], [0.0, 0.0, -1.0]].concat(),
+        );
+        let meshes = format!(
+            r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}, "NORMAL": {normals}}}, "mode": 6}}]}}]"#
+        );
+        let loaded = open(&parts.text(&meshes))
+            .and_then(|file| file.mesh(0))
+            .expect("a mesh");
+        assert_eq!(loaded.mesh.normals, [Vec3::X, Vec3::Z, Vec3::Y, Vec3::NEG_Z]);
+        let [warning] = &loaded.warnings[..] else {
+            panic!("{:?}", loaded.warnings)
+        };
+        assert!(
+            warning.contains("primitive 0") && warning.contains("normal"),
+            "{warning}"
+        );
+    }
+}
+
+/// Tangents are kept where a normal map asks for them, and come through the file of the mesh.
+#[test]
+fn tangents_are_kept_for_normal_maps() {
+    let mesh = |material: &str, attributes: &str| {
+        let mut parts = Parts::default();
+        parts.floats("VEC3", &SQUARE);
+        parts.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
+        parts.floats("VEC2", &[0.0; 8]);
+        parts.floats("VEC4", &[0.0, 2.0, 0.0, -1.0].repeat(4));
+        let text = parts.text(&format!(
+            r#""materials": [{{{material}}}], "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2, "TANGENT": 3{attributes}}},
+                "material": 0, "mode": 6}}]}}]"#
+        ));
+        open(&text).and_then(|file| file.mesh(0)).expect("a mesh").mesh
+    };
+    let map = r#""normalTexture": {"index": 0}"#;
+    let with_tangents = mesh(map, r#", "NORMAL": 1"#);
+    let names: Vec<&str> = with_tangents
+        .attributes
+        .iter()
+        .map(|attribute| &*attribute.name)
+        .collect();
+    assert_eq!(names, [TANGENT, TANGENT_SIGN]);
+    assert_eq!(
+        with_tangents.attributes[0].values,
+        AttributeValues::F32([0.0, 1.0, 0.0].repeat(4))
+    );
+    assert_eq!(with_tangents.attributes[1].values, AttributeValues::F32(vec![-1.0; 4]));
+    let again = load_ply(&binary_ply(&with_tangents)).expect("a PLY file").mesh;
+    assert_eq!(again.attributes, with_tangents.attributes);
+    for (material, attributes) in [("", r#", "NORMAL": 1"#), (map, "")] {
+        assert_eq!(mesh(material, attributes).attributes, []);
+    }
+}
+
+#[test]
+fn morph_targets_shape_a_mesh_as_its_weights_at_rest_say() {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE);
+    parts.floats("VEC3", &[0.0, -1.0, 0.0].repeat(4));
+    parts.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
+    let text = |weights: &str| {
+        parts.text(&format!(
+            r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "mode": 6, "targets": [{{"POSITION": 1}}, {{"POSITION": 2}}]}}]{weights}}}]"#
+        ))
+    };
+    let first = |weights: &str| {
+        let mesh = open(&text(weights)).and_then(|file| file.mesh(0)).expect("a mesh").mesh;
+        mesh.positions[0]
+    };
+    assert_eq!(first(""), Vec3::ZERO);
+    assert_eq!(first(r#", "weights": [0.5, 2]"#), Vec3::new(0.0, -0.5, 2.0));
 }

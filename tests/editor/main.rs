@@ -16,6 +16,7 @@ mod blocking;
 mod corpus;
 mod editing;
 mod gizmo;
+mod importing;
 mod keys;
 mod media;
 mod missing;

@@ -93,6 +93,7 @@ impl Parser {
             includes: self.includes,
             uses_unit_name,
             imported: false,
+            stand_in_light: None,
             access: self.access,
             diagnostics: self.diagnostics,
         }

@@ -18,6 +18,9 @@ use self::model::{
     Root, Sampler, Texture,
 };
 
+/// The roughness of sheen in files that are written, for the scene format has none: a glow as wide as that of `principled`.
+pub const SHEEN_ROUGHNESS: f32 = 0.5;
+
 const FLOAT: u32 = 5126;
 
 /// The reason why something cannot be written.

@@ -84,20 +84,21 @@ fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[Pat
         text: Default::default(),
         byte_order_mark: false,
     }));
-    let root = match taken {
+    let (root, stand_in_light) = match taken {
         Ok(imported) => {
             for warning in imported.warnings {
                 diagnostics.push(Severity::Warning, None, warning, None);
             }
-            imported.root
+            (imported.root, imported.stand_in)
         }
         Err(error) => {
             diagnostics.push(Severity::Error, None, error.to_string(), None);
-            Object::new(Category::Scene, "")
+            (Object::new(Category::Scene, ""), None)
         }
     };
     Document {
         imported: true,
+        stand_in_light,
         diagnostics,
         ..Document::new(path, root)
     }

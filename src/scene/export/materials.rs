@@ -11,7 +11,7 @@ use super::pictures::{Pictures, Planes};
 use crate::color::Rgb;
 use crate::files::Access;
 use crate::geometry::mesh::MtlMaterial;
-use crate::gltf::write::GltfWriter;
+use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
 use crate::gltf::write::material::{
     Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, Sheen, Specular, TextureInfo,
     Transmission, Volume,
@@ -19,8 +19,6 @@ use crate::gltf::write::material::{
 use crate::scene::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
-/// The roughness of sheen, of which the scene format has none: a glow as wide as its own.
-const SHEEN_ROUGHNESS: f32 = 0.5;
 /// The index of refraction where a material says none.
 const USUAL_INDEX: f32 = 1.5;
 

@@ -299,7 +299,8 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
             if document.diagnostics.has_errors() && !refused.is_empty() {
                 trust::ask_about_import(edit.world, &path, refused);
             }
-            insert_all(edit, without_cameras(scene), &document.diagnostics).map_err(CommandError::file)?;
+            let content = without_setting(scene, document.stand_in_light.as_deref());
+            insert_all(edit, content, &document.diagnostics).map_err(CommandError::file)?;
         }
         _ => {
             return Err(CommandError::file(format!(
@@ -312,12 +313,15 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The scene that they come into has its own.
-fn without_cameras(scene: SceneDescription) -> SceneDescription {
-    SceneDescription {
-        sensors: Vec::new(),
-        ..scene
+/// The scene without cameras, and without the light that stands in where a file has none: the one that it comes into has its own.
+fn without_setting(mut scene: SceneDescription, stand_in_light: Option<&str>) -> SceneDescription {
+    scene.sensors.clear();
+    if let Some(stand_in) = stand_in_light {
+        scene
+            .emitters
+            .retain(|emitter| emitter.identity.id.as_deref() != Some(stand_in));
     }
+    scene
 }
 
 fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {

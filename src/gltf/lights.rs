@@ -1,0 +1,102 @@
+//! The lights of a file as emitters, and what stands in for them where nothing lights the scene.
+//!
+//! Intensities are taken over as numbers: candela and lux become W/sr and W/m^2.
+
+use std::f32::consts::PI;
+
+use glam::{Mat4, Vec3};
+
+use super::GltfError;
+use super::emission::Glow;
+use super::motion::Placement;
+use super::objects::*;
+use super::scene::Builder;
+use super::schema::Light;
+use crate::document::{Category, Object, Value};
+
+/// The light of all surfaces together, as the mean of their radiance, below which they do not light the scene: the picture would be nearly black then.
+/// What stands in for light has about 1.
+const LEAST_LIGHT: f32 = 0.03;
+
+/// What lights the scene so far.
+#[derive(Default)]
+pub(super) struct Lighting {
+    /// Whether there is a light that is no surface, and not black.
+    has_lights: bool,
+    /// The area of all surfaces.
+    area: f64,
+    /// The mean radiance of each surface, times its area.
+    radiance: f64,
+}
+
+impl Lighting {
+    /// Notes a surface of this area.
+    pub fn note_surface(&mut self, area: f32, glow: Option<&Glow>) {
+        self.area += f64::from(area);
+        self.radiance += f64::from(area) * glow.map_or(0.0, |glow| f64::from(glow.mean));
+    }
+
+    /// Whether the scene is lit.
+    fn is_enough(&self) -> bool {
+        self.has_lights || self.radiance > f64::from(LEAST_LIGHT) * self.area
+    }
+}
+
+impl Builder<'_> {
+    pub(super) fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
+        let title = format!("light `{}`", name.unwrap_or("unnamed"));
+        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &title);
+        let emitter = |plugin: &str| object(Category::Emitter, plugin);
+        // Lights of the file shine along -z.
+        let turn = Mat4::from_rotation_y(PI);
+        let mut emitter = match light.kind.as_str() {
+            "directional" => {
+                let mut emitter = with_color(emitter("directional"), "irradiance", power);
+                let forward = |world: Mat4| Value::Vector(world.transform_vector3(Vec3::NEG_Z));
+                match placement.moves() {
+                    // A direction that turns would not go along an arc.
+                    true => emitter = with_world(emitter, placement, turn),
+                    false => emitter.properties.push(placement.property("direction", forward)),
+                }
+                emitter
+            }
+            "point" => {
+                let mut emitter = with_color(emitter("point"), "intensity", power);
+                let place = |world: Mat4| Value::Point(world.w_axis.truncate());
+                emitter.properties.push(placement.property("position", place));
+                emitter
+            }
+            "spot" => {
+                let outer = light.spot.outer_cone_angle.to_degrees();
+                let emitter = with_color(emitter("spot"), "intensity", power);
+                let emitter = with_float(emitter, "cutoff_angle", outer);
+                let inner = light.spot.inner_cone_angle.to_degrees().min(outer);
+                with_world(with_float(emitter, "beam_width", inner), placement, turn)
+            }
+            other => {
+                let sentence = format!("lights of type `{other}` are not supported: one is left out");
+                return self.warn(sentence);
+            }
+        };
+        self.lighting.has_lights |= power.max_element() > 0.0;
+        emitter.id = name
+            .filter(|name| !name.trim().is_empty())
+            .map(|name| self.unique_in_folder(name).into());
+        self.emitters.push(emitter);
+    }
+
+    /// Adds the light that stands in where nothing lights the scene. Returns its id, if there is one.
+    pub(super) fn stand_in_light(&mut self) -> Result<Option<String>, GltfError> {
+        if self.lighting.is_enough() {
+            return Ok(None);
+        }
+        let id = self.unique("studio");
+        let file = self.studio_file()?;
+        let studio = with(object(Category::Emitter, "envmap"), "filename", Value::String(file));
+        self.emitters.push(Object {
+            id: Some(id.as_str().into()),
+            ..studio
+        });
+        Ok(Some(id))
+    }
+}

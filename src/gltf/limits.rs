@@ -1,0 +1,101 @@
+//! What of a material is not seen, because the models of the scene format cannot do it: a sentence for each, with the name of the material.
+
+use glam::Vec3;
+
+use super::material::MeshValues;
+use super::scene::Builder;
+use super::schema::{Material, TextureInfo};
+use super::write::SHEEN_ROUGHNESS;
+
+/// The difference of the channels of a colour up to which it counts as grey.
+const GREY: f32 = 1e-3;
+
+impl Builder<'_> {
+    pub(super) fn report_limits(&mut self, material: &Material, mesh: MeshValues, title: &str) {
+        for what in limits(material, mesh) {
+            self.warn(format!("{title}: {what}"));
+        }
+    }
+}
+
+fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
+    let extensions = &material.extensions;
+    let mut limits = Vec::new();
+    let mut check = |is_so: bool, what: &'static str| {
+        if is_so {
+            limits.push(what);
+        }
+    };
+    if let Some(coat) = extensions.clearcoat.as_ref().filter(|coat| coat.clearcoat_factor > 0.0) {
+        check(
+            coat.clearcoat_roughness_texture.is_some(),
+            "the roughness of its coat has no texture",
+        );
+        let index = |texture: &Option<TextureInfo>| texture.as_ref().map(|texture| texture.index);
+        check(
+            index(&coat.clearcoat_normal_texture) != index(&material.normal_texture),
+            "its coat has the normals of what is below it",
+        );
+        check(
+            material.is_thin(),
+            "its coat is left out where light goes through, because thin surfaces have none",
+        );
+    }
+    if let Some(sheen) = extensions
+        .sheen
+        .as_ref()
+        .filter(|sheen| sheen.sheen_color_factor != [0.0; 3])
+    {
+        check(
+            sheen.sheen_color_texture.is_some() || sheen.sheen_roughness_texture.is_some(),
+            "its sheen has no texture",
+        );
+        check(
+            !is_grey(sheen.sheen_color_factor.into()),
+            "its sheen has no colour, only the brightness of it",
+        );
+        check(
+            sheen.sheen_roughness_factor != SHEEN_ROUGHNESS,
+            "its sheen has a width of its own, whatever its roughness",
+        );
+    }
+    if let Some(specular) = extensions.specular.as_ref() {
+        check(
+            specular.specular_texture.is_some(),
+            "its specular reflection has no texture",
+        );
+        let color = specular.specular_color_factor.map_or(Vec3::ONE, Vec3::from);
+        check(
+            !is_grey(color) || specular.specular_color_texture.is_some(),
+            "its specular reflection has no colour, only the brightness of the factor",
+        );
+    }
+    if let Some(old) = &extensions.specular_glossiness {
+        check(
+            old.specular_glossiness_texture.is_some(),
+            "its picture of specular colour and glossiness does not count",
+        );
+    }
+    check(
+        extensions.unlit.is_some(),
+        "it is unlit: a diffuse surface takes its place",
+    );
+    let sets: Vec<usize> = material.textures().map(TextureInfo::set).collect();
+    check(
+        sets.windows(2).any(|two| two[0] != two[1]),
+        "its textures use several sets of coordinates: the first one's is taken",
+    );
+    if mesh.alpha && material.cutoff().is_some() {
+        let has_picture = material.pbr_metallic_roughness.base_color_texture.is_some();
+        check(
+            has_picture,
+            "alpha of vertices does not count beside a picture that is cut off",
+        );
+        check(!has_picture, "alpha of vertices fades, and is not cut off");
+    }
+    limits
+}
+
+fn is_grey(color: Vec3) -> bool {
+    color.max_element() - color.min_element() <= GREY * color.max_element()
+}

@@ -1,0 +1,105 @@
+//! Materials of the archived extension KHR_materials_pbrSpecularGlossiness, as those of metallic-roughness that look most alike.
+//!
+//! Its diffuse and specular colour are those of a base colour and a share of metal whose dielectric part mirrors 4 % head on.
+
+use glam::Vec3;
+
+use super::schema::{Material, Pbr, Specular, SpecularGlossiness};
+use crate::color::luminance;
+
+/// The reflectance at normal incidence of what is no metal.
+const DIELECTRIC: f32 = 0.04;
+
+impl Material {
+    /// Brings the material into the terms of metallic-roughness, unless the file gives it in these as well.
+    pub(super) fn settle(&mut self) {
+        let is_given = !self.pbr_metallic_roughness.is_usual();
+        if let Some(given) = self.extensions.specular_glossiness.as_ref().filter(|_| !is_given) {
+            let (pbr, specular) = converted(given);
+            self.pbr_metallic_roughness = pbr;
+            self.extensions.specular = specular;
+        }
+    }
+}
+
+impl Pbr {
+    fn is_usual(&self) -> bool {
+        let usual = Self::default();
+        self.base_color_factor == usual.base_color_factor
+            && (self.metallic_factor, self.roughness_factor) == (usual.metallic_factor, usual.roughness_factor)
+            && self.base_color_texture.is_none()
+            && self.metallic_roughness_texture.is_none()
+    }
+}
+
+fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
+    let [r, g, b, alpha] = given.diffuse_factor;
+    let (diffuse, mirrored) = (Vec3::new(r, g, b), Vec3::from(given.specular_factor));
+    let rest = 1.0 - mirrored.max_element().clamp(0.0, 1.0);
+    let (dark, bright) = (luminance(diffuse), luminance(mirrored));
+    let metallic = match given.diffuse_texture.is_none() && bright > DIELECTRIC {
+        true => share_of_metal(dark * rest / (1.0 - DIELECTRIC), bright),
+        false => 0.0,
+    };
+    // The colour that the dielectric part asks for, and that of the metal.
+    let of_diffuse = diffuse / (1.0 - metallic).max(1e-3);
+    let of_metal = (mirrored - DIELECTRIC * (1.0 - metallic)) / metallic.max(1e-3);
+    let base = of_diffuse
+        .lerp(of_metal, metallic * metallic)
+        .clamp(Vec3::ZERO, Vec3::ONE);
+    let pbr = Pbr {
+        base_color_factor: base.extend(alpha).to_array(),
+        base_color_texture: given.diffuse_texture.clone(),
+        metallic_factor: metallic,
+        roughness_factor: 1.0 - given.glossiness_factor.clamp(0.0, 1.0),
+        metallic_roughness_texture: None,
+    };
+    let specular = (metallic == 0.0).then(|| Specular {
+        specular_factor: (bright / DIELECTRIC).clamp(0.0, 1.0),
+        specular_texture: None,
+        specular_color_factor: (bright > DIELECTRIC).then_some([bright / DIELECTRIC; 3]),
+        specular_color_texture: None,
+    });
+    (pbr, specular)
+}
+
+/// The share m for which the base colour c = `diffuse` / (1 - m), as a metal's, explains what is mirrored: 0.04 (1 - m) + c m.
+fn share_of_metal(diffuse: f32, mirrored: f32) -> f32 {
+    let b = diffuse + mirrored - 2.0 * DIELECTRIC;
+    let c = DIELECTRIC - mirrored;
+    let root = (b * b - 4.0 * DIELECTRIC * c).max(0.0).sqrt();
+    ((root - b) / (2.0 * DIELECTRIC)).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(diffuse: [f32; 3], specular: [f32; 3]) -> (Pbr, Option<Specular>) {
+        let [r, g, b] = diffuse;
+        converted(&SpecularGlossiness {
+            diffuse_factor: [r, g, b, 0.5],
+            specular_factor: specular,
+            glossiness_factor: 0.75,
+            ..SpecularGlossiness::default()
+        })
+    }
+
+    #[test]
+    fn paint_keeps_its_colour_and_metal_its_mirror_image() {
+        let (paint, specular) = of([0.1, 0.4, 0.2], [0.0; 3]);
+        assert_eq!(paint.base_color_factor, [0.1, 0.4, 0.2, 0.5]);
+        assert_eq!((paint.metallic_factor, paint.roughness_factor), (0.0, 0.25));
+        assert_eq!(specular.expect("none is mirrored").specular_factor, 0.0);
+        let (plastic, specular) = of([0.2; 3], [0.04; 3]);
+        let factor = specular.expect("the usual").specular_factor;
+        assert!(
+            plastic.metallic_factor == 0.0 && (factor - 1.0).abs() < 1e-5,
+            "{factor}"
+        );
+        let (gold, _) = of([0.0; 3], [1.0, 0.7, 0.3]);
+        assert!(gold.metallic_factor > 0.99, "{}", gold.metallic_factor);
+        let [r, g, b, _] = gold.base_color_factor;
+        assert!(Vec3::new(r, g, b).abs_diff_eq(Vec3::new(1.0, 0.7, 0.3), 0.02));
+    }
+}
