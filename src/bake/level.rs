@@ -340,6 +340,11 @@ impl Group {
                 .map(|vertex| layout.coordinates[*vertex as usize].to_array())
                 .collect();
             writer.add_coordinates(&mut attributes, "TEXCOORD_1", &coordinates);
+            // The sets are numbered without gaps (glTF 2.0, section 3.7.2.1).
+            if !attributes.contains_key("TEXCOORD_0") {
+                let lightmap = attributes["TEXCOORD_1"];
+                attributes.insert("TEXCOORD_0".to_owned(), lightmap);
+            }
             let indices = writer.add_triangles(&triangles, vertices.len())?;
             let material = match self.is_parted(sheet) {
                 true => old.material.map(|material| one_sided(writer, material, sheet.is_back)),

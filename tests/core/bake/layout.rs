@@ -252,3 +252,44 @@ fn each_side_of_a_square_is_one_chart() {
         .collect();
     assert_eq!(vertices, [4, 4]);
 }
+
+/// Sets of coordinates are numbered without gaps (glTF 2.0, section 3.7.2.1).
+#[test]
+fn lightmaps_have_their_coordinates_after_others() {
+    let mut writer = GltfWriter::default();
+    let bare = MeshData {
+        uvs: Vec::new(),
+        ..unit_cube()
+    };
+    for mesh in [bare, unit_cube()] {
+        let attributes = writer.add_vertices(&mesh, None).expect("few vertices");
+        let indices = writer
+            .add_triangles(&mesh.triangles, mesh.positions.len())
+            .expect("few triangles");
+        let material = Some(writer.add_material(GltfMaterial {
+            pbr_metallic_roughness: Pbr::default(),
+            ..GltfMaterial::default()
+        }));
+        let mesh = writer.add_mesh(Mesh {
+            name: "cube".to_owned(),
+            primitives: vec![GltfPrimitive {
+                attributes,
+                indices,
+                material,
+            }],
+        });
+        let node = Node {
+            mesh: Some(mesh),
+            ..Node::default()
+        };
+        writer.add_node(node, None);
+    }
+    laid_out(&mut writer, (true, false));
+    let placed = writer.placed_meshes();
+    assert_eq!(placed.len(), 2);
+    for placed in placed {
+        let attributes = &writer.mesh(placed.mesh).primitives[0].attributes;
+        let names: Vec<&str> = attributes.keys().map(String::as_str).collect();
+        assert_eq!(names, ["NORMAL", "POSITION", "TEXCOORD_0", "TEXCOORD_1"]);
+    }
+}
