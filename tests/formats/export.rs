@@ -624,7 +624,8 @@ fn textures_keep_their_values_and_their_places() {
             }
             // The importer gives normals the length 1.
             let direction = |code: Vec3| (2.0 * code - 1.0).normalize();
-            let code = Vec3::new(30.0 * x as f32, 60.0 * y as f32, 128.0) / 255.0;
+            // v points up on a rectangle, so that pictures lie mirrored on it, and green has turned around.
+            let code = Vec3::new(30.0 * x as f32, 255.0 - 60.0 * y as f32, 128.0) / 255.0;
             let found = dented.pixel(x, y).map(sunroom::color::srgb_from_linear);
             let angle = direction(found).angle_between(direction(code));
             assert!(angle < 0.02, "{angle}");
@@ -1055,4 +1056,95 @@ fn what_moves_moves_on() {
             "{frame}: {error}, where what moves changes {moved}"
         );
     }
+}
+
+/// Boards with a normal map: upright pictures, mirrored ones, both on one, mirrored poses, a sphere.
+#[test]
+fn normal_maps_keep_their_side() {
+    let shop = Workshop::new();
+    let mut lean = image::RgbImage::new(4, 4);
+    for (x, y, pixel) in lean.enumerate_pixels_mut() {
+        *pixel = image::Rgb([100 + 20 * (x / 2) as u8, 190 + 10 * (y / 2) as u8, 210]);
+    }
+    lean.save(shop.path("lean.png")).expect("a picture");
+    let board = |normals: &str| {
+        let vn = if normals.is_empty() { "" } else { "vn 0 0 1\n" };
+        let corner = |vertex: usize, uv: usize| match normals.is_empty() {
+            true => format!("{vertex}/{uv}"),
+            false => format!("{vertex}/{uv}/1"),
+        };
+        let face = |corners: [(usize, usize); 4]| {
+            let corners = corners.map(|(vertex, uv)| corner(vertex, uv));
+            format!("f {}\n", corners.join(" "))
+        };
+        // The right half, or both, have u run the other way.
+        let [plain, mirrored] = [[1, 2, 3, 4], [2, 1, 4, 3]];
+        let halves = [[1, 2, 5, 4], [2, 3, 6, 5]];
+        let half = |corners: [usize; 4], uvs: [usize; 4]| face(std::array::from_fn(|i| (corners[i], uvs[i])));
+        let vertices = "v -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+        [[plain, plain], [mirrored, mirrored], [plain, mirrored]]
+            .map(|uvs| format!("{vertices}{vn}{}{}", half(halves[0], uvs[0]), half(halves[1], uvs[1])))
+    };
+    for (kind, files) in [("bare", board("")), ("smooth", board("yes"))] {
+        for (name, text) in ["upright", "mirrored", "mixed"].iter().zip(files) {
+            shop.put(&format!("{kind}-{name}.obj"), text);
+        }
+    }
+    let material = |more: &str| {
+        format!(
+            r#"<bsdf type="twosided"><bsdf type="normalmap"><texture type="bitmap" name="normalmap"><string name="filename" value="lean.png"/>
+              <boolean name="raw" value="true"/></texture>{more}<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></bsdf></bsdf>"#
+        )
+    };
+    let light = r#"<emitter type="directional"><vector name="direction" value="0.3, -1, -1"/><rgb name="irradiance" value="3"/></emitter>"#;
+    let pictures = |shape: &str, name: &str, tolerance: f32| {
+        shop.put("scene.xml", scene(&format!("{CAMERA}{light}{shape}")));
+        assert_eq!(shop.convert("scene.xml", "level.gltf"), [""; 0], "{name}");
+        let render = |file: &str| shop.render(file, &["--size", "32x24", "--spp", "64", "--max-depth", "2"]);
+        let (before, after) = (render("scene.xml"), render("level.gltf"));
+        assert!(mean(&before) > 0.01, "{name}");
+        let error = difference(&before, &after);
+        assert!(error < tolerance, "{name}: {error}");
+        let json: serde_json::Value = serde_json::from_slice(&shop.read("level.gltf")).expect("JSON");
+        let parts = json["meshes"][0]["primitives"].as_array().expect("a list").clone();
+        let first = image::open(shop.path("level-picture-0.png"))
+            .expect("a picture")
+            .to_rgb8();
+        (parts, first.get_pixel(0, 0).0[1])
+    };
+    let flag = r#"<boolean name="gltf_tangents" value="true"/>"#;
+    for kind in ["bare", "smooth"] {
+        for (name, green, count) in [("upright", 190, 1), ("mirrored", 65, 1), ("mixed", 190, 2)] {
+            for (mirror, more) in [("1", ""), ("-1", ""), ("1", flag), ("-1", flag)] {
+                let shape = format!(
+                    r#"<shape type="obj"><string name="filename" value="{kind}-{name}.obj"/>
+                      <transform name="to_world"><scale x="{mirror}"/></transform>{}</shape>"#,
+                    material(more)
+                );
+                let what = format!("{kind} {name} {mirror} {more}");
+                let (parts, found) = pictures(&shape, &what, 2e-3);
+                assert_eq!(parts.len(), count, "{what}");
+                for part in &parts {
+                    assert!(part["attributes"]["TANGENT"].is_u64(), "{what}: {part}");
+                }
+                if !more.is_empty() {
+                    assert_eq!(found, 190, "{what}");
+                } else if mirror == "1" {
+                    assert_eq!(found, green, "{what}");
+                }
+            }
+        }
+    }
+    // v points up on a rectangle, as in Mitsuba, and pictures lie mirrored.
+    let (_, found) = pictures(
+        &format!(r#"<shape type="rectangle">{}</shape>"#, material("")),
+        "rectangle",
+        2e-3,
+    );
+    assert_eq!(found, 65);
+    pictures(
+        &format!(r#"<shape type="sphere">{}</shape>"#, material("")),
+        "sphere",
+        0.02,
+    );
 }

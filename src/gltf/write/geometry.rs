@@ -53,6 +53,12 @@ impl GltfWriter {
         Ok(attributes)
     }
 
+    /// Adds a tangent for each vertex, with the side of the bitangent.
+    pub fn add_tangents(&mut self, attributes: &mut Attributes, tangents: &[[f32; 4]]) {
+        let accessor = self.add_floats(tangents, false, Some(ARRAY_BUFFER));
+        attributes.insert("TANGENT".to_owned(), accessor);
+    }
+
     /// Adds triangles over so many vertices.
     pub fn add_triangles(&mut self, triangles: &Triangles, vertices: usize) -> Result<usize, GltfWriteError> {
         check_counts(vertices as u64, 3 * triangles.len() as u64)?;

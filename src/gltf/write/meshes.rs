@@ -123,6 +123,9 @@ impl GltfWriter {
             let copy = match (self.root.accessors[*accessor].kind, &**name) {
                 ("VEC2", _) => self.add_chosen::<2>(*accessor, chosen, |value| value),
                 (_, "NORMAL") if is_turned => self.add_chosen::<3>(*accessor, chosen, |value| value.map(|x| -x)),
+                // The bitangent is the product of a normal and the tangent, and keeps its side.
+                ("VEC4", _) if is_turned => self.add_chosen::<4>(*accessor, chosen, |[x, y, z, side]| [x, y, z, -side]),
+                ("VEC4", _) => self.add_chosen::<4>(*accessor, chosen, |value| value),
                 _ => self.add_chosen::<3>(*accessor, chosen, |value| value),
             };
             attributes.insert(name.clone(), copy);

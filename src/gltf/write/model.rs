@@ -190,7 +190,7 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
-/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TEXCOORD_0`, `TEXCOORD_1`, `COLOR_0`.
+/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TANGENT`, `TEXCOORD_0`, `TEXCOORD_1`, `COLOR_0`.
 pub type Attributes = BTreeMap<String, usize>;
 
 /// Triangles of one material.

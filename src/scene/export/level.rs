@@ -28,7 +28,7 @@ pub(super) enum Map {
     Same,
     Root,
     Square,
-    /// y of normals turns around.
+    /// y of normals turns around, for what lies mirrored.
     Normals,
 }
 

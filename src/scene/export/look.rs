@@ -21,8 +21,10 @@ pub(super) struct Look {
     pub sheen: Rgb,
     pub clearcoat: Level,
     pub clearcoat_roughness: f32,
-    /// Raw normals, y up.
+    /// Raw normals.
     pub normals: Option<Level>,
+    /// Whether they go by the handedness of coordinates, as in glTF, rather than by the shading frame.
+    pub gltf_tangents: bool,
     pub is_two_sided: bool,
 }
 
@@ -49,6 +51,7 @@ impl Look {
             clearcoat: Level::number(0.0),
             clearcoat_roughness: 0.0,
             normals: None,
+            gltf_tangents: false,
             is_two_sided: false,
         }
     }
@@ -84,6 +87,11 @@ impl Look {
             sheen: self.sheen.lerp(other.sheen, weight),
             clearcoat: self.clearcoat.mixed(other.clearcoat, weight),
             clearcoat_roughness: nearer(self.clearcoat_roughness, other.clearcoat_roughness),
+            gltf_tangents: if weight > 0.5 {
+                other.gltf_tangents
+            } else {
+                self.gltf_tangents
+            },
             normals: if weight > 0.5 { other.normals } else { self.normals },
             is_two_sided: self.is_two_sided && other.is_two_sided,
         }

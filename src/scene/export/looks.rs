@@ -55,13 +55,20 @@ impl Looks<'_, '_> {
                 };
             }
             Material::Blend { weight } => return self.blend(about, Level::of_number(weight)),
-            Material::NormalMap { normals, .. } => {
-                let normals = match Level::of_color(normals) {
-                    Level::Constant(_) => None,
-                    varying => Some(varying.mapped(Map::Normals)),
-                };
+            Material::NormalMap {
+                normals, gltf_tangents, ..
+            } => {
+                let normals = Some(Level::of_color(normals)).filter(|level| level.constant().is_none());
+                let gltf_tangents = *gltf_tangents;
                 return match self.nested(about.first) {
-                    Appearance::Surface(look) => Appearance::Surface(Look { normals, ..*look }.into()),
+                    Appearance::Surface(look) => Appearance::Surface(
+                        Look {
+                            normals,
+                            gltf_tangents,
+                            ..*look
+                        }
+                        .into(),
+                    ),
                     nothing => nothing,
                 };
             }
@@ -478,7 +485,8 @@ impl Looks<'_, '_> {
         };
         look.is_two_sided = true;
         if let Some(map) = &mtl.maps.norm {
-            look.normals = Some(Level::of_color(&Parameter::Texture(mtl_picture(map, true))).mapped(Map::Normals));
+            look.normals = Some(Level::of_color(&Parameter::Texture(mtl_picture(map, true))));
+            look.gltf_tangents = true;
         }
         if let Some(map) = &mtl.maps.d {
             look.opacity = Level::of_number(&Parameter::Texture(mtl_picture(map, true)));

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::level::{Level, Varying};
+use super::level::{Level, Map, Varying};
 use super::look::{Appearance, Look};
 use super::looks::Looks;
 use super::messages::Messages;
@@ -11,11 +11,11 @@ use super::pictures::{Pictures, Planes};
 use crate::color::Rgb;
 use crate::files::Access;
 use crate::geometry::mesh::MtlMaterial;
-use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
 use crate::gltf::write::material::{
     Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, Sheen, Specular, TextureInfo,
     Transmission, Volume,
 };
+use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
 use crate::scene::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
@@ -35,6 +35,8 @@ pub(super) struct Surface<'a> {
     pub light: Option<&'a AreaLight>,
     /// The medium inside.
     pub interior: Option<usize>,
+    /// Whether pictures lie mirrored on it, as seen from the side of its normals.
+    pub is_mirrored: bool,
 }
 
 /// What a surface becomes.
@@ -54,10 +56,20 @@ pub(super) enum Written {
     },
 }
 
+/// How a surface looks, and what it sends out.
+#[derive(Clone)]
+struct Prepared {
+    look: Look,
+    emission: Option<Level>,
+    shines_both_ways: bool,
+}
+
 /// The materials of an export.
 pub(super) struct Materials<'a> {
     scene: &'a SceneDescription,
     pub pictures: Pictures<'a>,
+    /// The looks of surfaces; None for what light passes.
+    prepared: HashMap<String, Option<Prepared>>,
     written: HashMap<String, Written>,
     names: HashMap<String, usize>,
 }
@@ -67,6 +79,7 @@ impl<'a> Materials<'a> {
         Self {
             scene,
             pictures: Pictures::new(access),
+            prepared: HashMap::new(),
             written: HashMap::new(),
             names: HashMap::new(),
         }
@@ -74,18 +87,39 @@ impl<'a> Materials<'a> {
 
     /// What a surface becomes; equal ones share a material.
     pub fn write(&mut self, surface: &Surface, writer: &mut GltfWriter, messages: &mut Messages) -> Written {
-        let of_file = surface.of_file.map(|(path, slot, _)| (path, slot));
-        let light = surface.light.map(|light| &light.radiance);
-        let key = format!("{:?} {of_file:?} {light:?} {:?}", surface.material, surface.interior);
+        let prepared = self.prepare(surface, messages);
+        let goes_by_side = prepared
+            .as_ref()
+            .is_some_and(|it| it.look.normals.is_some() && !it.look.gltf_tangents);
+        let key = format!("{} {}", key_of(surface), surface.is_mirrored && goes_by_side);
         if let Some(known) = self.written.get(&key) {
             return known.clone();
         }
-        let written = self.write_new(surface, writer, messages);
+        let written = match prepared {
+            Some(prepared) => self.write_new(prepared, surface, writer, messages),
+            None => Written::Nothing,
+        };
         self.written.insert(key, written.clone());
         written
     }
 
-    fn write_new(&mut self, surface: &Surface, writer: &mut GltfWriter, messages: &mut Messages) -> Written {
+    /// Whether a surface has a normal map, and whether this goes by the handedness of coordinates as in glTF.
+    pub fn normal_map(&mut self, surface: &Surface, messages: &mut Messages) -> Option<bool> {
+        let look = self.prepare(surface, messages)?.look;
+        look.normals.map(|_| look.gltf_tangents)
+    }
+
+    fn prepare(&mut self, surface: &Surface, messages: &mut Messages) -> Option<Prepared> {
+        let key = key_of(surface);
+        if let Some(known) = self.prepared.get(&key) {
+            return known.clone();
+        }
+        let prepared = self.prepare_new(surface, messages);
+        self.prepared.insert(key, prepared.clone());
+        prepared
+    }
+
+    fn prepare_new(&mut self, surface: &Surface, messages: &mut Messages) -> Option<Prepared> {
         let mut looks = Looks {
             materials: &self.scene.materials,
             pictures: &mut self.pictures,
@@ -115,8 +149,31 @@ impl<'a> Materials<'a> {
                 );
                 Look::matt(Level::number(0.0))
             }
-            Appearance::Nothing => return Written::Nothing,
+            Appearance::Nothing => return None,
         };
+        Some(Prepared {
+            look,
+            emission,
+            shines_both_ways: surface.light.is_some_and(|light| light.two_sided),
+        })
+    }
+
+    fn write_new(
+        &mut self,
+        prepared: Prepared,
+        surface: &Surface,
+        writer: &mut GltfWriter,
+        messages: &mut Messages,
+    ) -> Written {
+        let Prepared {
+            mut look,
+            emission,
+            shines_both_ways,
+        } = prepared;
+        let in_file = surface.of_file.map(|(_, _, mtl)| mtl);
+        if surface.is_mirrored && !look.gltf_tangents {
+            look.normals = look.normals.map(|normals| normals.mapped(Map::Normals));
+        }
         let base_name = match (surface.material, in_file) {
             (Some(index), _) => self.scene.materials[index].identity.name.to_string(),
             (None, Some(mtl)) => mtl.name.clone(),
@@ -142,6 +199,8 @@ impl<'a> Materials<'a> {
         let (mut made, colors) = material.material(look);
         if let Some(emission) = emission {
             material.emit(emission, &mut made);
+            // Both sides of what is seen from both shine in glTF.
+            made.double_sided = shines_both_ways || made.double_sided && made.emissive_factor == [0.0; 3];
         }
         if let Some(interior) = surface.interior.filter(|_| !is_inside_out) {
             self.fill(interior, &mut made, messages);
@@ -195,6 +254,13 @@ impl<'a> Materials<'a> {
             volume.attenuation_color = Some((-sigma_a / most).exp().to_array());
         }
     }
+}
+
+/// Equal surfaces have equal keys, whichever way pictures lie on them.
+fn key_of(surface: &Surface) -> String {
+    let of_file = surface.of_file.map(|(path, slot, _)| (path, slot));
+    let light = surface.light.map(|light| (&light.radiance, light.two_sided));
+    format!("{:?} {of_file:?} {light:?} {:?}", surface.material, surface.interior)
 }
 
 /// Whether a shape of this kind lets its back be seen.

@@ -16,6 +16,7 @@ mod motion;
 mod pictures;
 mod poses;
 mod shapes;
+mod tangents;
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};

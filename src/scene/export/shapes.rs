@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use bevy::math::Affine3A;
 
@@ -11,12 +12,61 @@ use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of};
+use super::tangents;
 use crate::files::Access;
 use crate::gltf::write::model::{Attributes, Mesh, Node, Pose, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter};
 use crate::math::is_invertible;
 use crate::scene::description::{SceneDescription, ShapeDescription};
 use crate::scene::{AreaLight, ShapeKind};
+
+/// How the vertices of a form are written.
+#[derive(Clone, Copy)]
+struct Placing {
+    /// A map that they go through.
+    baked: Option<Affine3A>,
+    /// Whether normals are turned around.
+    is_turned: bool,
+    /// Whether the pose of the node mirrors them.
+    is_mirrored: bool,
+}
+
+impl Placing {
+    /// Whether corners are written the other way around. What was mirrored by hand runs the other way.
+    fn runs_backwards(&self) -> bool {
+        self.is_turned ^ self.baked.is_some_and(|map| is_mirrored(&map))
+    }
+}
+
+/// The triangles of a form that are written together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    All,
+    /// Those on which pictures are seen as they are.
+    Upright,
+    /// Those on which they lie mirrored.
+    Mirrored,
+}
+
+impl Side {
+    fn is_mirrored(self) -> bool {
+        self == Self::Mirrored
+    }
+
+    fn turned(self) -> Self {
+        match self {
+            Self::All => Self::All,
+            Self::Upright => Self::Mirrored,
+            Self::Mirrored => Self::Upright,
+        }
+    }
+}
+
+/// What the vertices of a form are made from.
+fn key_of(form: &Form, placing: &Placing, is_unwelded: bool) -> String {
+    let Placing { baked, is_turned, .. } = placing;
+    format!("{} {} {is_turned} {is_unwelded} {baked:?}", form.key, form.is_flat)
+}
 
 /// Writes shapes.
 pub(super) struct Shapes<'a> {
@@ -27,6 +77,10 @@ pub(super) struct Shapes<'a> {
     vertices: HashMap<String, Attributes>,
     /// Triangles in the same way; None where there are none.
     triangles: HashMap<String, Option<usize>>,
+    /// Accessors of tangents in the same way; None where there are none.
+    tangents: HashMap<String, Option<usize>>,
+    /// For each triangle whether pictures lie mirrored on it, in the same way.
+    mirrored: HashMap<String, Rc<[bool]>>,
     meshes: HashMap<String, usize>,
     /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything visible.
     groups: HashMap<(usize, bool), Option<usize>>,
@@ -48,6 +102,8 @@ impl<'a> Shapes<'a> {
             forms: Forms::new(access),
             vertices: HashMap::new(),
             triangles: HashMap::new(),
+            tangents: HashMap::new(),
+            mirrored: HashMap::new(),
             meshes: HashMap::new(),
             groups: HashMap::new(),
             members,
@@ -85,7 +141,16 @@ impl<'a> Shapes<'a> {
         let local = parent_from_world * world;
         let (pose, baked) = pose_or_baked(&local);
         let is_turned = shape.shape.flip_normals ^ (is_mirrored(&world) && form.turns_with_mirrors());
-        let primitives = self.primitives(shape, &form, baked, is_turned, true, writer, messages)?;
+        let placing = Placing {
+            baked,
+            is_turned,
+            is_mirrored: is_mirrored(if baked.is_some() {
+                &branch.world_from_parent
+            } else {
+                &world
+            }),
+        };
+        let primitives = self.primitives(shape, &form, placing, true, writer, messages)?;
         if primitives.is_empty() {
             messages.left_out("shape", name, "light passes it as if there was nothing");
             return Ok(());
@@ -206,8 +271,12 @@ impl<'a> Shapes<'a> {
             let is_mirrored = is_mirrored(&in_group) ^ is_mirrored_place;
             let is_turned = member.shape.flip_normals ^ (is_mirrored && form.turns_with_mirrors());
             let placed = baked.unwrap_or(Affine3A::IDENTITY) * in_group;
-            let baked = (placed != Affine3A::IDENTITY).then_some(placed);
-            primitives.extend(self.primitives(member, &form, baked, is_turned, false, writer, messages)?);
+            let placing = Placing {
+                baked: (placed != Affine3A::IDENTITY).then_some(placed),
+                is_turned,
+                is_mirrored: baked.is_none() && is_mirrored_place,
+            };
+            primitives.extend(self.primitives(member, &form, placing, false, writer, messages)?);
         }
         let name = scene.groups[group].identity.name.to_string();
         let mesh = (!primitives.is_empty()).then(|| writer.add_mesh(Mesh { name, primitives }));
@@ -229,13 +298,12 @@ impl<'a> Shapes<'a> {
         mesh
     }
 
-    /// The parts of a shape, one for each material that can be seen. `baked`: a map that its vertices go through.
+    /// The parts of a shape, one for each material that can be seen, or two where pictures lie both ways on one with a normal map.
     fn primitives(
         &mut self,
         shape: &ShapeDescription,
         form: &Form,
-        baked: Option<Affine3A>,
-        is_turned: bool,
+        placing: Placing,
         may_shine: bool,
         writer: &mut GltfWriter,
         messages: &mut Messages,
@@ -265,91 +333,173 @@ impl<'a> Shapes<'a> {
         let mut primitives = Vec::new();
         for slot in 0..slots {
             let mtl = form.mesh.materials.get(slot).filter(|_| shape.material.is_none());
-            let surface = Surface {
+            let mut surface = Surface {
                 shape: name,
                 material: shape.material,
                 of_file: path.zip(mtl).map(|(path, mtl)| (path, slot, mtl)),
                 light,
                 interior,
+                is_mirrored: false,
             };
-            let (index, colors, is_turned) = match self.materials.write(&surface, writer, messages) {
-                Written::Nothing => {
-                    if let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium)) {
-                        messages.left_out("medium", &medium.identity.name, "only glass is filled in glTF");
+            let normal_map = self.materials.normal_map(&surface, messages);
+            let parts = match normal_map {
+                Some(gltf_tangents) => self.sides(form, &placing, gltf_tangents),
+                None => vec![Side::All],
+            };
+            for part in parts {
+                // Shading frames turn around where the pose mirrors, and the coordinates do so, too.
+                surface.is_mirrored = part.is_mirrored() != placing.is_mirrored;
+                let (index, colors, turns) = match self.materials.write(&surface, writer, messages) {
+                    Written::Nothing => {
+                        if let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium)) {
+                            messages.left_out("medium", &medium.identity.name, "only glass is filled in glTF");
+                        }
+                        continue;
                     }
+                    Written::Material {
+                        index,
+                        colors,
+                        is_one_sided,
+                        is_inside_out,
+                    } => {
+                        if is_inside_out && let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium))
+                        {
+                            let why = "the inner side of a surface in glTF is the denser one";
+                            messages.left_out("medium", &medium.identity.name, why);
+                        }
+                        if is_one_sided && shows_its_back(&shape.shape.kind) {
+                            let what = "the back, which is black here, looks like the front when the file is imported";
+                            messages.note("shape", name, what);
+                        }
+                        (index, colors, is_inside_out)
+                    }
+                };
+                let placing = Placing {
+                    is_turned: placing.is_turned ^ turns,
+                    ..placing
+                };
+                // Seen from the other side, pictures lie the other way around.
+                let part = if turns { part.turned() } else { part };
+                let colors = self.known_colors(form, colors, name, messages);
+                let is_unwelded = is_of_triangles(&form.mesh, &colors);
+                let indices = self.indices(form, (slot, slots), &placing, is_unwelded, part, writer);
+                let Some(indices) = indices.map_err(fails)? else {
                     continue;
-                }
-                Written::Material {
-                    index,
-                    colors,
-                    is_one_sided,
-                    is_inside_out,
-                } => {
-                    if is_inside_out && let Some(medium) = interior.and_then(|medium| self.scene.media.get(medium)) {
-                        let why = "the inner side of a surface in glTF is the denser one";
-                        messages.left_out("medium", &medium.identity.name, why);
+                };
+                let key = format!("{} {colors:?}", key_of(form, &placing, is_unwelded));
+                let mut attributes = match self.vertices.get(&key) {
+                    Some(known) => known.clone(),
+                    None => {
+                        let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
+                        let values = colors
+                            .as_ref()
+                            .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
+                        let attributes = writer.add_vertices(&mesh, values.as_deref()).map_err(fails)?;
+                        self.vertices.insert(key, attributes.clone());
+                        attributes
                     }
-                    if is_one_sided && shows_its_back(&shape.shape.kind) {
-                        let what = "the back, which is black here, looks like the front when the file is imported";
-                        messages.note("shape", name, what);
-                    }
-                    (index, colors, is_turned ^ is_inside_out)
+                };
+                if normal_map.is_some() {
+                    self.add_tangents(form, &placing, is_unwelded, part, &mut attributes, writer);
                 }
-            };
-            let colors = self.known_colors(form, colors, name, messages);
-            let is_unwelded = is_of_triangles(&form.mesh, &colors);
-            // What was mirrored by hand runs the other way.
-            let runs_backwards = is_turned ^ baked.is_some_and(|map| is_mirrored(&map));
-            let indices = self.indices(form, (slot, slots), is_unwelded, runs_backwards, writer);
-            let Some(indices) = indices.map_err(fails)? else {
-                continue;
-            };
-            let key = format!("{} {} {is_turned} {colors:?} {baked:?}", form.key, form.is_flat);
-            let attributes = match self.vertices.get(&key) {
-                Some(known) => known.clone(),
-                None => {
-                    let mesh = shown(form, baked, is_turned, is_unwelded);
-                    let values = colors
-                        .as_ref()
-                        .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
-                    let attributes = writer.add_vertices(&mesh, values.as_deref()).map_err(fails)?;
-                    self.vertices.insert(key, attributes.clone());
-                    attributes
-                }
-            };
-            primitives.push(Primitive {
-                attributes,
-                indices,
-                material: Some(index),
-            });
+                primitives.push(Primitive {
+                    attributes,
+                    indices,
+                    material: Some(index),
+                });
+            }
         }
         Ok(primitives)
     }
 
-    /// The triangles of a material slot, of so many; None if there are none.
+    /// The parts of a form with a normal map that need tangents of their own.
+    fn sides(&mut self, form: &Form, placing: &Placing, gltf_tangents: bool) -> Vec<Side> {
+        if gltf_tangents && tangents::of_mesh(form, None, false, false).is_some() {
+            return vec![Side::All];
+        }
+        let mirrored = self.mirrored(form, placing, false);
+        let has = |side: bool| mirrored.contains(&side);
+        let sides = [(false, Side::Upright), (true, Side::Mirrored)];
+        sides
+            .into_iter()
+            .filter(|(side, _)| has(*side))
+            .map(|(_, part)| part)
+            .collect()
+    }
+
+    /// For each triangle whether its picture lies mirrored, as it is written.
+    fn mirrored(&mut self, form: &Form, placing: &Placing, is_unwelded: bool) -> Rc<[bool]> {
+        let key = key_of(form, placing, is_unwelded);
+        let known = self.mirrored.entry(key).or_insert_with(|| {
+            let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
+            let corners = tangents::written_corners(form, is_unwelded, placing.runs_backwards());
+            tangents::mirrored(&mesh, corners).into()
+        });
+        known.clone()
+    }
+
+    fn add_tangents(
+        &mut self,
+        form: &Form,
+        placing: &Placing,
+        is_unwelded: bool,
+        part: Side,
+        attributes: &mut Attributes,
+        writer: &mut GltfWriter,
+    ) {
+        let key = format!("{} {part:?}", key_of(form, placing, is_unwelded));
+        if let Some(known) = self.tangents.get(&key) {
+            attributes.extend(known.map(|accessor| ("TANGENT".to_owned(), accessor)));
+            return;
+        }
+        let values = match part {
+            Side::All => tangents::of_mesh(form, placing.baked, placing.is_turned, is_unwelded),
+            Side::Upright | Side::Mirrored => {
+                let mirrored = self.mirrored(form, placing, is_unwelded);
+                let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
+                let corners = tangents::written_corners(form, is_unwelded, placing.runs_backwards());
+                tangents::of_coordinates(&mesh, corners, &mirrored, part.is_mirrored())
+            }
+        };
+        let values: Option<Vec<[f32; 4]>> = values.map(|values| values.iter().map(|value| value.to_array()).collect());
+        if let Some(values) = values {
+            writer.add_tangents(attributes, &values);
+        }
+        self.tangents.insert(key, attributes.get("TANGENT").copied());
+    }
+
+    /// The triangles of a part of a material slot, of so many; None if there are none.
     fn indices(
         &mut self,
         form: &Form,
         (slot, slots): (usize, usize),
+        placing: &Placing,
         is_unwelded: bool,
-        runs_backwards: bool,
+        part: Side,
         writer: &mut GltfWriter,
     ) -> Result<Option<usize>, GltfWriteError> {
-        let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots}", form.key);
+        let runs_backwards = placing.runs_backwards();
+        let sides = match part {
+            Side::All => None,
+            Side::Upright | Side::Mirrored => Some(self.mirrored(form, placing, is_unwelded)),
+        };
+        // Whether a triangle is mirrored depends on its shape alone, and on the side of its normals.
+        let of_part = sides.as_ref().map(|_| (part, placing.is_turned));
+        let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots} {of_part:?}", form.key);
         if let Some(known) = self.triangles.get(&key) {
             return Ok(*known);
         }
         let mesh = &form.mesh;
         let slot_of = |triangle: usize| mesh.material_of_triangle.get(triangle).copied().map_or(0, usize::from);
-        let chosen = (0..mesh.triangles.len()).filter(|triangle| slots == 1 || slot_of(*triangle) == slot);
-        let corners = chosen.map(|triangle| match is_unwelded {
-            true => [0, 1, 2].map(|corner| 3 * triangle as u32 + corner),
-            false => mesh.triangles[triangle],
-        });
-        let triangles: Vec<[u32; 3]> = match runs_backwards {
-            true => corners.map(|[a, b, c]| [a, c, b]).collect(),
-            false => corners.collect(),
+        let is_here = |triangle: usize| {
+            (slots == 1 || slot_of(triangle) == slot)
+                && sides.as_ref().is_none_or(|sides| sides[triangle] == part.is_mirrored())
         };
+        let corners = tangents::written_corners(form, is_unwelded, runs_backwards).enumerate();
+        let triangles: Vec<[u32; 3]> = corners
+            .filter(|(triangle, _)| is_here(*triangle))
+            .map(|(_, corners)| corners)
+            .collect();
         let vertices = match is_unwelded {
             true => 3 * mesh.triangles.len(),
             false => mesh.positions.len(),
