@@ -12,7 +12,7 @@ use super::job::{Beginning, Job};
 use super::renderer::Renderer;
 use super::saved::Resumed;
 use super::shutter::OpenShutter;
-use super::status::RenderStatus;
+use super::status::{Outdated, RenderStatus};
 use super::stop_condition::StopCondition;
 use crate::scene::{SceneState, SceneStatus};
 
@@ -34,6 +34,7 @@ pub(super) fn dispatch_job(
     mut status: ResMut<RenderStatus>,
     mut demand: Demand,
 ) {
+    status.outdated = None;
     let Some(mut view) = demand.extracted.view.clone() else {
         return;
     };
@@ -46,6 +47,13 @@ pub(super) fn dispatch_job(
         || demand.scene_status.state == SceneState::Loading;
     renderer.waiting = incomplete && !control.interactive;
     if control.paused || renderer.waiting {
+        if control.paused {
+            let job = renderer.job();
+            status.outdated = match job {
+                Some(job) => job.outdated(&demand.extracted.scene, &view),
+                None => Some(Outdated::Scene),
+            };
+        }
         if let Some(job) = renderer.job_mut() {
             job.pause();
         }

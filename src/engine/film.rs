@@ -105,6 +105,19 @@ impl RenderFilm {
         self.dirty.clear();
     }
 
+    /// Whether there is no picture.
+    pub(super) fn is_empty(&self) -> bool {
+        self.film.width() == 0
+    }
+
+    /// Takes the picture away. What was kept of it belongs to no picture any more.
+    pub(super) fn clear(&mut self) {
+        *self = Self {
+            job: self.job + 1,
+            ..Self::default()
+        };
+    }
+
     /// Whether it has the picture of the job that was begun at this time.
     pub(super) fn is_of(&self, begun: Instant) -> bool {
         self.begun == Some(begun)

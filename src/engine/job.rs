@@ -20,6 +20,7 @@ use super::light_groups::LightGroup;
 use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
+use super::status::Outdated;
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
 use crate::render::clamp::BrightnessLimit;
 use crate::render::guide::Guide;
@@ -205,6 +206,20 @@ impl Job {
             ..self.view.clone()
         };
         self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&own, view)
+    }
+
+    /// What its picture is older than, if another would be rendered now. Another number of pixels makes no other picture, nor does what the integrator
+    /// `auto` chooses.
+    pub fn outdated(&self, scene: &RenderScene, view: &View) -> Option<Outdated> {
+        if !self.is_of_scene(scene) || self.view.integrator.settings() != view.integrator.settings() {
+            return Some(Outdated::Scene);
+        }
+        let own = View {
+            integrator: view.integrator,
+            guide: view.guide.clone(),
+            ..self.view.clone()
+        };
+        (!is_same_at_other_size(&own, view)).then_some(Outdated::View)
     }
 
     pub fn is_running(&self) -> bool {

@@ -32,6 +32,7 @@ mod report;
 mod resolution;
 mod run;
 mod saved;
+mod scene_change;
 mod schedule;
 mod shapes;
 pub mod shutter;
@@ -59,7 +60,7 @@ pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{fit, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
-pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, RenderState, RenderStatus};
+pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, Outdated, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 
 /// The steps of a frame, in this order, in `PostUpdate`.
@@ -117,7 +118,9 @@ impl Plugin for EnginePlugin {
                 PostUpdate,
                 (
                     collect::collect_results.in_set(EngineSystems::Collect),
-                    detect::detect_changes.in_set(EngineSystems::Detect),
+                    (scene_change::clear_for_other_scene, detect::detect_changes)
+                        .chain()
+                        .in_set(EngineSystems::Detect),
                     extract::extract_scene.in_set(EngineSystems::Extract),
                     (choosing::seek_choice, dispatch::dispatch_job)
                         .chain()

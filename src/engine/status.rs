@@ -16,6 +16,8 @@ pub struct RenderStatus {
     pub state: RenderState,
     /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it is.
     pub is_up_to_date: bool,
+    /// Why a picture that is paused is not the one that would be rendered now; None if it is, or if it is not paused.
+    pub outdated: Option<Outdated>,
     /// The samples per pixel that the whole picture, or the rendered region, has.
     pub samples: u32,
     /// The number of the first sample: 0, unless the picture is a share.
@@ -75,6 +77,7 @@ impl Default for RenderStatus {
         Self {
             state: RenderState::Idle,
             is_up_to_date: false,
+            outdated: None,
             samples: 0,
             first: 0,
             target: 0,
@@ -103,6 +106,15 @@ impl Default for RenderStatus {
             response: LatencyStats::default(),
         }
     }
+}
+
+/// What a paused picture is older than.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outdated {
+    /// The scene was edited since, or is another one.
+    Scene,
+    /// The view has moved since.
+    View,
 }
 
 /// The guide of a picture's paths.

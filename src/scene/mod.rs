@@ -127,5 +127,6 @@ pub use sun_sky::SunSky;
 pub use texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
 pub use turntable::Turntable;
 pub use unit::LengthUnit;
+pub(crate) use unit::decimal;
 pub use volumes::Volumes;
 pub use watch::SceneWatch;

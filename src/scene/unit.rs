@@ -82,13 +82,13 @@ impl LengthUnit {
             Some(rest) => (-1.0, rest.trim_start()),
             None => (1.0, text),
         };
-        if let Some(number) = plain(text) {
+        if let Some(number) = decimal(text) {
             return Some(number);
         }
         let mut metres = 0.0;
         while !rest.is_empty() {
-            let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-            let number: f64 = rest[..end].parse().ok()?;
+            let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.' && c != ',')?;
+            let number = decimal(&rest[..end])?;
             rest = rest[end..].trim_start();
             let length = rest
                 .find(|c: char| c.is_ascii_digit() || c == '.' || c.is_whitespace())
@@ -125,8 +125,13 @@ impl LengthUnit {
     }
 }
 
-/// A number without a unit.
-fn plain(text: &str) -> Option<f64> {
+/// A finite number without a unit. A comma counts as the decimal point if there is no other comma and no point.
+pub(crate) fn decimal(text: &str) -> Option<f64> {
+    let text = match text.matches([',', '.']).count() {
+        1 => text.replace(',', "."),
+        _ => text.to_owned(),
+    };
+    // Infinity has a name that is read, too.
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
@@ -170,12 +175,14 @@ mod tests {
         near(LengthUnit::Millimetre, "1.5", 1.5);
         near(LengthUnit::Millimetre, "-1e2", -100.0);
         near(LengthUnit::Foot, "1km", 1000.0 / 0.3048);
+        near(LengthUnit::Metre, "0,5", 0.5);
+        near(LengthUnit::Inch, "1,5ft 2,5in", 20.5);
     }
 
     #[test]
     fn other_texts_are_no_lengths() {
         for text in [
-            "", "-", "m", "2 miles", "2m3", "1,5m", "inf", "nan", "2mm4x", "1e400", "--2m",
+            "", "-", "m", "2 miles", "2m3", "1,2,3m", "1,000.5", "inf", "nan", "2mm4x", "1e400", "--2m",
         ] {
             assert_eq!(LengthUnit::Metre.parse(text), None, "{text}");
         }

@@ -723,3 +723,17 @@ fn a_bake_that_has_failed_ends_the_wait_with_its_reason() {
     });
     assert!(is_lit_level_seen(&world), "there is no bake");
 }
+
+#[test]
+fn the_lightmaps_of_another_scene_are_not_shown_beside_the_picture() {
+    let mut window = Window::new();
+    let other = window.path("other.xml");
+    std::fs::write(&other, SCENE).expect("a writable folder");
+    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    window.begin(QUICK, "level");
+    apply(window.app.world_mut(), compare.clone()).expect("it is of this scene");
+    window.end();
+    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    let refusal = apply(window.app.world_mut(), compare).expect_err("it is of another scene");
+    assert!(refusal.to_string().contains("was open when it began"), "{refusal}");
+}

@@ -94,6 +94,7 @@ impl ViewportContent {
             proportions: size,
             mouse: egui::Vec2::ZERO,
             placeholder: "",
+            outdated: None,
             pose: Some(pose),
             camera: Some(camera),
             boxes: &self.boxes,

@@ -10,8 +10,8 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::engine::{
-    EnginePlugin, Limits, Outcome, PackedScene, RenderControl, RenderError, RenderFilm, RenderState, RenderStatus,
-    WakeUp, render_to_completion,
+    EnginePlugin, Limits, Outcome, Outdated, PackedScene, RenderControl, RenderError, RenderFilm, RenderState,
+    RenderStatus, WakeUp, render_to_completion,
 };
 use sunroom::geometry::mesh::{MeshData, MtlMaterial};
 use sunroom::geometry::primitives::unit_cube;
@@ -20,7 +20,7 @@ use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, IntegratorSettings,
     InteriorMedium, Material, Medium, MeshFile, MeshHandle, MeshShape, PathPlugin, PhaseFunction, Roughness,
-    SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+    SamplerSettings, ScenePlugin, SceneStatus, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
 };
 
 /// The entities of the little scene that the tests change.
@@ -908,4 +908,49 @@ fn a_moving_camera_restarts_once_per_preview_and_is_timed() {
         latency.median_ms(),
         latency.p95_ms()
     );
+}
+
+#[test]
+fn another_scene_begins_without_the_picture_of_the_last() {
+    let mut room = room();
+    room.finish();
+    let width = |room: &Room| room.app.world().resource::<RenderFilm>().film.width();
+    let loaded = |room: &mut Room, fresh_load: bool| {
+        let mut status = room.app.world_mut().resource_mut::<SceneStatus>();
+        (status.revision, status.fresh_load) = (status.revision + 1, fresh_load);
+        room.app.update();
+    };
+    let job = room.job();
+    loaded(&mut room, false);
+    assert_eq!((width(&room), room.job()), (70, job), "it was only read again");
+    room.control().paused = true;
+    loaded(&mut room, true);
+    assert_eq!((width(&room), room.job()), (0, job + 1));
+    assert_eq!(room.status().outdated, Some(Outdated::Scene));
+    room.control().paused = false;
+    room.finish();
+    assert_eq!((width(&room), room.status().outdated), (70, None));
+}
+
+#[test]
+fn a_paused_picture_says_what_it_is_older_than() {
+    let mut room = room();
+    room.finish();
+    room.control().paused = true;
+    let outdated = |room: &mut Room, change: &dyn Fn(&mut Room)| {
+        change(room);
+        room.app.update();
+        room.status().outdated
+    };
+    let (sensor, paint) = (room.sensor, room.paint);
+    let shift = |room: &mut Room, by: f32| room.get_mut::<ToWorld>(sensor).0.translation.x += by;
+    assert_eq!(outdated(&mut room, &|_| {}), None);
+    assert_eq!(outdated(&mut room, &|room| shift(room, 1.0)), Some(Outdated::View));
+    assert_eq!(outdated(&mut room, &|room| shift(room, -1.0)), None);
+    let smaller = |room: &mut Room| room.control().resolution_scale = 0.5;
+    assert_eq!(outdated(&mut room, &smaller), None, "it is the same with fewer pixels");
+    let paint_it = |room: &mut Room| *room.get_mut::<Material>(paint) = Material::default();
+    assert_eq!(outdated(&mut room, &paint_it), Some(Outdated::Scene));
+    let go_on = |room: &mut Room| room.control().paused = false;
+    assert_eq!(outdated(&mut room, &go_on), None);
 }

@@ -13,7 +13,7 @@ const EDITOR_RULES: &[(&str, &[&str])] = &[
     ("command", &[]),
     ("words", &[]),
     ("camera", &["command"]),
-    ("input", &["command"]),
+    ("input", &["command", "words"]),
     ("session", &["command", "words", "camera"]),
     ("picture", &["command", "words", "camera", "session"]),
     ("model", &["command", "words", "camera", "session", "picture"]),

@@ -246,7 +246,7 @@ fn pictures_are_compared_with_a_snapshot() {
             denoising: false,
             snapshot: Some(16),
             view: CompareView::Wipe(0.25),
-            figures: None,
+            ..ComparisonModel::default()
         },
         ..RenderModel::default()
     });

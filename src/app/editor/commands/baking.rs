@@ -94,6 +94,15 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Refuses to show the lightmaps of another scene beside the picture of this one.
+pub(super) fn check_view(world: &World, view: CompareView) -> Result<(), CommandError> {
+    let is_of_other = |baking: &Baking| baking.thread().is_some() && !baking.is_of_open_scene;
+    if matches!(view, CompareView::Baked(_)) && world.get_resource::<Baking>().is_some_and(is_of_other) {
+        return Err("The bake is of the scene that was open when it began.".into());
+    }
+    Ok(())
+}
+
 /// Goes on with the bake, in every frame after the engine has packed the scene.
 pub fn follow(world: &mut World) {
     let Some(mut baking) = world.get_resource_mut::<Baking>() else {

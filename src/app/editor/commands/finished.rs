@@ -181,6 +181,7 @@ pub fn take_snapshot(world: &mut World) -> Result<(), CommandError> {
         radiance: picture.pixels,
         samples,
     });
+    comparison.is_of_other_scene = false;
     comparison.figures = None;
     comparison.revision += 1;
     Ok(())

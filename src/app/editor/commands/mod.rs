@@ -292,7 +292,10 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         }
         Command::ExposeAutomatically => finished::expose(world)?,
         Command::TakeSnapshot => finished::take_snapshot(world)?,
-        Command::SetCompareView(view) => world.resource_mut::<Comparison>().view = view,
+        Command::SetCompareView(view) => {
+            baking::check_view(world, view)?;
+            world.resource_mut::<Comparison>().view = view;
+        }
         Command::Measure => finished::measure(world)?,
         Command::SetResolutionScale(scale) => {
             control(world, |control| control.resolution_scale = scale.clamp(0.05, 1.0));

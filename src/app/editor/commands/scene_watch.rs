@@ -12,6 +12,7 @@ use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::options::WantedCamera;
@@ -44,7 +45,7 @@ pub fn follow_scene(
     mut selection: ResMut<Selection>,
     mut history: ResMut<History>,
     mut free_view: ResMut<FreeView>,
-    (mut mix, mut film_lights): (ResMut<LightMix>, ResMut<FilmLights>),
+    (mut mix, mut film_lights, mut comparison): (ResMut<LightMix>, ResMut<FilmLights>, Option<ResMut<Comparison>>),
     mut paths: ResMut<PathInspector>,
     mut control: ResMut<RenderControl>,
     recovery: Res<Recovery>,
@@ -92,6 +93,9 @@ pub fn follow_scene(
                 control.sight = SightControl::default();
             }
             (*mix, *film_lights) = Default::default();
+            if let Some(comparison) = &mut comparison {
+                comparison.leave_scene();
+            }
             paths.wanted = None;
             if control.region.is_some() {
                 control.region = None;

@@ -81,7 +81,22 @@ fn batch(keys: &[KeyboardInput]) -> usize {
 
 /// Whether another reader may have the keyboard after the key.
 fn leaves(key: &Key) -> bool {
-    matches!(key, Key::Enter | Key::Tab | Key::Escape)
+    let is_of_window = matches!(
+        key,
+        Key::F1
+            | Key::F2
+            | Key::F3
+            | Key::F4
+            | Key::F5
+            | Key::F6
+            | Key::F7
+            | Key::F8
+            | Key::F9
+            | Key::F10
+            | Key::F11
+            | Key::F12
+    );
+    is_of_window || matches!(key, Key::Enter | Key::Tab | Key::Escape)
 }
 
 #[cfg(test)]
@@ -218,6 +233,7 @@ mod tests {
             (KeyCode::Enter, Key::Enter),
             (KeyCode::Tab, Key::Tab),
             (KeyCode::Escape, Key::Escape),
+            (KeyCode::F5, Key::F5),
         ] {
             let (five, w) = (letter(KeyCode::Digit5, "5"), letter(KeyCode::KeyW, "w"));
             let came = [

@@ -34,6 +34,8 @@ pub struct ShownBake {
     pub page: usize,
     /// How the picture is compared.
     pub view: CompareView,
+    /// Whether it is of the scene that is open now.
+    pub is_of_open_scene: bool,
 }
 
 impl BakeModel {

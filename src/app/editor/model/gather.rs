@@ -209,6 +209,7 @@ pub fn gather_status(
     }
     model.render.comparison = ComparisonModel {
         snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
+        is_of_other_scene: picture.comparison.is_of_other_scene,
         view: picture.comparison.view,
         denoising: picture.view.denoising,
         figures: picture

@@ -20,7 +20,7 @@ pub(crate) fn gather_bake(
     mut model: ResMut<EditorModel>,
 ) {
     let Some(baking) = baking else { return };
-    let view = comparison.view;
+    let (view, is_of_open_scene) = (comparison.view, baking.is_of_open_scene);
     let shown = match &baking.work {
         Work::None => None,
         Work::Waiting(folder) => Some(ShownBake {
@@ -36,6 +36,7 @@ pub(crate) fn gather_bake(
             is_busy: true,
             page: 0,
             view,
+            is_of_open_scene,
         }),
         Work::UnderWay(thread) | Work::Ended(thread) => Some(ShownBake {
             folder: thread.folder().to_owned(),
@@ -44,6 +45,7 @@ pub(crate) fn gather_bake(
             is_busy: baking.is_busy(),
             page: thread.wanted().page,
             view,
+            is_of_open_scene,
         }),
     };
     model.0.bake = BakeModel {

@@ -360,6 +360,8 @@ pub struct MixingModel {
 pub struct ComparisonModel {
     /// The samples per pixel of the snapshot; None without one.
     pub snapshot: Option<u32>,
+    /// Whether the snapshot is of a scene that was open before.
+    pub is_of_other_scene: bool,
     /// The way in which both share the viewport.
     pub view: CompareView,
     /// Whether there is a denoised picture to compare with, or will be.

@@ -21,6 +21,7 @@ use crate::bake::limits::USUAL_SAMPLES;
 use crate::bake::progress::{Gathered, Stage};
 use crate::bake::unwrap::ATLAS_SIZES;
 
+const OTHER_SCENE: &str = "The bake is of the scene that was open when it began";
 /// The largest width of the picture of a lightmap, in points.
 const PICTURE: f32 = 440.0;
 
@@ -56,7 +57,7 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
     ui.add_space(6.0);
     let is_ready = folder.is_some() && !model.is_busy();
     let (mut bakes, mut cancels) = (false, false);
-    let enters = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+    let enters = field.lost_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let button = look::primary_if(ui, is_ready, "Bake");
         let button = ui
@@ -202,9 +203,8 @@ fn optional<N: egui::emath::Numeric>(
             Some(number) => {
                 let drag = egui::DragValue::new(number)
                     .clamp_existing_to_range(false)
-                    .custom_formatter(legible)
                     .suffix(words.0);
-                let drag = typed::number(ui, drag, range);
+                let drag = typed::number(ui, drag, range, legible);
                 changed |= fields::wide_number(ui, drag).changed();
             }
             None => {
@@ -243,9 +243,11 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
     page(ui, shown, picture, commands);
     ui.add_space(4.0);
     let mut is_compared = matches!(shown.view, CompareView::Baked(_));
-    let compares = ui.checkbox(&mut is_compared, "Beside the picture");
+    let checkbox = egui::Checkbox::new(&mut is_compared, "Beside the picture");
+    let compares = ui.add_enabled(shown.is_of_open_scene || is_compared, checkbox);
     let hint = "Shows the level as its lightmaps light it, left of a border in the picture: diffuse surfaces alone, as a game would";
-    if compares.on_hover_text(hint).changed() {
+    let compares = compares.on_hover_text(hint).on_disabled_hover_text(OTHER_SCENE);
+    if compares.changed() {
         let view = match is_compared {
             true => CompareView::Baked(0.5),
             false => CompareView::Off,

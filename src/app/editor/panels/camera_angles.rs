@@ -1,9 +1,10 @@
 //! The direction of a camera as yaw, pitch and roll.
 
 use bevy::math::{Affine3A, Mat3A, Quat, Vec3};
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{DragValue, Ui};
 
-use super::fields;
+use super::{fields, typed};
 use crate::app::editor::camera::navigation::{facing, scale_of};
 
 /// The horizontal part of a view direction below which a camera looks straight up or down.
@@ -65,15 +66,13 @@ impl CameraAngles {
 pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
     let mut angles = CameraAngles::of(pose);
     let mut row = |text, angle: &mut f32, most: f32| {
-        // The pose would give the angle back with another last digit, and a text that is being typed would be lost.
         let drag = DragValue::new(angle)
             .speed(0.5)
-            .range(-most..=most)
             .clamp_existing_to_range(false)
             .max_decimals(2)
-            .suffix("°")
-            .update_while_editing(false);
-        fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, drag)).changed()
+            .suffix("°");
+        let field = typed::number(ui, drag, -most..=most, format_with_decimals_in_range);
+        fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, field)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);
     changed |= row("Pitch", &mut angles.pitch, 90.0);

@@ -5,6 +5,8 @@ use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
 use super::fields::{self, NumberStyle, name_cell, number_cells, write_back};
+use super::key_marks::owner;
+use crate::app::editor::input::number_field;
 use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
 
 /// The form in which colours are shown, the same in all rows.
@@ -91,35 +93,56 @@ fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     write_back(changed, color, Rgb::from_array(values))
 }
 
-/// A text field with the colour. The typed text stays as it is until it is a colour, or the field loses the focus.
+/// A text field with the colour. The typed text stays as it is until it is a colour, which the field shows otherwise once it is left, or until Esc
+/// gives it up.
 fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
-    let id = ui.make_persistent_id((name, "hex"));
+    let id = ui.make_persistent_id((name, "hex", owner(ui)));
     let shown = hex_of(*color);
-    let mut text = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| shown.clone());
-    let edit = egui::TextEdit::singleline(&mut text)
+    let is_edited = ui.memory(|memory| memory.has_focus(id));
+    // A colour that was set otherwise takes the place of a text that is none.
+    let is_current = |(_, of): &(String, String)| is_edited || *of == shown;
+    let kept: Option<(String, String)> = ui.data(|data| data.get_temp(id)).filter(is_current);
+    let mut text = kept.map_or_else(|| shown.clone(), |(text, _)| text);
+    let is_wrong = !is_edited && color_of(&text).is_none();
+    let mut edit = egui::TextEdit::singleline(&mut text)
         .id(id)
         .char_limit(7)
         .font(egui::TextStyle::Monospace)
         .margin(egui::Margin::symmetric(3, 2))
         .desired_width(width - 6.0);
-    let response = ui.add(edit);
+    if is_wrong {
+        edit = edit.text_color(ui.visuals().error_fg_color);
+    }
+    let mut response = ui.add(edit);
+    if is_wrong {
+        response = response.on_hover_text(problem(&text));
+    }
     response.widget_info(|| {
         let mut info = egui::WidgetInfo::text_edit(true, &shown, &shown, "");
         info.label = Some(format!("{name} hex"));
         info
     });
     let typed = response.changed().then(|| color_of(&text)).flatten();
-    let is_typing = response.has_focus();
-    ui.data_mut(|data| {
-        if is_typing {
-            data.insert_temp(id, text);
-        } else {
-            data.remove::<String>(id);
-        }
-    });
+    let is_colour = color_of(&text).is_some();
+    let is_given_up = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape));
+    if response.lost_focus() && !is_colour && !is_given_up {
+        number_field::note(ui.ctx(), problem(&text));
+    }
     // A text with the same meaning must not cost the colour its finer digits.
     let meant = typed.filter(|typed| hex_of(*typed) != shown);
+    let keeps = response.has_focus() || (!is_colour && !is_given_up);
+    ui.data_mut(|data| {
+        if keeps {
+            data.insert_temp(id, (text, shown));
+        } else {
+            data.remove::<(String, String)>(id);
+        }
+    });
     write_back(meant.is_some(), color, meant.unwrap_or(*color))
+}
+
+fn problem(text: &str) -> String {
+    format!("“{text}” is no colour: #rrggbb and #rgb are some. Esc brings back the last one")
 }
 
 /// Says how the numbers are meant; a click shows all colours the other way.

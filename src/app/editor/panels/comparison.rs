@@ -25,7 +25,13 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
             commands.push(Command::Measure);
         }
     });
-    let kept = model.snapshot.map(|samples| counted(samples.into(), "sample"));
+    let kept = model.snapshot.map(|samples| {
+        let samples = counted(samples.into(), "sample");
+        match model.is_of_other_scene {
+            true => format!("{samples}, another scene"),
+            false => samples,
+        }
+    });
     fields::note(ui, "Snapshot", kept.as_deref().unwrap_or("none"));
     // The row is there before the snapshot is, so that nothing below it moves away from the pointer.
     let has_other = model.snapshot.is_some() || model.denoising || matches!(model.view, CompareView::Baked(_));

@@ -7,6 +7,7 @@
 use std::ops::RangeInclusive;
 
 use bevy::math::Vec3;
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{self, Response, Ui};
 
 use super::caption::Caption;
@@ -19,8 +20,8 @@ use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
 pub(crate) const NAME_WIDTH: f32 = 88.0;
-/// The width of the word that marks differences among the selected things.
-const MIXED_WIDTH: f32 = 36.0;
+/// The width of the sign that marks differences among the selected things.
+const MIXED_WIDTH: f32 = 14.0;
 /// The tag of a part of a panel that knows of differences.
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
@@ -46,17 +47,19 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
     let layout = egui::Layout::right_to_left(egui::Align::Center);
     let cell = ui.allocate_ui_with_layout(size, layout, |ui| {
         ui.set_min_size(size);
-        if is_mixed {
-            ui.set_max_width(NAME_WIDTH - MIXED_WIDTH);
+        let label = egui::Label::new(caption.text).truncate();
+        if !is_mixed {
+            return ui.add(label);
         }
-        let label = ui.add(egui::Label::new(caption.text).truncate());
-        if is_mixed {
-            let corner = egui::pos2(ui.min_rect().right() - size.x, ui.min_rect().top());
-            let place = egui::Rect::from_min_size(corner, egui::vec2(MIXED_WIDTH, size.y));
-            let word = egui::RichText::new("mixed").small().color(ui.visuals().warn_fg_color);
-            ui.put(place, egui::Label::new(word))
-                .on_hover_text("The selected objects differ here; this is the value of the one selected last");
-        }
+        let (sign, rest) = ui
+            .max_rect()
+            .split_left_right_at_x(ui.max_rect().right() - size.x + MIXED_WIDTH);
+        let rest = egui::UiBuilder::new().max_rect(rest).layout(layout);
+        let label = ui.scope_builder(rest, |ui| ui.add(label)).inner;
+        let text = egui::RichText::new("≠").strong().color(ui.visuals().warn_fg_color);
+        let sign = ui.put(sign.with_min_x(sign.right() - MIXED_WIDTH), egui::Label::new(text));
+        sign.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, MIXED));
+        sign.on_hover_text("Mixed: the selected objects differ here; this is the value of the one selected last");
         label
     });
     // The explanation belongs to the whole cell, however short its text is.
@@ -140,7 +143,7 @@ pub(crate) fn slider_with<'a>(
     let slider = typed::slider(ui, slider, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
-        ui.add(style(slider))
+        ui.add(slider.styled(style))
     })
     .changed();
     write_back(changed, value, copy)
@@ -193,7 +196,7 @@ fn fit_slider(ui: &mut Ui, number: f32) {
 }
 
 /// A number that is as wide as the column of controls.
-pub(crate) fn wide_number(ui: &mut Ui, drag: egui::DragValue<'_>) -> Response {
+pub(crate) fn wide_number(ui: &mut Ui, drag: impl egui::Widget) -> Response {
     ui.spacing_mut().interact_size.x = ui.available_width();
     ui.add(drag)
 }
@@ -223,9 +226,8 @@ pub(crate) fn quantity<'a>(
         .speed(speed)
         .clamp_existing_to_range(false)
         .max_decimals(4)
-        .custom_formatter(legible)
         .suffix(unit);
-    let drag = typed::number(ui, drag, range);
+    let drag = typed::number(ui, drag, range, legible);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -239,7 +241,7 @@ pub fn integer<'a, N: egui::emath::Numeric>(
 ) -> bool {
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy).clamp_existing_to_range(false);
-    let drag = typed::number(ui, drag, range);
+    let drag = typed::number(ui, drag, range, format_with_decimals_in_range);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -308,8 +310,9 @@ pub(crate) fn number_cells<const N: usize>(
             .clamp_existing_to_range(false)
             .max_decimals(MOST_DECIMALS);
         // All numbers of a row have as many decimals as the one that needs most.
-        let drag = drag.custom_formatter(|number, _| legible(number, decimals..=decimals));
-        let drag = typed::number(ui, drag, style.range);
+        let drag = typed::number(ui, drag, style.range, move |number, _| {
+            legible(number, decimals..=decimals)
+        });
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         tick(ui, response.rect, style.letter);
         response.widget_info(|| {

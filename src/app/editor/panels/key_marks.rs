@@ -49,6 +49,15 @@ pub(crate) fn moving<R>(
         .inner
 }
 
+/// The thing whose values the rows of this part of the panel show.
+pub(super) fn owner(ui: &Ui) -> Option<Entity> {
+    let mut owners = ui
+        .stack()
+        .iter()
+        .filter_map(|ui| ui.tags().get_downcast::<Arc<Owner>>(OWNER).cloned());
+    owners.next().map(|owner| owner.thing)
+}
+
 /// The mark of the value of this name, at the right end of its cell, and the menu of the cell. `label` is the cell.
 pub(super) fn key_mark(ui: &mut Ui, name: &str, label: &egui::Response) {
     if name.is_empty() {

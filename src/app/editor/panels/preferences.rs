@@ -1,5 +1,8 @@
 //! The preferences of the user for the program itself.
 
+use std::ops::RangeInclusive;
+
+use bevy_egui::egui::emath::Numeric;
 use bevy_egui::egui::{self, Button, ComboBox, DragValue, Id, Response, Slider, Ui, WidgetText};
 
 use super::section::section;
@@ -10,6 +13,8 @@ use crate::app::editor::command::preferences::{
 };
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::hint;
+use crate::app::editor::input::number_field::{self, Meaning};
+use crate::app::editor::words::arithmetic;
 use crate::render::tonemap::ToneMap;
 
 /// The width of the column of names, in points.
@@ -76,15 +81,21 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, id: &str, value: &mut T, options: &[
 }
 
 /// A slider that fills the column of controls, its number included.
-fn slider(ui: &mut Ui, slider: Slider) -> Response {
+fn slider(ui: &mut Ui, slider: Slider, range: RangeInclusive<f32>, format: fn(f64) -> String) -> Response {
     ui.spacing_mut().slider_width = ui.available_width() - NUMBER - ui.spacing().item_spacing.x;
     ui.spacing_mut().interact_size.x = NUMBER;
-    ui.add(slider)
+    let meaning = Meaning::Of(parse_percent);
+    ui.add(number_field::slider(ui, slider, (), range, meaning, move |value, _| {
+        format(value)
+    }))
 }
 
-fn number(ui: &mut Ui, drag: DragValue) -> Response {
+fn number<N: Numeric>(ui: &mut Ui, drag: DragValue, range: RangeInclusive<N>, format: fn(f64) -> String) -> Response {
     ui.spacing_mut().interact_size.x = ui.available_width();
-    ui.add(drag)
+    let meaning = Meaning::Of(parse_within);
+    ui.add(number_field::number(ui, drag, (), range, meaning, move |value, _| {
+        format(value)
+    }))
 }
 
 fn switch(ui: &mut Ui, name: &str, text: &str, help: impl Into<WidgetText>, value: &mut bool) {
@@ -92,8 +103,12 @@ fn switch(ui: &mut Ui, name: &str, text: &str, help: impl Into<WidgetText>, valu
 }
 
 fn parse_percent(text: &str) -> Option<f64> {
-    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    Some(number.parse::<f64>().ok()? / 100.0)
+    Some(parse_within(text)? / 100.0)
+}
+
+/// A number with words around it, such as `every 30 s`.
+fn parse_within(text: &str) -> Option<f64> {
+    arithmetic::number(text.trim_matches(|letter: char| letter.is_alphabetic() || matches!(letter, ' ' | '%')))
 }
 
 fn window_rows(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences, commands: &mut Vec<Command>) {
@@ -141,11 +156,8 @@ fn panel_size(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences) {
     let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(id, shown.ui_scale));
     let help = "Multiplies the scale of the system. Keys: Ctrl and +, - or 0";
     let response = row(ui, "Size of the panels", help, |ui| {
-        let control = Slider::new(&mut scale, UI_SCALES)
-            .step_by(0.05)
-            .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
-            .custom_parser(parse_percent);
-        slider(ui, control)
+        let control = Slider::new(&mut scale, UI_SCALES).step_by(0.05);
+        slider(ui, control, UI_SCALES, |scale| format!("{:.0} %", 100.0 * scale))
     });
     if !response.dragged() {
         if response.changed() || response.drag_stopped() {
@@ -168,14 +180,11 @@ fn view_rows(ui: &mut Ui, edited: &mut Preferences) {
     });
     let help = "Of the picture, while the camera flies or something is dragged, in scenes that are too slow for more";
     row(ui, "While moving", help, |ui| {
-        let control = Slider::new(&mut edited.moving_scale, MOVING_SCALES)
-            .step_by(0.05)
-            .custom_formatter(|scale, _| match scale {
-                1.0 => "full resolution".to_owned(),
-                scale => format!("{:.0} % resolution", 100.0 * scale),
-            })
-            .custom_parser(parse_percent);
-        slider(ui, control)
+        let control = Slider::new(&mut edited.moving_scale, MOVING_SCALES).step_by(0.05);
+        slider(ui, control, MOVING_SCALES, |scale| match scale {
+            1.0 => "full resolution".to_owned(),
+            scale => format!("{:.0} % resolution", 100.0 * scale),
+        })
     });
     switch(
         ui,
@@ -203,25 +212,20 @@ fn file_rows(ui: &mut Ui, edited: &mut Preferences) {
     let help =
         "Unsaved edits are written aside so often, to be recovered after a crash. The scene's file is left alone.";
     row(ui, "Autosave", help, |ui| {
-        let time = DragValue::new(&mut edited.autosave_seconds)
-            .range(0..=LONGEST_AUTOSAVE)
-            .custom_formatter(|seconds, _| match seconds as u32 {
-                0 => "never".to_owned(),
-                seconds => format!("every {seconds} s"),
-            });
-        number(ui, time)
+        let time = DragValue::new(&mut edited.autosave_seconds);
+        number(ui, time, 0..=LONGEST_AUTOSAVE, |seconds| match seconds as u32 {
+            0 => "never".to_owned(),
+            seconds => format!("every {seconds} s"),
+        })
     });
     let help = "For pictures, meshes and the film; 0 is three quarters of the machine's memory. What needs more is refused, and read again with \
                 F5. --memory and SUNROOM_MEMORY count before it";
     row(ui, "Memory", help, |ui| {
-        let budget = DragValue::new(&mut edited.memory_gib)
-            .range(0..=MOST_MEMORY_GIB)
-            .custom_formatter(|gib, _| match gib as u32 {
-                0 => "three quarters of the machine's".to_owned(),
-                gib => format!("{gib} GiB"),
-            })
-            .custom_parser(|text| text.trim_end_matches([' ', 'G', 'i', 'B']).parse().ok());
-        number(ui, budget)
+        let budget = DragValue::new(&mut edited.memory_gib);
+        number(ui, budget, 0..=MOST_MEMORY_GIB, |gib| match gib as u32 {
+            0 => "three quarters of the machine's".to_owned(),
+            gib => format!("{gib} GiB"),
+        })
     });
     let count = edited.recent_files.len();
     let help = format!("The menu File lists {count}");

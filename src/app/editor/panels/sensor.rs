@@ -1,10 +1,13 @@
 //! Shows the parameters of cameras and of their films.
 
 use bevy::math::UVec2;
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
-use super::{fields, lengths};
+use super::key_marks::owner;
+use super::{fields, lengths, typed};
+use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
 use crate::files::ExrCompression;
 use crate::memory::Bytes;
@@ -96,13 +99,19 @@ fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
     let response = fields::row(ui, ("Focal length", "fov"), |ui| {
         let drag = egui::DragValue::new(&mut millimetres)
             .suffix(" mm")
-            .range(1.0..=2500.0)
             .clamp_existing_to_range(false)
             .speed(0.1)
-            .max_decimals(1)
-            .custom_parser(|text| LengthUnit::Millimetre.parse(text))
-            .update_while_editing(false);
-        fields::wide_number(ui, drag)
+            .max_decimals(1);
+        let meaning = Meaning::Length(LengthUnit::Millimetre);
+        let field = number_field::number(
+            ui,
+            drag,
+            owner(ui),
+            1.0..=2500.0,
+            meaning,
+            format_with_decimals_in_range,
+        );
+        fields::wide_number(ui, field)
             .on_hover_text("Of a lens that sees as much on 35 mm film, by its diagonal; 50 mm is a normal lens")
     });
     let changed = response.changed() && millimetres > 0.0;
@@ -175,14 +184,13 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
     let response = fields::row(ui, ("f-stop", "aperture_radius"), |ui| {
         let drag = egui::DragValue::new(&mut number)
             .prefix("f/")
-            .range(1e-6..=1e9)
             .clamp_existing_to_range(false)
-            .speed(speed)
-            .custom_formatter(|number, _| match number {
-                ..10.0 => format!("{}", (100.0 * number).round() / 100.0),
-                number => format!("{}", number.round()),
-            });
-        fields::wide_number(ui, drag).on_hover_text(about)
+            .speed(speed);
+        let field = typed::number(ui, drag, 1e-6..=1e9, |number, _| match number {
+            ..10.0 => format!("{}", (100.0 * number).round() / 100.0),
+            number => format!("{}", number.round()),
+        });
+        fields::wide_number(ui, field).on_hover_text(about)
     });
     let changed = response.changed() && number > 0.0;
     if changed {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bevy_egui::egui::{self, Ui};
 
-use super::typed;
+use crate::app::editor::input::number_field;
 use crate::app::editor::model::StatusModel;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::words::figures::counted;
@@ -27,7 +27,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
             .desired_height(14.0)
             .text(format!("{} / {} spp", status.samples, status.target));
         ui.label(state_name(status));
-        if let Some(note) = typed::told(ui.ctx()) {
+        if let Some(note) = number_field::told(ui.ctx()) {
             ui.colored_label(ui.visuals().warn_fg_color, note);
             ui.separator();
         }

@@ -1,11 +1,14 @@
 //! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged, and a track of keys below it.
 //! A press on the ruler is never one on a key, so that the time can be dragged away from a key.
 
+use std::ops::RangeInclusive;
+
+use bevy_egui::egui::emath::{Numeric, format_with_decimals_in_range};
 use bevy_egui::egui::{
     self, Color32, CursorIcon, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
 };
 
-use super::look;
+use super::{look, typed};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::timeline::{TimeStep, Timeline};
@@ -108,12 +111,12 @@ fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
         frame = frame.round();
     }
     let drag = DragValue::new(&mut frame).speed(0.2).max_decimals(2);
-    if named(ui, "Frame", drag).changed() {
+    if named(ui, "Frame", drag, ALL).changed() {
         commands.push(Command::SetTime(model.frames.time(frame)));
     }
     let mut time = model.time;
     let drag = DragValue::new(&mut time).speed(0.01).max_decimals(3).suffix(" s");
-    if named(ui, "Time", drag).changed() {
+    if named(ui, "Time", drag, ALL).changed() {
         commands.push(Command::SetTime(time));
     }
 }
@@ -122,21 +125,23 @@ fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
 fn range(ui: &mut Ui, frames: &Timeline, commands: &mut Vec<Command>) {
     let mut edited = *frames;
     let most = Timeline::MOST;
-    named(ui, "From", DragValue::new(&mut edited.first).range(0..=most));
-    named(ui, "to", DragValue::new(&mut edited.last).range(edited.first..=most));
-    named(
-        ui,
-        "fps",
-        DragValue::new(&mut edited.fps).range(Timeline::FPS).max_decimals(3),
-    );
+    named(ui, "From", DragValue::new(&mut edited.first), 0..=most);
+    let first = edited.first;
+    named(ui, "to", DragValue::new(&mut edited.last), first..=most);
+    let fps = DragValue::new(&mut edited.fps).max_decimals(3);
+    named(ui, "fps", fps, Timeline::FPS);
     if edited != *frames {
         commands.push(Command::SetTimeline(edited.within_range()));
     }
 }
 
-fn named(ui: &mut Ui, name: &str, drag: DragValue) -> Response {
+/// The range of a number of which every value is possible.
+const ALL: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
+
+fn named<N: Numeric>(ui: &mut Ui, name: &str, drag: DragValue, range: RangeInclusive<N>) -> Response {
     let label = ui.weak(name);
-    ui.add(drag).labelled_by(label.id)
+    let field = typed::number(ui, drag, range, format_with_decimals_in_range);
+    ui.add(field).labelled_by(label.id)
 }
 
 /// The map from times to places of the band.

@@ -71,6 +71,8 @@ pub struct LitPicture {
 pub struct Comparison {
     /// The snapshot; None until one is taken.
     pub snapshot: Option<Snapshot>,
+    /// Whether the snapshot is of a scene that was open before.
+    pub is_of_other_scene: bool,
     /// The way in which picture and snapshot share the viewport.
     pub view: CompareView,
     /// The differences as they were measured last.
@@ -82,6 +84,12 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// Ends the comparison, because another scene is there. The snapshot stays, as one of the scene before.
+    pub fn leave_scene(&mut self) {
+        (self.view, self.figures, self.is_of_other_scene) = (CompareView::Off, None, true);
+        self.revision += 1;
+    }
+
     /// The picture that the one of this camera is compared with. None if it is compared with none, or if the lit level is still to be seen from there.
     pub fn other(&self, camera: Option<&Camera>) -> Option<&Snapshot> {
         match self.view {

@@ -58,6 +58,15 @@ impl Picture {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
     }
 
+    /// Forgets the picture, since there is none.
+    fn clear(&mut self) {
+        if self.size != UVec2::ZERO {
+            (self.size, self.shown, self.compared) = (UVec2::ZERO, None, CompareView::Off);
+            (self.too_large, self.scales) = (Vec::new(), Scales::default());
+            self.revision += 1;
+        }
+    }
+
     /// The number of the denoised picture that the pixels show; None if they are as sampled.
     pub(crate) fn denoised(&self) -> Option<u64> {
         self.shown.as_ref()?.denoised
@@ -116,6 +125,7 @@ pub fn update_picture(
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
+        picture.clear();
         return;
     }
     let mut settings = view.display;
@@ -155,6 +165,8 @@ pub fn update_picture(
         return;
     };
     let mut pixels = match texture_size(old_size) == old_size {
+        // The texture still has what a picture before it has left.
+        _ if old_size == UVec2::ZERO => Vec::new(),
         true => image.data.take().unwrap_or_default(),
         false => std::mem::take(&mut picture.too_large),
     };

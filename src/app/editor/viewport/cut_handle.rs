@@ -1,6 +1,7 @@
 //! The cut plane over the picture: its border in the scene, an arrow by which it is moved, and the choice of its axis.
 
 use bevy::math::{Vec2, Vec3};
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{
     self, Align, Button, Color32, DragValue, Id, Layout, Margin, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui,
     UiBuilder,
@@ -11,6 +12,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::seeing::{AXES, CutOpen, Seeing};
 use crate::app::editor::input::actions::{ActionContext, hint};
+use crate::app::editor::input::number_field::{self, Meaning};
 use crate::math::Aabb;
 
 /// The height of the row of buttons in points.
@@ -146,7 +148,10 @@ pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, keys: &ActionContext, scene_si
                 next.axis = axis;
             }
         }
-        let field = DragValue::new(&mut next.at).speed(0.002 * f64::from(scene_size));
+        let drag = DragValue::new(&mut next.at).speed(0.002 * f64::from(scene_size));
+        let range = f32::MIN..=f32::MAX;
+        let axis = next.axis;
+        let field = number_field::number(ui, drag, axis, range, Meaning::Number, format_with_decimals_in_range);
         ui.add(field).on_hover_text("Where the plane meets the axis");
         if ui.button("Flip").on_hover_text("Leave the other side out").clicked() {
             next.above = !next.above;

@@ -327,7 +327,8 @@ pub(crate) fn gather_viewport(
         view => view,
     };
     let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
-    seen.captions = captions(is_split, seen.compared);
+    let is_of_other_scene = model.0.render.comparison.is_of_other_scene;
+    seen.captions = captions(is_split, seen.compared, is_of_other_scene);
     seen.picture = sources.picture.texture();
     // The picture stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());
@@ -354,6 +355,7 @@ fn placeholder(status: &SceneStatus, bound: &KeyBindings) -> String {
     match status.state {
         SceneState::Empty => hint("Open a scene with File, Open", "open", bound),
         SceneState::Loading => format!("Loading {file}"),
+        SceneState::Ready if file.is_empty() => "Preparing the scene".to_owned(),
         SceneState::Ready => format!("Preparing {file}"),
         SceneState::Failed => format!("{file} could not be read; see Messages at the right"),
     }

@@ -19,6 +19,7 @@ pub mod model;
 pub(crate) mod outlining;
 mod over_picture;
 pub mod path_lines;
+mod paused;
 pub mod pointer;
 pub(crate) mod rulers;
 mod snap_menu;
@@ -123,6 +124,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
             texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
         }
     }
+    paused::bar(ui, picture, model, commands);
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
     }

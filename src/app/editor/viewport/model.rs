@@ -24,7 +24,7 @@ use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::wireframe::Wireframe;
-use crate::engine::PackedScene;
+use crate::engine::{Outdated, PackedScene};
 use crate::math::Aabb;
 use crate::render::camera::Camera;
 
@@ -37,6 +37,8 @@ pub struct ViewportModel<'a> {
     pub proportions: [u32; 2],
     /// The text in place of the picture while there is none.
     pub placeholder: &'a str,
+    /// Why a paused picture is not the one that would be rendered now.
+    pub outdated: Option<Outdated>,
     /// World from camera; None without a camera.
     pub pose: Option<Affine3A>,
     /// The camera of the picture, to draw over it.

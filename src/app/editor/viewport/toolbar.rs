@@ -1,6 +1,7 @@
 //! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
 //! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build and place.
 
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{self, Align, ComboBox, DragValue, Layout, Margin, Rect, Ui, UiBuilder};
 
 use super::marks::bar_frame;
@@ -15,6 +16,7 @@ use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoS
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::{self, ActionContext, hint};
+use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::picture::denoiser::DenoiserState;
 
 const HEIGHT: f32 = 32.0;
@@ -214,12 +216,9 @@ fn snapping(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings, lengt
         Mode::Rotate => (&mut steps.degrees, 0.5, DEGREES, "°"),
         Mode::Scale => (&mut steps.factor, 0.01, FACTORS, ""),
     };
-    let drag = DragValue::new(value)
-        .speed(speed)
-        .range(range)
-        .suffix(suffix)
-        .max_decimals(4);
-    let response = ui.add(drag).on_hover_text(
+    let drag = DragValue::new(value).speed(speed).suffix(suffix).max_decimals(4);
+    let field = number_field::number(ui, drag, suffix, range, Meaning::Number, format_with_decimals_in_range);
+    let response = ui.add(field).on_hover_text(
         "The step: what Control rounds to while dragging, and how far the arrow keys go. A click with the right button: as in the beginning",
     );
     if response.secondary_clicked() {

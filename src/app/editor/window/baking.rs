@@ -31,7 +31,7 @@ pub struct BakeWidgets {
 impl BakeWidgets {
     /// Shows the form; false when it is to be closed.
     pub fn sheet(&mut self, context: &egui::Context, model: &BakeModel, commands: &mut Vec<Command>) -> bool {
-        let modal = Modal::new(Id::new("bake")).show(context, |ui| {
+        let modal = dialog::form(context, Modal::new(Id::new("bake form")), |ui| {
             ui.set_width(WIDTH);
             ui.label(RichText::new("Bake lightmaps").heading().strong());
             ui.add_space(6.0);
@@ -198,6 +198,7 @@ mod tests {
             is_busy,
             page: 0,
             view: Default::default(),
+            is_of_open_scene: true,
         };
         BakeModel {
             shown: Some(shown),

@@ -1,22 +1,55 @@
-//! The look of all questions of the program: a heading, sentences about what each answer does, and one row of buttons. An answer that loses something
-//! stands at the left, apart from the others; the usual answer stands at the right, in the colour of the primary button.
+//! What covers the window until it is closed: questions, forms and lists. Keys that were pressed before one could be read are not for it, and each
+//! key is for the uppermost alone.
+//!
+//! All questions look alike: a heading, sentences about what each answer does, and one row of buttons. An answer that loses something stands at the
+//! left, apart from the others; the usual answer stands at the right, in the colour of the primary button.
 
-use bevy_egui::egui::{self, Id, Modal, ModalResponse, RichText, Ui};
+use bevy_egui::egui::{self, Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
 
-/// Asks a question.
+/// What has come of a cover in a frame.
+pub struct Cover<R> {
+    /// What the content has returned.
+    pub inner: R,
+    closes: bool,
+}
+
+impl<R> Cover<R> {
+    /// Whether it is to be closed without an answer.
+    pub fn should_close(&self) -> bool {
+        self.closes
+    }
+}
+
+/// Asks a question. Esc closes it; a click beside it does not, because that may be meant for what it covers.
 pub fn question<R>(
-    context: &egui::Context,
+    context: &Context,
     id: &str,
     width: f32,
     heading: &str,
     content: impl FnOnce(&mut Ui) -> R,
-) -> ModalResponse<R> {
-    Modal::new(Id::new(id)).show(context, |ui| {
+) -> Cover<R> {
+    show(context, Modal::new(Id::new(id)), Kind::Question, |ui| {
         ui.set_width(width);
         ui.label(RichText::new(heading).heading().strong());
         ui.add_space(6.0);
         content(ui)
     })
+}
+
+/// Shows a form or a list, which Esc and a click beside it close.
+pub fn form<R>(context: &Context, modal: Modal, content: impl FnOnce(&mut Ui) -> R) -> Cover<R> {
+    show(context, modal, Kind::Form, content)
+}
+
+/// Shows a form that a click beside it does not close, because what was typed would be lost.
+pub fn lasting_form<R>(context: &Context, id: &str, content: impl FnOnce(&mut Ui) -> R) -> Cover<R> {
+    show(context, Modal::new(Id::new(id)), Kind::LastingForm, content)
+}
+
+/// Whether Enter gives the usual answer to a question. It is for the button that has the keyboard if there is one.
+pub fn is_entered(ui: &Ui) -> bool {
+    ui.memory(|memory| memory.focused()).is_none()
+        && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }
 
 /// The consequence of an answer, as a sentence.
@@ -35,4 +68,245 @@ pub fn answers(ui: &mut Ui, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut 
         left(ui);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), right);
     });
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Question,
+    Form,
+    LastingForm,
+}
+
+/// How far a cover is on its way to be used.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    /// The last pass that showed it.
+    pass: u64,
+    /// Whether it has been seen. The first time it is only measured.
+    is_drawn: bool,
+    /// Whether no key was held at some time since.
+    were_keys_up: bool,
+}
+
+/// Whether keys are held, as the window says it.
+#[derive(Clone, Copy)]
+struct KeysHeld(bool);
+
+/// Notes whether a key is held. egui does not learn of keys that are let go while another window is in front, or after Shift.
+pub fn note_keys(context: &Context, are_held: bool) {
+    context.data_mut(|data| data.insert_temp(Id::NULL, KeysHeld(are_held)));
+}
+
+fn are_keys_held(context: &Context) -> bool {
+    let told = context
+        .data(|data| data.get_temp(Id::NULL))
+        .map(|KeysHeld(are_held)| are_held);
+    told.unwrap_or_else(|| context.input(|input| !input.keys_down.is_empty()))
+}
+
+fn show<R>(context: &Context, modal: Modal, kind: Kind, content: impl FnOnce(&mut Ui) -> R) -> Cover<R> {
+    let layer = modal.area.layer();
+    let id = layer.id.with("progress");
+    let pass = context.cumulative_pass_nr();
+    let before: Option<Progress> = context.data(|data| data.get_temp(id));
+    // One that was not there in the last pass begins anew.
+    let before = before.filter(|before| before.pass + 1 >= pass);
+    let mut progress = before.unwrap_or_default();
+    let is_covered = before.is_some() && is_another_above(context, layer);
+    let withheld = withhold(context, |event| {
+        is_covered && is_typed(event) || !progress.takes(kind, event)
+    });
+    let mut is_measured = false;
+    let is_popup_open = Popup::is_any_open(context);
+    let modal = modal.show(context, |ui| {
+        is_measured = ui.is_sizing_pass();
+        content(ui)
+    });
+    let is_beside = kind == Kind::Form && modal.backdrop_response.clicked();
+    let leaves = || context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
+    let closes = modal.response.should_close() || is_beside || !is_popup_open && leaves();
+    if is_covered {
+        // They are for the other one.
+        context.input_mut(|input| input.events.extend(withheld));
+    }
+    progress.pass = pass;
+    progress.is_drawn |= !is_measured;
+    progress.were_keys_up |= progress.is_drawn && !are_keys_held(context);
+    context.data_mut(|data| data.insert_temp(id, progress));
+    if !progress.were_keys_up {
+        context.request_repaint();
+    }
+    Cover {
+        inner: modal.inner,
+        closes,
+    }
+}
+
+impl Progress {
+    /// Whether an event is for the cover. A form that the user has opened takes what is typed at once.
+    fn takes(&self, kind: Kind, event: &Event) -> bool {
+        let is_answer = matches!(
+            event,
+            Event::Key {
+                key: Key::Enter | Key::Escape | Key::Space,
+                ..
+            }
+        );
+        // A key that is held since before it was open comes again and again.
+        let is_repeated = matches!(event, Event::Key { repeat: true, .. });
+        match kind {
+            Kind::Question => !is_typed(event) || self.were_keys_up && !is_repeated,
+            Kind::Form | Kind::LastingForm => !is_answer || self.is_drawn && !is_repeated,
+        }
+    }
+}
+
+/// Whether another cover lies over this layer.
+fn is_another_above(context: &Context, layer: LayerId) -> bool {
+    context.memory(|memory| memory.top_modal_layer().is_some() && !memory.is_above_modal_layer(layer))
+}
+
+/// Takes events away, and returns them.
+fn withhold(context: &Context, is_withheld: impl Fn(&Event) -> bool) -> Vec<Event> {
+    context.input_mut(|input| {
+        let events = std::mem::take(&mut input.events);
+        let (withheld, left) = events.into_iter().partition(|event| is_withheld(event));
+        input.events = left;
+        withheld
+    })
+}
+
+/// Whether the event is of a key that goes down, or of what a key does.
+pub(super) fn is_typed(event: &Event) -> bool {
+    use Event::{Copy, Cut, Key, Paste, Text};
+    matches!(event, Copy | Cut | Key { pressed: true, .. } | Paste(_) | Text(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+
+    use super::*;
+
+    /// A question behind another, each with what it was answered: by Enter or by Esc.
+    #[derive(Default)]
+    struct Shown {
+        is_open: [bool; 2],
+        said: [Option<&'static str>; 2],
+    }
+
+    fn questions() -> Harness<'static, Shown> {
+        let show = |ui: &mut Ui, shown: &mut Shown| {
+            let context = ui.ctx().clone();
+            for (place, id) in ["first", "second"].into_iter().enumerate() {
+                if !shown.is_open[place] {
+                    continue;
+                }
+                let cover = question(&context, id, 200.0, id, is_entered);
+                if cover.inner {
+                    shown.said[place] = Some("entered");
+                } else if cover.should_close() {
+                    shown.said[place] = Some("closed");
+                }
+                shown.is_open[place] &= shown.said[place].is_none();
+            }
+        };
+        Harness::builder()
+            .with_size(egui::vec2(600.0, 400.0))
+            .build_ui_state(show, Shown::default())
+    }
+
+    fn key(key: Key, pressed: bool) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    /// A frame with these events.
+    fn frame(harness: &mut Harness<Shown>, events: &[Event]) {
+        harness.input_mut().events.extend_from_slice(events);
+        harness.run_steps(1);
+    }
+
+    #[test]
+    fn a_key_that_was_pressed_before_a_question_is_not_for_it() {
+        for answer in [Key::Enter, Key::Escape] {
+            let mut harness = questions();
+            harness.state_mut().is_open[0] = true;
+            // It opens in the frame of the key, which is held, and comes again.
+            frame(&mut harness, &[key(answer, true)]);
+            for _ in 0..4 {
+                frame(&mut harness, &[key(answer, true)]);
+            }
+            assert_eq!(harness.state().said, [None; 2], "{answer:?}");
+            // Another key does not count before all are up.
+            frame(&mut harness, &[key(Key::Escape, true), key(Key::Escape, false)]);
+            assert_eq!(harness.state().said, [None; 2], "{answer:?}");
+            frame(&mut harness, &[key(answer, false)]);
+            frame(&mut harness, &[key(answer, true)]);
+            assert!(harness.state().said[0].is_some(), "{answer:?}");
+        }
+    }
+
+    #[test]
+    fn the_answer_to_one_question_is_not_that_to_the_next() {
+        let mut harness = questions();
+        harness.state_mut().is_open[0] = true;
+        for _ in 0..3 {
+            frame(&mut harness, &[]);
+        }
+        // The second comes in the frame of the answer.
+        harness.state_mut().is_open[1] = true;
+        frame(&mut harness, &[key(Key::Enter, true)]);
+        assert_eq!(harness.state().said, [Some("entered"), None]);
+        frame(&mut harness, &[key(Key::Enter, true)]);
+        assert_eq!(harness.state().said[1], None);
+        frame(&mut harness, &[key(Key::Enter, false)]);
+        frame(&mut harness, &[key(Key::Enter, true)]);
+        assert_eq!(harness.state().said[1], Some("entered"));
+    }
+
+    #[test]
+    fn keys_are_for_the_uppermost_question() {
+        let mut harness = questions();
+        harness.state_mut().is_open[0] = true;
+        for _ in 0..3 {
+            frame(&mut harness, &[]);
+        }
+        harness.state_mut().is_open[1] = true;
+        for _ in 0..3 {
+            frame(&mut harness, &[]);
+        }
+        frame(&mut harness, &[key(Key::Escape, true), key(Key::Escape, false)]);
+        assert_eq!(harness.state().said, [None, Some("closed")]);
+        for _ in 0..2 {
+            frame(&mut harness, &[]);
+        }
+        frame(&mut harness, &[key(Key::Enter, true)]);
+        assert_eq!(harness.state().said[0], Some("entered"));
+    }
+
+    #[test]
+    fn a_click_beside_a_question_leaves_it_open() {
+        let mut harness = questions();
+        harness.state_mut().is_open[0] = true;
+        for _ in 0..3 {
+            frame(&mut harness, &[]);
+        }
+        let corner = egui::pos2(5.0, 5.0);
+        let button = |pressed| Event::PointerButton {
+            pos: corner,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        frame(&mut harness, &[Event::PointerMoved(corner), button(true)]);
+        frame(&mut harness, &[button(false)]);
+        frame(&mut harness, &[]);
+        assert!(harness.state().is_open[0]);
+    }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bevy_egui::egui::{self, Align2, Button, Id, Key, Modal, Modifiers, RichText, Ui};
 
+use super::dialog;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::selection::Extend;
@@ -165,10 +166,10 @@ impl Palette {
     ) -> bool {
         let id = Id::new("palette");
         let area = Modal::default_area(id).anchor(Align2::CENTER_TOP, egui::vec2(0.0, 60.0));
-        // The list's keys, before the text field sees them.
-        let pressed = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
-        let (up, down, accepted) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter) > 0);
-        let modal = Modal::new(id).area(area).show(context, |ui| {
+        let modal = dialog::form(context, Modal::new(id).area(area), |ui| {
+            // The list's keys, before the text field sees them.
+            let pressed = |key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
+            let (up, down, accepted) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter) > 0);
             ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 40.0));
             let field = egui::TextEdit::singleline(&mut self.query)
                 .hint_text("An action, a scene file or something in the scene")

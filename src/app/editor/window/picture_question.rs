@@ -1,6 +1,6 @@
 //! The question what to do with a picture that is not finished. Closing the window waits until it is answered.
 
-use bevy_egui::egui::{self, Key, Modifiers};
+use bevy_egui::egui;
 
 use super::dialog;
 use crate::app::editor::command::Command;
@@ -44,8 +44,7 @@ impl PictureQuestion {
             dialog::consequence(ui, "Don't keep", "the window closes, and the samples are lost.");
             dialog::consequence(ui, "Cancel", "everything stays as it is.");
             let (lose, keep) = (look::danger(ui, "Don't keep"), look::primary(ui, "Keep"));
-            let is_entered = ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
-            let (mut loses, mut keeps, mut cancels) = (false, is_entered, false);
+            let (mut loses, mut keeps, mut cancels) = (false, dialog::is_entered(ui), false);
             dialog::answers(
                 ui,
                 |ui| loses = ui.add(lose).on_hover_text("Close without keeping").clicked(),

@@ -27,7 +27,7 @@ pub fn question(context: &egui::Context, asked: &mut Option<FileUse>, commands: 
         dialog::consequence(ui, "Open", "it takes the place of the scene that is open.");
         let add = look::primary(ui, "Add");
         let mut answer = None;
-        if ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter)) {
+        if dialog::is_entered(ui) {
             answer = Some(Answer::Add);
         }
         dialog::answers(

@@ -4,6 +4,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Id, Modal, RichText, Ui};
 
+use super::dialog::{self, is_typed};
 use super::palette::Palette;
 use super::shortcuts::shortcuts;
 use super::widgets::Widgets;
@@ -98,7 +99,7 @@ pub fn show(
 
 /// Shows a form, whose content returns true when it is done with; false when it is to be closed.
 fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    let modal = Modal::new(Id::new(title)).show(context, |ui| {
+    let modal = dialog::form(context, Modal::new(Id::new(title)), |ui| {
         ui.set_width(320.0);
         ui.label(RichText::new(title).heading().strong());
         ui.add_space(6.0);
@@ -121,7 +122,7 @@ fn pages(
         // The list uses the press: Esc must not close the sheet, and Tab must not move on to another control.
         context.input_mut(|input| input.events.retain(|event| !is_typed(event)));
     }
-    let modal = Modal::new(Id::new("preferences")).show(context, |ui| {
+    let modal = dialog::form(context, Modal::new(Id::new("preferences")), |ui| {
         ui.set_width(WIDTH);
         ui.label(RichText::new("Preferences").heading().strong());
         ui.add_space(4.0);
@@ -166,9 +167,4 @@ fn page(ui: &mut Ui, shown: SheetModel, sheet: Option<Sheet>, keys: &mut KeyList
         shown.actions.bound,
     );
     ui.weak(palette);
-}
-
-fn is_typed(event: &egui::Event) -> bool {
-    use egui::Event::{Copy, Cut, Key, Paste, Text};
-    matches!(event, Copy | Cut | Key { .. } | Paste(_) | Text(_))
 }

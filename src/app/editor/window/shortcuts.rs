@@ -1,7 +1,8 @@
 //! Shows the overview of keys and of the mouse.
 
-use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
+use bevy_egui::egui::{self, Id, InputState, Key, Modal, Modifiers, RichText, Ui};
 
+use super::dialog;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::input::actions::bindings::FLIGHT;
@@ -125,7 +126,7 @@ fn clipboard() -> Lines {
 /// Shows the overview; false when it is to be closed.
 pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyBindings) -> bool {
     let closing = actions::find("shortcuts").map_or(&[][..], |action| action.keys_in(bound));
-    let closes = context.input_mut(|input| {
+    let is_pressed_again = |input: &mut InputState| {
         closing.iter().any(|key| {
             let modifiers = Modifiers {
                 alt: key.alt,
@@ -138,8 +139,11 @@ pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyB
             let is_bare = key.key == Key::Questionmark && input.consume_key(Modifiers::NONE, key.key);
             is_bare || input.consume_key(modifiers, key.key)
         })
-    });
-    let modal = Modal::new(Id::new("shortcuts")).show(context, |ui| {
+    };
+    let modal = dialog::form(context, Modal::new(Id::new("shortcuts")), |ui| {
+        if ui.input_mut(is_pressed_again) {
+            ui.close();
+        }
         let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 130.0);
         let gap = ui.spacing().item_spacing.x;
         let most = ((room.x + gap) / (COLUMN_WIDTH + gap)).max(1.0) as usize;
@@ -161,7 +165,7 @@ pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyB
             "Everything else is found by name with {palette}. Preferences > Keys changes keys. Esc closes this."
         ));
     });
-    !(closes || modal.should_close())
+    !modal.should_close()
 }
 
 fn column(ui: &mut Ui, groups: &Column) {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, TextureOptions, Ui};
 use image::ImageFormat;
 
-use super::recovery_question;
+use super::{dialog, recovery_question};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;
@@ -32,7 +32,7 @@ pub fn show(
     commands: &mut Vec<Command>,
 ) -> bool {
     let before = commands.len();
-    let modal = Modal::new(Id::new("start page")).show(context, |ui| {
+    let modal = dialog::form(context, Modal::new(Id::new("start page")), |ui| {
         let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 60.0);
         // Two columns of pictures in a small window, three in others.
         let columns = if room.x < 3.0 * (PICTURE.x + GAP) + RECENT_WIDTH {

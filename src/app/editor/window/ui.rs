@@ -9,12 +9,13 @@ use super::baking::BakeQuestion;
 use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
+use super::field_keys::{FieldKeys, Keyboard};
 use super::late_quit::LateQuit;
 use super::picture_question::PictureQuestion;
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
-use super::{full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
+use super::{dialog, full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
@@ -91,6 +92,26 @@ pub struct Shell<'w, 's> {
     ended_image: Option<Res<'w, EndedImage>>,
 }
 
+/// The keys, and who has them.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Typing<'w, 's> {
+    events: MessageReader<'w, 's, KeyboardInput>,
+    held: Res<'w, ButtonInput<KeyCode>>,
+    fields: Local<'s, FieldKeys>,
+    /// What had the keyboard at the end of the last frame, other than the picture.
+    keyboard: Local<'s, Option<Keyboard>>,
+    /// The widget that had the keyboard when it was last looked at.
+    focus: Local<'s, Option<egui::Id>>,
+}
+
+impl Typing<'_, '_> {
+    /// Whether a key is down, other than one that locks.
+    fn is_key_held(&self) -> bool {
+        let locks = [KeyCode::CapsLock, KeyCode::NumLock, KeyCode::ScrollLock];
+        self.held.get_pressed().any(|key| !locks.contains(key))
+    }
+}
+
 pub fn show_window(
     mut contexts: EguiContexts,
     model: Res<EditorModel>,
@@ -100,20 +121,13 @@ pub fn show_window(
     mut dialogs: ResMut<Dialogs>,
     mut shell: Shell,
     scene: Scene,
-    mut key_events: MessageReader<KeyboardInput>,
-    mut focus: Local<Option<egui::Id>>,
-    mut is_typing: Local<bool>,
+    mut typing: Typing,
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
     let modifiers = context.input(|input| input.modifiers);
-    let presses = keys::presses(key_events.read(), modifiers);
-    count_interactions(&context, &presses, &state, &mut said.requests, &mut focus);
-    let pressed = presses.clone();
-    // A field that is left and a list that closes in this frame still had its keys.
-    let presses = match *is_typing || egui::Popup::is_any_open(&context) {
-        true => Vec::new(),
-        false => presses,
-    };
+    let pressed = keys::presses(typing.events.read(), modifiers);
+    count_interactions(&context, &pressed, &state, &mut said.requests, &mut typing.focus);
+    dialog::note_keys(&context, typing.is_key_held());
     let builder = egui::UiBuilder::new()
         .layer_id(egui::LayerId::background())
         .max_rect(context.viewport_rect());
@@ -137,6 +151,15 @@ pub fn show_window(
         && !shell.unsaved_question.is_asking()
         && !shell.picture_question.is_asking()
         && !shell.bake_question.is_asking();
+    // A field that is left and a list that closes in this frame still had its keys.
+    let bound = &shell.preferences.keys;
+    let presses = match is_free {
+        true => typing.fields.take(&context, pressed.clone(), *typing.keyboard, bound),
+        false => {
+            typing.fields.drop_waiting();
+            Vec::new()
+        }
+    };
     let action_context = ActionContext {
         display: settings.display,
         overlay: settings.overlay,
@@ -176,6 +199,7 @@ pub fn show_window(
         picture: seen.picture,
         proportions: seen.proportions,
         placeholder: &seen.placeholder,
+        outdated: model.status.status.outdated,
         pose: seen.pose,
         camera: scene.packed.view.as_ref().map(|view| view.camera),
         boxes: seen.boxes(),
@@ -282,7 +306,8 @@ pub fn show_window(
     let is_untouched = model.status.scene.is_none() && !model.status.unsaved;
     commands.extend(shell.dropped.commands(is_untouched));
     commands.extend(shell.trusted.opens.take().map(Command::OpenScene));
-    if std::mem::take(&mut requests.closes) {
+    if requests.closes && typing.fields.is_left(*typing.keyboard) {
+        requests.closes = false;
         commands.push(Command::Quit);
     }
     let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
@@ -318,9 +343,9 @@ pub fn show_window(
     };
     toasts::show(&mut said.toasts, hidden, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
-    *is_typing = context
-        .memory(|memory| memory.focused())
-        .is_some_and(|focused| focused != egui::Id::new(PICTURE));
+    typing.fields.end_frame(&context);
+    let is_picture = context.memory(|memory| memory.has_focus(egui::Id::new(PICTURE)));
+    *typing.keyboard = Keyboard::of(&context, is_picture);
     Ok(())
 }
 

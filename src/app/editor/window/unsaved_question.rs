@@ -151,7 +151,7 @@ fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
     };
     let (lose, save) = (look::danger(ui, lose), look::primary(ui, "Save"));
     if !reverts {
-        saved = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
+        saved = dialog::is_entered(ui);
     }
     dialog::answers(
         ui,

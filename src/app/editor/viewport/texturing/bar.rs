@@ -1,6 +1,7 @@
 //! The row at the foot of the picture that shows how the texture lies as numbers.
 
 use bevy::math::Affine2;
+use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{
     Align, ComboBox, DragValue, Layout, Margin, Rect, Response, Ui, UiBuilder, WidgetInfo, WidgetType, vec2,
 };
@@ -8,6 +9,7 @@ use bevy_egui::egui::{
 use super::{TextureTarget, TexturingModel, TexturingState};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::Placing;
+use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::viewport::marks::bar_frame;
 
 const HEIGHT: f32 = 30.0;
@@ -106,7 +108,9 @@ fn field(ui: &mut Ui, name: &str, value: &mut f32, speed: f64, suffix: &str) -> 
     let shown = f64::from(*value);
     let decimals = if suffix.is_empty() { 4 } else { 2 };
     let drag = DragValue::new(value).speed(speed).suffix(suffix).max_decimals(decimals);
-    let response = ui.add_sized([56.0, ui.spacing().interact_size.y], drag);
+    let range = f32::MIN..=f32::MAX;
+    let field = number_field::number(ui, drag, name, range, Meaning::Number, format_with_decimals_in_range);
+    let response = ui.add_sized([56.0, ui.spacing().interact_size.y], field);
     response.widget_info(|| {
         let mut info = WidgetInfo::drag_value(true, shown);
         info.label = Some(format!("Texture {name}"));

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use bevy_egui::egui::text::{CCursor, CCursorRange};
-use bevy_egui::egui::{self, Align, ComboBox, Id, Key, Layout, TextEdit, Ui};
+use bevy_egui::egui::{self, Align, ComboBox, Id, Layout, TextEdit, Ui};
 
 use super::listing::{Entry, changed_text};
-use super::{FileDialog, NAME, Outcome, Purpose, in_format};
+use super::{FileDialog, NAME, Outcome, Purpose, in_format, is_entered};
 use crate::app::editor::panels::look;
 use crate::app::editor::words::files::{extension, size_text};
 
@@ -109,7 +109,7 @@ impl FileDialog {
         let field = ui.add(field);
         if field.lost_focus() {
             let name = self.new_folder.take().unwrap_or_default();
-            if ui.input(|input| input.key_pressed(Key::Enter)) && !name.trim().is_empty() {
+            if is_entered(ui) && !name.trim().is_empty() {
                 self.make_folder(&name);
             }
         } else {

@@ -9,9 +9,10 @@ mod tests;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
-use bevy_egui::egui::{self, Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use bevy_egui::egui::{self, Button, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
+use crate::app::editor::window::dialog;
 use crate::app::editor::words::files::{extension, home_for_tilde};
 use listing::{Entry, Filter, Listed, Order};
 
@@ -178,7 +179,7 @@ impl FileDialog {
         }
         // A text field loses the focus in the frame in which Enter is pressed in it.
         let focused = context.memory(|memory| memory.focused());
-        let modal = Modal::new(Id::new("file dialog")).show(context, |ui| {
+        let modal = dialog::lasting_form(context, "file dialog", |ui| {
             ui.set_width(size.x);
             ui.label(RichText::new(&self.title).heading().strong());
             ui.add_space(4.0);
@@ -237,7 +238,7 @@ impl FileDialog {
             }
             if field.lost_focus()
                 && let Some(typed) = self.path.take()
-                && ui.input(|input| input.key_pressed(Key::Enter))
+                && is_entered(ui)
             {
                 went = Some(self.folder.join(home_for_tilde(&typed)));
             }
@@ -356,14 +357,9 @@ impl FileDialog {
         if egui::Popup::is_any_open(ui.ctx()) {
             return None;
         }
-        let (enter, up, down, alt) = ui.input(|input| {
+        let (up, down, alt) = ui.input(|input| {
             let pressed = |key| input.key_pressed(key);
-            (
-                pressed(Key::Enter),
-                pressed(Key::ArrowUp),
-                pressed(Key::ArrowDown),
-                input.modifiers.alt,
-            )
+            (pressed(Key::ArrowUp), pressed(Key::ArrowDown), input.modifiers.alt)
         });
         if alt && up {
             let parent = self.folder.parent().map(Path::to_path_buf);
@@ -391,7 +387,7 @@ impl FileDialog {
         };
         let own = Id::new(if self.saves() { NAME } else { SEARCH });
         let is_own = focused.is_none_or(|focused| focused == own);
-        wanted.filter(|_| enter && is_own && !is_moving)
+        wanted.filter(|_| is_own && !is_moving && is_entered(ui))
     }
 
     /// The folder that is chosen in the list, else the one that is shown.
@@ -427,6 +423,11 @@ impl FileDialog {
         let written = std::iter::once(path.to_path_buf()).chain((self.second)(path));
         written.filter(|path| path.exists()).collect()
     }
+}
+
+/// Whether Enter was pressed. Nothing else gets it then.
+fn is_entered(ui: &Ui) -> bool {
+    ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }
 
 /// A path without `.` and `..`. Links are not followed, so that one comes back to where one came from.

@@ -4,6 +4,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::*;
+use crate::app::editor::command::Command;
+use crate::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
 
 const SCENES: &[&str] = &["xml"];
 const PICTURES: &[(&str, &str)] = &[("PNG", "png"), ("EXR", "exr")];
@@ -184,5 +186,72 @@ fn another_format_leaves_the_name() {
         harness.run_steps(3);
         click(&mut harness, format);
         assert_eq!(harness.state().0.name, expected);
+    }
+}
+
+#[test]
+fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
+    struct Window {
+        dialog: Option<FileDialog>,
+        question: UnsavedQuestion,
+        said: Vec<Command>,
+    }
+    let show = |ui: &mut Ui, window: &mut Window| {
+        let context = ui.ctx().clone();
+        let mut commands = Vec::new();
+        let outcome = window.dialog.as_mut().map(|dialog| dialog.show(&context));
+        if let Some(Outcome::Picked(path)) = outcome {
+            window.dialog = None;
+            commands.push(Command::OpenScene(path));
+        }
+        window.question.hold(&mut commands, true);
+        let unsaved = UnsavedState {
+            name: "room.xml",
+            saved: None,
+            edits: true,
+            dialog_open: false,
+        };
+        window.question.show(&context, unsaved, &mut commands);
+        window.said.append(&mut commands);
+    };
+    let folder = folder();
+    let key = |pressed| egui::Event::Key {
+        key: Key::Enter,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    // With letters in the search, and with a path.
+    for (typed, is_path) in [
+        ("oo".to_owned(), false),
+        (folder.path().join("room.xml").display().to_string(), true),
+    ] {
+        let dialog = FileDialog::new("", Purpose::Open(SCENES), folder.path().to_path_buf(), Vec::new());
+        let window = Window {
+            dialog: Some(dialog),
+            question: UnsavedQuestion::default(),
+            said: Vec::new(),
+        };
+        let mut harness = Harness::builder()
+            .with_size(egui::vec2(1000.0, 700.0))
+            .build_ui_state(show, window);
+        harness.run_steps(5);
+        if is_path {
+            harness.get_by_value(&folder.path().display().to_string()).click();
+            harness.run_steps(3);
+            harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        }
+        harness.event(egui::Event::Text(typed));
+        harness.run_steps(3);
+        harness.event(key(true));
+        harness.run_steps(6);
+        assert!(harness.state().dialog.is_none(), "a file was chosen");
+        assert!(harness.state().question.is_asking() && harness.state().said.is_empty());
+        harness.event(key(false));
+        harness.run_steps(2);
+        harness.event(key(true));
+        harness.run_steps(2);
+        assert_eq!(harness.state().said, [Command::Save]);
     }
 }

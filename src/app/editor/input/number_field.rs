@@ -1,0 +1,436 @@
+//! Fields for numbers. What is typed counts once the field is left: a number with a decimal point or a decimal comma, with a unit where it is
+//! a length, and simple arithmetic. A text that is no number is kept in the field, marked, until it is one or Esc gives it up. What is wrong
+//! with a text is told in the status line as well.
+
+use std::cell::RefCell;
+use std::ops::RangeInclusive;
+use std::rc::Rc;
+
+use bevy_egui::egui::emath::Numeric;
+use bevy_egui::egui::{Area, AsId, Context, DragValue, Frame, Id, Key, Order, Response, Slider, Ui, Visuals, Widget};
+
+use crate::app::editor::words::arithmetic::{self, plain};
+use crate::app::editor::words::figures::legible;
+use crate::scene::LengthUnit;
+
+/// The time for which a note is shown, seconds.
+const SHOWN: f64 = 6.0;
+
+/// The meaning of the text of a field.
+#[derive(Clone, Copy)]
+pub enum Meaning {
+    /// A number.
+    Number,
+    /// A length in a scene of this unit, which may have a unit of its own.
+    Length(LengthUnit),
+    /// Whatever this reads.
+    Of(fn(&str) -> Option<f64>),
+}
+
+impl Meaning {
+    fn read(self, text: &str) -> Option<f64> {
+        match self {
+            Self::Number => arithmetic::number(text),
+            Self::Length(unit) => arithmetic::value(text, |operand| length(unit, operand)),
+            Self::Of(read) => read(text),
+        }
+    }
+
+    /// Examples of what can be typed.
+    fn examples(self) -> &'static str {
+        match self {
+            Self::Length(_) => "30cm, 0,5 and 1/4 are some",
+            Self::Number | Self::Of(_) => "0.5, 0,5 and 1/4 are some",
+        }
+    }
+}
+
+/// A number with a unit of length: the number, and the units of the scene in that unit.
+fn length(unit: LengthUnit, text: &str) -> Option<(f64, f64)> {
+    if let Some(number) = plain(text) {
+        return Some((number, 1.0));
+    }
+    let length = unit.parse(text)?;
+    let end = text.find(|letter: char| !(letter.is_ascii_digit() || matches!(letter, '.' | ',')));
+    match plain(&text[..end?]).filter(|number| *number != 0.0) {
+        Some(number) => Some((number, length / number)),
+        None => Some((length, 1.0)),
+    }
+}
+
+/// A text that is no number, and the value of the field that it was typed into.
+#[derive(Clone, PartialEq)]
+struct Rejected {
+    text: String,
+    value: f64,
+}
+
+/// What was wrong with a text, and when.
+#[derive(Clone)]
+struct Note {
+    text: String,
+    time: f64,
+}
+
+/// A field, known by its place in the panel and what it is about.
+#[derive(Clone)]
+struct Field {
+    id: Id,
+    context: Context,
+    limits: (f64, f64),
+    meaning: Meaning,
+    /// The value as the field shows it, which is not typed, and the value itself.
+    shown: Rc<RefCell<(String, f64)>>,
+}
+
+impl Field {
+    fn new<N: Numeric>(ui: &Ui, about: impl AsId, range: &RangeInclusive<N>, meaning: Meaning) -> Self {
+        Self {
+            id: ui.next_auto_id().with(("typed", Id::new(about))),
+            context: ui.ctx().clone(),
+            limits: (range.start().to_f64(), range.end().to_f64()),
+            meaning,
+            shown: Rc::default(),
+        }
+    }
+
+    fn rejected(&self) -> Option<Rejected> {
+        self.context.data(|data| data.get_temp(self.id))
+    }
+
+    fn forget(&self) {
+        self.context.data_mut(|data| data.remove::<Rejected>(self.id));
+    }
+
+    /// The text of the field: the value, or the text in its place that is no number.
+    fn text(&self, value: f64, text: String) -> String {
+        self.shown.replace((text.clone(), value));
+        match self.rejected() {
+            Some(rejected) if rejected.value == value => rejected.text,
+            // It has been changed otherwise since.
+            Some(_) => {
+                self.forget();
+                text
+            }
+            None => text,
+        }
+    }
+
+    /// The number of a text that is finished.
+    fn read(&self, text: &str) -> Option<f64> {
+        let (shown, value) = self.shown.borrow().clone();
+        // Looking at a value must not round it to the digits that are shown.
+        if text == shown || text.trim().is_empty() {
+            self.forget();
+            return None;
+        }
+        let (least, most) = self.limits;
+        match self.meaning.read(text) {
+            Some(number) => {
+                self.forget();
+                if number < least || number > most {
+                    note(&self.context, beyond(number, least, most));
+                } else {
+                    self.context.data_mut(|data| data.remove::<Note>(note_id()));
+                }
+                Some(number)
+            }
+            None => {
+                note(&self.context, self.problem(text));
+                let text = text.to_owned();
+                let rejected = Rejected { text, value };
+                self.context.data_mut(|data| data.insert_temp(self.id, rejected));
+                self.context.request_repaint();
+                None
+            }
+        }
+    }
+
+    fn problem(&self, text: &str) -> String {
+        let shown = &self.shown.borrow().0;
+        let examples = self.meaning.examples();
+        format!("“{text}” is no number: {examples}. Esc brings back {shown}")
+    }
+
+    /// Shows the field, and marks a text that is no number.
+    fn show(&self, ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+        let before = self.rejected().map(|_| ui.style().clone());
+        if before.is_some() {
+            mark(ui.visuals_mut());
+        }
+        let mut response = add(ui);
+        if let Some(style) = before {
+            ui.set_style(style);
+        }
+        let left_by = |key| response.lost_focus() && ui.input(|input| input.key_pressed(key));
+        if left_by(Key::Escape) {
+            self.forget();
+        }
+        let Some(rejected) = self.rejected() else {
+            return response;
+        };
+        if left_by(Key::Enter) {
+            // One goes on typing.
+            ui.memory_mut(|memory| memory.request_focus(response.id));
+        }
+        let problem = self.problem(&rejected.text);
+        if response.has_focus() || left_by(Key::Enter) {
+            explain(ui, &response, &problem);
+        } else {
+            response = response.on_hover_text(problem);
+        }
+        response
+    }
+}
+
+/// Colours of a field whose text is no number.
+fn mark(visuals: &mut Visuals) {
+    let color = visuals.error_fg_color;
+    visuals.override_text_color = Some(color);
+    // A field with the keyboard has the frame of a selection.
+    visuals.selection.stroke.color = color;
+    let widgets = &mut visuals.widgets;
+    for state in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active] {
+        state.bg_stroke.color = color;
+        state.bg_stroke.width = state.bg_stroke.width.max(1.0);
+    }
+}
+
+/// Says below the field what is wrong.
+fn explain(ui: &Ui, response: &Response, problem: &str) {
+    Area::new(response.id.with("problem"))
+        .order(Order::Tooltip)
+        .interactable(false)
+        .constrain(true)
+        .fixed_pos(response.rect.left_bottom())
+        .show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(260.0);
+                ui.label(problem);
+            });
+        });
+}
+
+/// A number that is dragged or typed, see [`number`].
+pub struct NumberField<'a> {
+    drag: DragValue<'a>,
+    field: Field,
+}
+
+impl Widget for NumberField<'_> {
+    fn ui(self, ui: &mut Ui) -> Response {
+        self.field.show(ui, |ui| ui.add(self.drag))
+    }
+}
+
+/// A slider with a number, see [`slider`].
+pub struct SliderField<'a> {
+    slider: Slider<'a>,
+    field: Field,
+}
+
+impl Widget for SliderField<'_> {
+    fn ui(self, ui: &mut Ui) -> Response {
+        self.field.show(ui, |ui| ui.add(self.slider))
+    }
+}
+
+impl<'a> SliderField<'a> {
+    /// The slider in another style.
+    pub fn styled(self, style: impl FnOnce(Slider<'a>) -> Slider<'a>) -> Self {
+        Self {
+            slider: style(self.slider),
+            field: self.field,
+        }
+    }
+}
+
+/// A field for numbers in this range. `about`: the thing whose number it is, if the field is shown of others as well. `format`: the text of a
+/// number with so many decimals.
+pub fn number<'a, N: Numeric>(
+    ui: &Ui,
+    drag: DragValue<'a>,
+    about: impl AsId,
+    range: RangeInclusive<N>,
+    meaning: Meaning,
+    format: impl 'a + Fn(f64, RangeInclusive<usize>) -> String,
+) -> NumberField<'a> {
+    let field = Field::new(ui, about, &range, meaning);
+    let (shown, read) = (field.clone(), field.clone());
+    let drag = drag
+        .range(range)
+        .custom_formatter(move |value, decimals| shown.text(value, format(value, decimals)))
+        .custom_parser(move |text| read.read(text))
+        .update_while_editing(false);
+    NumberField { drag, field }
+}
+
+/// [`number`] with a slider.
+pub fn slider<'a, N: Numeric>(
+    ui: &Ui,
+    slider: Slider<'a>,
+    about: impl AsId,
+    range: RangeInclusive<N>,
+    meaning: Meaning,
+    format: impl 'a + Fn(f64, RangeInclusive<usize>) -> String,
+) -> SliderField<'a> {
+    let field = Field::new(ui, about, &range, meaning);
+    let (shown, read) = (field.clone(), field.clone());
+    let slider = slider
+        .custom_formatter(move |value, decimals| shown.text(value, format(value, decimals)))
+        .custom_parser(move |text| read.read(text))
+        .update_while_editing(false);
+    SliderField { slider, field }
+}
+
+fn beyond(number: f64, least: f64, most: f64) -> String {
+    let shown = |number: f64| legible(number, 0..=4);
+    let (limit, word) = match number < least {
+        true => (least, "least"),
+        false => (most, "most"),
+    };
+    format!("{} is not possible here: {} is the {word}", shown(number), shown(limit))
+}
+
+fn note_id() -> Id {
+    Id::new("what is wrong with a text")
+}
+
+/// Tells in the status line what is wrong with a text.
+pub fn note(context: &Context, text: String) {
+    let time = context.input(|input| input.time);
+    context.data_mut(|data| data.insert_temp(note_id(), Note { text, time }));
+}
+
+/// What was wrong with a text just now.
+pub fn told(context: &Context) -> Option<String> {
+    let note: Note = context.data(|data| data.get_temp(note_id()))?;
+    let left = SHOWN - (context.input(|input| input.time) - note.time);
+    if left <= 0.0 {
+        context.data_mut(|data| data.remove::<Note>(note_id()));
+        return None;
+    }
+    context.request_repaint_after_secs(left as f32);
+    Some(note.text)
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_egui::egui::{self, Event};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    #[test]
+    fn numbers_beyond_a_range_are_told_with_its_end() {
+        assert_eq!(beyond(1.5, 0.0, 1.0), "1.5 is not possible here: 1 is the most");
+        assert_eq!(beyond(-2.0, 0.0, 1.0), "-2 is not possible here: 0 is the least");
+    }
+
+    #[test]
+    fn lengths_have_units_and_arithmetic() {
+        let read = |text| Meaning::Length(LengthUnit::Metre).read(text);
+        for (text, expected) in [
+            ("30cm", 0.3),
+            ("30 cm + 5cm", 0.35),
+            ("1/4in", 0.25 * 0.0254),
+            ("6'2\"", 74.0 * 0.0254),
+            ("2m/4", 0.5),
+            ("1,5", 1.5),
+            ("0m", 0.0),
+        ] {
+            assert!(
+                read(text).is_some_and(|found| (found - expected).abs() < 1e-9),
+                "{text}: {:?}",
+                read(text)
+            );
+        }
+        assert_eq!(read("2 miles"), None);
+    }
+
+    /// A field and what it has been set to, frame by frame.
+    fn field(value: f64) -> Harness<'static, (f64, usize)> {
+        let show = |ui: &mut Ui, (value, changes): &mut (f64, usize)| {
+            let drag = DragValue::new(value).clamp_existing_to_range(false);
+            let format = |value: f64, _| format!("{value:.2}");
+            let label = ui.label("Width");
+            let field = number(ui, drag, (), -100.0..=100.0, Meaning::Number, format);
+            *changes += usize::from(ui.add(field).labelled_by(label.id).changed());
+        };
+        let mut harness = Harness::builder()
+            .with_size(egui::vec2(300.0, 200.0))
+            .build_ui_state(show, (value, 0));
+        harness.run_steps(3);
+        harness
+    }
+
+    fn type_text(harness: &mut Harness<(f64, usize)>, text: &str) {
+        harness.get_by_label("Width").click();
+        harness.run_steps(3);
+        harness.event(Event::Text(text.to_owned()));
+        harness.run_steps(2);
+    }
+
+    fn press(harness: &mut Harness<(f64, usize)>, key: Key) {
+        harness.key_press(key);
+        harness.run_steps(3);
+    }
+
+    #[test]
+    fn what_is_typed_counts_once_it_is_finished() {
+        for (text, expected) in [("0,5", 0.5), ("1/4", 0.25), ("2*3+1", 7.0), ("500", 100.0)] {
+            let mut harness = field(3.0);
+            type_text(&mut harness, text);
+            assert_eq!(*harness.state(), (3.0, 0), "{text}");
+            press(&mut harness, Key::Enter);
+            assert_eq!(*harness.state(), (expected, 1), "{text}");
+            assert_eq!(told(&harness.ctx).is_some(), text == "500");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_stays_in_the_field_and_is_explained() {
+        let mut harness = field(3.0);
+        type_text(&mut harness, "0;5");
+        press(&mut harness, Key::Enter);
+        assert_eq!(*harness.state(), (3.0, 0));
+        assert!(told(&harness.ctx).is_some_and(|text| text.contains("“0;5” is no number")));
+        // One goes on typing where one was: the text is still there.
+        harness.event(Event::Text("0".to_owned()));
+        harness.run_steps(2);
+        press(&mut harness, Key::Tab);
+        assert!(told(&harness.ctx).is_some_and(|text| text.contains("“0;50” is no number")));
+        let shown = harness.query_by_value("0;50");
+        assert!(shown.is_some(), "it stays where the keyboard is elsewhere");
+        // A click shows it for editing, and Esc brings the value back.
+        type_text(&mut harness, "x");
+        press(&mut harness, Key::Escape);
+        assert!(harness.query_by_value("3.00").is_some());
+        assert_eq!(*harness.state(), (3.0, 0));
+    }
+
+    #[test]
+    fn a_value_that_is_set_otherwise_takes_the_place_of_the_text() {
+        let mut harness = field(3.0);
+        type_text(&mut harness, "abc");
+        press(&mut harness, Key::Tab);
+        harness.state_mut().0 = 4.0;
+        harness.run_steps(2);
+        assert!(harness.query_by_value("4.00").is_some());
+    }
+
+    #[test]
+    fn looking_at_a_number_does_not_round_it() {
+        let mut harness = field(1.0 / 3.0);
+        harness.get_by_label("Width").click();
+        harness.run_steps(3);
+        press(&mut harness, Key::Enter);
+        assert_eq!(*harness.state(), (1.0 / 3.0, 0));
+        // Nor does a field that is left empty.
+        type_text(&mut harness, "5");
+        press(&mut harness, Key::Backspace);
+        press(&mut harness, Key::Tab);
+        assert_eq!(*harness.state(), (1.0 / 3.0, 0));
+    }
+}

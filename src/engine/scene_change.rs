@@ -1,0 +1,32 @@
+//! Another scene in place of the one of the picture: its film is cleared, so that no picture and no tile of one scene is taken for another's.
+
+use bevy::prelude::*;
+
+use super::deferred_drop::DeferredDrop;
+use super::film::RenderFilm;
+use super::renderer::Renderer;
+use super::status::RenderStatus;
+use crate::scene::SceneStatus;
+
+/// Clears the film as soon as the entities are those of another scene. A scene that is read again keeps its picture until the next one has come.
+pub(super) fn clear_for_other_scene(
+    scene: Res<SceneStatus>,
+    mut renderer: ResMut<Renderer>,
+    mut film: ResMut<RenderFilm>,
+    mut status: ResMut<RenderStatus>,
+    deferred: Res<DeferredDrop>,
+    mut seen: Local<u64>,
+) {
+    let is_new = std::mem::replace(&mut *seen, scene.revision) != scene.revision;
+    if !(scene.is_opening || is_new && scene.fresh_load) {
+        return;
+    }
+    if let Some(job) = renderer.job.take() {
+        job.cancel();
+        deferred.drop_later(job);
+    }
+    if !film.is_empty() {
+        film.clear();
+        status.outdated = None;
+    }
+}
