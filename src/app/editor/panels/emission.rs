@@ -24,7 +24,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, tex
     if toggled {
         *light = emits.then(AreaLight::default);
     }
-    if let (Some(_), true) = (&light, is_flat) {
+    if is_flat && light.as_ref().is_some_and(|light| !light.two_sided) {
         let text =
             "It shines on the side of its normals only, and is black from the other. Flip normals turns it round.";
         ui.add(Label::new(RichText::new(text).weak()).wrap());
