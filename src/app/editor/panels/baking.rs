@@ -243,8 +243,9 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
     page(ui, shown, picture, commands);
     ui.add_space(4.0);
     let mut is_compared = matches!(shown.view, CompareView::Baked(_));
+    let can_compare = shown.is_of_open_scene || is_compared;
     let checkbox = egui::Checkbox::new(&mut is_compared, "Beside the picture");
-    let compares = ui.add_enabled(shown.is_of_open_scene || is_compared, checkbox);
+    let compares = ui.add_enabled(can_compare, checkbox);
     let hint = "Shows the level as its lightmaps light it, left of a border in the picture: diffuse surfaces alone, as a game would";
     let compares = compares.on_hover_text(hint).on_disabled_hover_text(OTHER_SCENE);
     if compares.changed() {
