@@ -237,8 +237,14 @@ fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
             .with_size(egui::vec2(1000.0, 700.0))
             .build_ui_state(show, window);
         harness.run_steps(5);
+        let is_reading = |window: &Window| window.dialog.as_ref().is_some_and(|dialog| dialog.reading.is_some());
+        while is_reading(harness.state()) {
+            harness.run_steps(1);
+        }
         if is_path {
-            harness.get_by_value(&folder.path().display().to_string()).click();
+            let mut fields = harness.get_all_by_role(egui::accesskit::Role::TextInput);
+            fields.next().expect("the path").click();
+            drop(fields);
             harness.run_steps(3);
             harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
         }
