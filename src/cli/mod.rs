@@ -15,6 +15,8 @@ mod display_server;
 mod edit;
 mod ending;
 mod generate;
+#[cfg(target_os = "linux")]
+mod limits;
 mod merge;
 mod monkey;
 mod named_outputs;
@@ -78,6 +80,10 @@ enum Command {
 
 /// Does what the arguments of the process ask for.
 pub fn run() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    if let Err(message) = limits::check() {
+        return report::error(message);
+    }
     // Said first: the other arguments mean nothing then.
     if let Some(message) = no_command() {
         return report::wrong_usage(message);

@@ -9,6 +9,10 @@ use crate::files::{LARGEST_NOTE, read_text};
 /// The bytes that are assumed where the system does not say.
 const ASSUMED: u64 = 8 << 30;
 
+/// The bytes of address space that code, stacks and the heaps of threads take, most of which is no memory.
+#[cfg(target_os = "linux")]
+const OWN_SPACE: u64 = 512 << 20;
+
 /// The memory that the process may use, in bytes.
 pub fn memory_bytes() -> u64 {
     limits().into_iter().min().unwrap_or(ASSUMED)
@@ -24,7 +28,11 @@ fn limits() -> Vec<u64> {
     use rustix::process::{Resource, getrlimit};
     let file = |path: &Path| read_text(path, LARGEST_NOTE).unwrap_or_default();
     let mut limits = Vec::from_iter(physical(&file(Path::new("/proc/meminfo"))));
-    limits.extend(getrlimit(Resource::As).current);
+    limits.extend(
+        getrlimit(Resource::As)
+            .current
+            .map(|space| space.saturating_sub(OWN_SPACE)),
+    );
     let groups = file(Path::new("/proc/self/cgroup"));
     limits.extend(group_files(&groups).iter().filter_map(|path| limit(&file(path))));
     limits

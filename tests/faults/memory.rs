@@ -22,6 +22,18 @@ section! { "Memory"
         "`sunroom render` needs more memory for the film than `--memory` allows.",
         "`error: rendering broke off: a film of 1000 x 1000 pixels needs … of memory, and the budget is 1.0 MB`, exit code 1.",
         "Nothing new.";
+    stack_is_too_small:
+        "The system allows a small stack (`ulimit -s 256`).",
+        "`error: the program may use 256 KiB of stack, and needs 1024 at least: …ulimit -s 1024… raises the limit`, exit code 1.",
+        "Nothing new.";
+    address_space_is_too_small:
+        "The system allows a small address space (`ulimit -v`).",
+        "`error: the program may use 500000 KiB of address space, and needs … at least: …ulimit -v … raises the limit`, exit code 1.",
+        "Nothing new.";
+    film_is_too_large_for_the_address_space:
+        "`sunroom render` needs more memory for the film than the address space that the system allows has room for.",
+        "`error: rendering broke off: a film of 2000 x 2000 pixels needs … of memory, and of the budget of … other data take`, exit code 1.",
+        "Nothing new.";
     mesh_of_the_window_grows:
         "A mesh file of an open scene grows beyond the budget.",
         "`mesh …mesh.ply: … need … of memory`. The mesh stays as it was, and the file is read again when it is smaller.",
@@ -35,6 +47,48 @@ section! { "Memory"
         "The file of an open scene asks for a film beyond the budget.",
         "`a film of 1000 x 1000 pixels needs … of memory`. The last rendered picture stays, and rendering goes on when the film is smaller.",
         "The changed file.";
+}
+
+/// Words that run a program with this address space in bytes.
+fn with_space(bytes: u64) -> [String; 2] {
+    ["prlimit".to_owned(), format!("--as={bytes}")]
+}
+
+fn stack_is_too_small(row: &Row) {
+    let shop = Workshop::new();
+    row.holds(&shop.run(&["prlimit", "--stack=262144"], &["render", "scene.xml", "-o", "a.png"]));
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
+}
+
+fn address_space_is_too_small(row: &Row) {
+    let shop = Workshop::new();
+    let before = with_space(500_000 << 10);
+    let before: Vec<&str> = before.iter().map(String::as_str).collect();
+    row.holds(&shop.run(&before, &["render", "scene.xml", "-o", "a.png"]));
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
+}
+
+fn film_is_too_large_for_the_address_space(row: &Row) {
+    let shop = Workshop::new();
+    let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u64);
+    let before = with_space((1100 << 20) + threads * (16 << 20));
+    let before: Vec<&str> = before.iter().map(String::as_str).collect();
+    let render = [
+        "render",
+        "scene.xml",
+        "-o",
+        "a.exr",
+        "--spp",
+        "1",
+        "--threads",
+        "2",
+        "-q",
+    ];
+    let large = [&render[..], &["--size", "2000x2000"]].concat();
+    row.holds(&shop.run(&before, &large));
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
+    // What has room is rendered.
+    assert_eq!(shop.run(&before, &render).status.code(), Some(0));
 }
 
 const BUDGET: &str = "1MB";
