@@ -153,8 +153,8 @@ impl Window {
 #[test]
 fn a_window_that_begins_names_every_scene_with_a_copy() {
     let home = Home::new();
-    home.leave("a", Some(home.path("other.xml")), 2000);
-    home.leave("b", Some(home.path("gone/room.xml")), 3000);
+    home.leave("a", Some(home.path("other.xml")), 200_000);
+    home.leave("b", Some(home.path("gone/room.xml")), 300_000);
     // With another file.
     let mut window = home.begin(Some("ball.xml"));
     let told = window.told();
