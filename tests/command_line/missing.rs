@@ -60,7 +60,8 @@ fn shop() -> Workshop {
     let shop = Workshop::new();
     let picture = r#"<bsdf type="diffuse" id="paper"><texture type="bitmap" name="reflectance"><string name="filename" value="no-paper.png"/></texture></bsdf>"#;
     let meshes = [mesh("obj", "models/no-chair.obj"), mesh("ply", "no-table.ply")].concat();
-    shop.scene(&with(&format!("{meshes}{VOLUME}{picture}")));
+    let text = with(&format!("{meshes}{VOLUME}{picture}"));
+    shop.scene(&text.replace(r#"type="path""#, r#"type="volpath""#));
     shop
 }
 
@@ -74,7 +75,7 @@ fn a_render_names_all_files_that_are_missing_and_how_to_do_without_them() {
     for name in NAMES {
         assert!(said.contains(&format!("{name}: no such file")), "{name}: {said}");
     }
-    assert!(said.contains("scene.xml:10:"), "{said}");
+    assert!(said.contains("scene.xml:9:"), "{said}");
     assert!(said.contains("--allow-missing"), "{said}");
     assert!(!shop.path("a.exr").exists());
     let allowed = run(&shop, &["render", "scene.xml", "-o", "a.exr", "-q", "--allow-missing"]);

@@ -16,6 +16,7 @@ use sunroom::app::editor::model::MissingItem;
 use sunroom::app::editor::panels::missing_files::{MissingForm, missing_files};
 use sunroom::app::editor::picture::paths::PathInspector;
 use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::options;
 use sunroom::app::editor::session::recovery::Recovery;
 use sunroom::app::editor::session::requests::{CommandQueue, Requests};
 use sunroom::app::editor::session::toasts::Toasts;
@@ -64,6 +65,7 @@ impl Window {
             .init_resource::<FilmLights>()
             .init_resource::<RenderFilm>()
             .init_resource::<PathInspector>()
+            .insert_resource(options::SceneDefines(Vec::new()))
             .insert_resource(Recovery::new(None))
             .add_systems(
                 PreUpdate,
@@ -166,7 +168,7 @@ impl Window {
     fn stand_ins(&mut self) -> Vec<(String, Aabb)> {
         let world = self.app.world_mut();
         let mut state = bevy::ecs::system::SystemState::<StandIns>::new(world);
-        let stand_ins = state.get(world);
+        let stand_ins = state.get(world).expect("its parameters");
         let found = stand_ins.shapes();
         let bounds: Vec<_> = found
             .iter()
@@ -381,9 +383,8 @@ fn each_file_of_the_list_has_a_button_that_asks_for_it() {
         };
         Command::Shell(ShellCommand::FindFile(sought))
     };
-    let buttons: Vec<_> = harness.query_all_by_label("Find…").collect();
-    assert_eq!(buttons.len(), 2);
-    buttons[1].click();
+    assert_eq!(harness.query_all_by_label("Find…").count(), 2);
+    harness.query_all_by_label("Find…").nth(1).expect("a button").click();
     harness.run_steps(3);
     harness.get_by_label("Look in that folder for the others").click();
     harness.run_steps(3);

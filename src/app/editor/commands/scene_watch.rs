@@ -134,7 +134,7 @@ pub fn follow_scene(
 }
 
 /// Messages about meshes and pictures that were read again or could not be, and about files that are not there any more.
-pub(crate) fn follow_files(
+pub fn follow_files(
     mut read_again: MessageReader<FileReadAgain>,
     status: Res<SceneStatus>,
     mut toasts: ResMut<Toasts>,
@@ -178,7 +178,7 @@ pub(crate) fn follow_files(
 
 /// The messages about files that were shown.
 #[derive(Default)]
-pub(crate) struct FileTroubles {
+pub struct FileTroubles {
     gone: Vec<PathBuf>,
     missing: Vec<PathBuf>,
     unreadable: Vec<String>,
