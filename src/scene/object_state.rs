@@ -135,32 +135,52 @@ pub struct Merged {
 impl ObjectState {
     /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
     /// may be written otherwise than `base` and mean the same. The numbers of a shape are merged one by one: its centre may be edited on one side and its
-    /// radius on the other.
+    /// radius on the other. Where both sides have moved it, by whatever numbers, it is where `theirs` has it.
     pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
         let shapes = [base, theirs, start, ours].map(|state| state.shape.as_ref());
         let [Some(base_shape), Some(their_shape), Some(start_shape), Some(our_shape)] = shapes else {
             return Self::merged_parts(base, theirs, start, ours);
         };
         let are_of_one_kind = discriminant(&their_shape.kind) == discriminant(&our_shape.kind);
-        let is_edited_twice = their_shape != base_shape && our_shape != start_shape;
-        if !is_edited_twice || !are_of_one_kind || their_shape == our_shape {
+        let [was, there, began, here] = [base, theirs, start, ours].map(Self::place);
+        let are_both_moved =
+            are_of_one_kind && their_shape.has_own_place() && was != there && began != here && there != here;
+        let mut shape = our_shape.clone();
+        let mut is_replaced = are_both_moved;
+        if are_of_one_kind && their_shape != base_shape && our_shape != start_shape && their_shape != our_shape {
+            let mut other = their_shape.clone();
+            carry_over(base_shape, their_shape, &mut shape, Vectors::Whole);
+            carry_over(start_shape, our_shape, &mut other, Vectors::Whole);
+            // The same in either order, if no number was edited on both sides.
+            is_replaced |= shape != other;
+        } else if !are_both_moved {
             return Self::merged_parts(base, theirs, start, ours);
+        } else if their_shape != base_shape {
+            shape = their_shape.clone();
         }
-        let (mut shape, mut other) = (our_shape.clone(), their_shape.clone());
-        carry_over(base_shape, their_shape, &mut shape, Vectors::Whole);
-        carry_over(start_shape, our_shape, &mut other, Vectors::Whole);
-        // The same in either order, if no number was edited on both sides.
-        let is_replaced = shape != other;
-        let with_shape = |state: &Self| Self {
-            shape: Some(shape.clone()),
-            ..state.clone()
+        let mut here = ours.clone();
+        if are_both_moved {
+            shape = shape.placed_as(their_shape);
+            (here.to_world, here.angles) = (theirs.to_world, theirs.angles);
+        }
+        let is_kept = shape != *their_shape;
+        here.shape = Some(shape);
+        let there = Self {
+            shape: here.shape.clone(),
+            ..theirs.clone()
         };
-        let merged = Self::merged_parts(base, &with_shape(theirs), start, &with_shape(ours));
+        let merged = Self::merged_parts(base, &there, start, &here);
         Merged {
-            kept: merged.kept || shape != *their_shape,
+            kept: merged.kept || is_kept,
             replaced: merged.replaced || is_replaced,
             ..merged
         }
+    }
+
+    /// The place of a shape in the world.
+    fn place(&self) -> Option<Vec3> {
+        let middle = self.shape.as_ref()?.middle();
+        Some(self.to_world?.0.transform_point3(middle))
     }
 
     /// Returns the state without its place in the file.
@@ -292,5 +312,19 @@ mod tests {
         let moved = merged(&state(Vec3::NEG_X, 2.0));
         assert_eq!(moved.state, state(Vec3::NEG_X, 2.0));
         assert!(moved.replaced);
+        // So also where one of them has moved it by a transform.
+        let by_transform = ObjectState {
+            to_world: Some(ToWorld(bevy::math::Affine3A::from_translation(Vec3::Y))),
+            ..state(Vec3::ZERO, 1.0)
+        };
+        let at_origin = |state: ObjectState| ObjectState {
+            to_world: Some(ToWorld::default()),
+            ..state
+        };
+        let (start, ours) = (at_origin(start), at_origin(ours));
+        let merged = ObjectState::merged(&start, &by_transform, &start, &ours);
+        assert_eq!((merged.state, merged.replaced), (by_transform.clone(), true));
+        let merged = ObjectState::merged(&start, &ours, &start, &by_transform);
+        assert_eq!((merged.state, merged.replaced), (ours, true));
     }
 }

@@ -70,6 +70,33 @@ impl Shape {
         Some(moved)
     }
 
+    /// Whether the shape is placed by numbers of its own, and not by its transform alone.
+    pub(crate) fn has_own_place(&self) -> bool {
+        matches!(
+            self.kind,
+            ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. } | ShapeKind::Triangle { .. }
+        )
+    }
+
+    /// The shape with the points of another one of its kind.
+    pub(crate) fn placed_as(&self, other: &Self) -> Self {
+        let mut placed = self.clone();
+        match (&mut placed.kind, &other.kind) {
+            (ShapeKind::Sphere { center, .. }, ShapeKind::Sphere { center: its, .. }) => *center = *its,
+            (
+                ShapeKind::Cylinder { p0, p1, .. },
+                ShapeKind::Cylinder {
+                    p0: first, p1: second, ..
+                },
+            ) => {
+                (*p0, *p1) = (*first, *second);
+            }
+            (ShapeKind::Triangle { corners }, ShapeKind::Triangle { corners: its }) => *corners = *its,
+            _ => {}
+        }
+        placed
+    }
+
     /// The angles at which the shape is at rest in a world with this upward direction: building parts stand upright then. Its rotation is shown from there.
     pub(crate) fn rest_angles(&self, up: Vec3) -> Vec3 {
         match self.kind {

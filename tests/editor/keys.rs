@@ -38,7 +38,8 @@ fn find(world: &mut World, name: &str) -> Entity {
 
 fn place(world: &mut World, name: &str) -> Vec3 {
     let thing = find(world, name);
-    world.get::<ToWorld>(thing).expect("a place").0.translation.into()
+    let middle = world.get::<Shape>(thing).map_or(Vec3::ZERO, Shape::middle);
+    world.get::<ToWorld>(thing).expect("a place").0.transform_point3(middle)
 }
 
 fn radius(world: &mut World, name: &str) -> f32 {

@@ -4,7 +4,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::media::{set_side, spawn};
-use super::things::pose_of;
+use super::things::{pose_in, pose_of};
 use super::world::tell;
 use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::session::history::Edit;
@@ -12,7 +12,7 @@ use crate::engine::PackedScene;
 use crate::scene::medium::{InteriorOf, users_of_medium};
 use crate::scene::{
     Emitter, ExteriorMedium, InMedium, IntegratorSettings, InteriorMedium, Keys, Medium, ObjectState, PathPlugin,
-    Sensor, Shape, ToWorld,
+    Sensor, ToWorld,
 };
 
 /// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have
@@ -75,9 +75,7 @@ struct Carried {
 fn carry_volumes(edit: &mut Edit) {
     let moved = edit.touched().filter_map(|(shape, before)| {
         let medium = edit.world.get::<InteriorMedium>(shape)?;
-        let middle = before.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
-        let old = before.to_world?.0 * Affine3A::from_translation(middle);
-        let new = pose_of(edit.world, shape)?;
+        let [old, new] = [pose_in(before)?, pose_of(edit.world, shape)?];
         let is_carried = old != new && before.interior == Some(*medium) && edit.world.get::<Keys>(shape).is_none();
         is_carried.then_some(Carried {
             medium: medium.0,
@@ -143,10 +141,10 @@ fn leave_borderless(edit: &mut Edit) {
 fn cross_borders(edit: &mut Edit) {
     let mut moved = Vec::new();
     for (thing, before) in edit.touched() {
-        let (Some(ToWorld(old)), Some(ToWorld(new))) = (before.to_world, edit.world.get(thing)) else {
+        let (Some(old), Some(new)) = (pose_in(before), pose_of(edit.world, thing)) else {
             continue;
         };
-        if old == *new {
+        if old == new {
             continue;
         }
         let thing_now = edit.world.entity(thing);
@@ -156,7 +154,7 @@ fn cross_borders(edit: &mut Edit) {
         let is_in_space = thing_now.contains::<Sensor>() || thing_now.contains::<Emitter>();
         let around = thing_now.get::<InMedium>().copied();
         if is_in_space && around == before.in_medium && !thing_now.contains::<Keys>() {
-            moved.push((thing, around, [old, *new].map(|pose| Vec3::from(pose.translation))));
+            moved.push((thing, around, [old, new].map(|pose| Vec3::from(pose.translation))));
         }
     }
     for (thing, before, [old, new]) in moved {

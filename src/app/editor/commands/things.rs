@@ -157,6 +157,12 @@ pub fn pose_of(world: &World, entity: Entity) -> Option<Affine3A> {
     })
 }
 
+/// The pose that a thing had in a state, see [`pose_of`].
+pub fn pose_in(state: &ObjectState) -> Option<Affine3A> {
+    let middle = state.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
+    Some(state.to_world?.0 * Affine3A::from_translation(middle))
+}
+
 fn middle_of(world: &World, entity: Entity) -> Vec3 {
     world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle)
 }

@@ -15,6 +15,7 @@ use super::verbs::VERBS;
 use super::{blocking, keys, layers, media, placing, rendering, texturing, timeline};
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
+use crate::app::editor::camera::rounding;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::asset_kind::FileUse;
@@ -182,7 +183,10 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("cut", [kind, wall, from, options @ ..]) => blocking::cut(world, wall, kind, from, options)?,
         ("move", [name, by]) => {
             let by = parse_vec3(by)?;
-            transformed(world, name, |pose| Affine3A::from_translation(by) * pose)?
+            transformed(world, name, |pose| Affine3A {
+                translation: rounding::sum_of_places(pose.translation.into(), by).into(),
+                ..pose
+            })?
         }
         ("rotate", [name, axis, degrees]) => {
             let axis = parse_vec3(axis)?.try_normalize().ok_or("the axis has no length")?;

@@ -38,7 +38,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     // Another parameter of the same thing was edited: both edits stay.
     apply_now(&mut world, Command::Save).expect("merged");
     let merged = read_text(&path, LARGEST_NOTE).expect("a file");
-    assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");
+    assert!(merged.contains("radius") && merged.contains("center"), "{merged}");
 
     let smaller = Shape {
         kind: ShapeKind::Sphere {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::app::editor::command::recovery_offer::Note;
 use crate::app::editor::commands::saving::{SaveUnderWay, copy, disturb, finish, go_on};
+use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::recovery::Recovery;
 use crate::files::{LARGEST_DATA, read_text};
@@ -106,9 +107,9 @@ fn a_save_has_what_was_there_when_it_was_copied() {
         (summary.added, summary.changed, summary.removed, summary.replaced),
         (0, 0, 0, 0)
     );
-    let pose = large.ball("ball-7");
-    let pose = large.world.get::<ToWorld>(pose).expect("it has a place");
-    assert_eq!(pose.0.translation.x, 2.5);
+    let ball = large.ball("ball-7");
+    let pose = pose_of(&large.world, ball).expect("it has a place");
+    assert_eq!(pose.translation.x, 2.5);
     for _ in 0..3 {
         say(&mut large.world, Command::Undo);
     }
@@ -343,8 +344,8 @@ fn edits_while_a_scene_is_copied_are_in_the_file() {
     assert_eq!(large.is_saved(), !is_copied);
     large.reload();
     let ball = large.ball("ball-7");
-    let pose = large.world.get::<ToWorld>(ball).expect("it has a place");
-    assert_eq!(pose.0.translation.x, 2.5);
+    let pose = pose_of(&large.world, ball).expect("it has a place");
+    assert_eq!(pose.translation.x, 2.5);
 }
 
 /// Renames, shared materials (which saving gives ids), undo and redo in every order, before, while and after the scene is saved and read again.
