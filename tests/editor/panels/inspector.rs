@@ -298,3 +298,32 @@ fn where_the_selected_differ_it_is_said() {
         "{marked:?}"
     );
 }
+
+/// The place of a text, if it is shown.
+fn place_of<'s>(shapes: impl IntoIterator<Item = &'s egui::Shape>, text: &str) -> Option<egui::Rect> {
+    shapes.into_iter().find_map(|shape| match shape {
+        egui::Shape::Text(shown) if shown.galley.text() == text => Some(shown.visual_bounding_rect()),
+        egui::Shape::Vec(shapes) => place_of(shapes, text),
+        _ => None,
+    })
+}
+
+#[test]
+fn the_sign_of_a_difference_leaves_the_name_legible() {
+    let lamp = Inspected {
+        shape: Some(Shape::default()),
+        area_light: Some(light(sunroom::color::Rgb::ONE)),
+        ..Inspected::new(entity(7), "lamp")
+    };
+    let dark = Inspected {
+        area_light: None,
+        ..lamp.clone()
+    };
+    let mixed = Mixed::of(&lamp, &[dark]);
+    let harness = inspect(Inspected { mixed, ..lamp });
+    let [sign, name] = ["≠", "Emits light"].map(|text| {
+        let shapes = harness.output().shapes.iter().map(|shown| &shown.shape);
+        place_of(shapes, text).expect(text)
+    });
+    assert!(sign.right() <= name.left(), "{sign:?} {name:?}");
+}
