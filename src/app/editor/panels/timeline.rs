@@ -8,11 +8,12 @@ use bevy_egui::egui::{
     self, Color32, CursorIcon, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
 };
 
-use super::{look, typed};
+use super::look;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::timeline::{TimeStep, Timeline};
 use crate::app::editor::input::actions;
+use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::model::timeline::{TickTime, TimelineModel};
 use crate::document::Interpolation;
 use crate::scene::{KeyEdit, KeyPath};
@@ -140,7 +141,7 @@ const ALL: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
 fn named<N: Numeric>(ui: &mut Ui, name: &str, drag: DragValue, range: RangeInclusive<N>) -> Response {
     let label = ui.weak(name);
-    let field = typed::number(ui, drag, range, format_with_decimals_in_range);
+    let field = number_field::number(ui, drag, name, range, Meaning::Number, format_with_decimals_in_range);
     ui.add(field).labelled_by(label.id)
 }
 
