@@ -15,12 +15,17 @@ pub struct BumpOptions {
     pub use_shadowing_function: bool,
 }
 
+/// The least sine that [`Bump::chance`] counts with: chances that differ by more would overflow.
+const LEAST_SINE: f32 = 1e-3;
+
 /// A shading frame whose z may be turned to the back of the surface; the frame itself stays upright.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Orientation {
     pub frame: Frame,
     /// The side: 1, or -1 behind.
     pub side: f32,
+    /// Whether what is behind is another material.
+    pub is_of_one_side: bool,
 }
 
 impl Orientation {
@@ -48,29 +53,51 @@ pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec
 }
 
 /// The difference between a bumped surface and the one it lies on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Bump {
     surface: Vec3,
     bumped: Vec3,
     /// The squared roughness of the shadowing function; 0 without it.
     alpha_squared: f32,
+    /// Whether only viewers before the surface see it.
+    is_of_one_side: bool,
+    turning: Option<Turning>,
+    /// The map that this one lies in. Maps in maps are rare.
+    outer: Option<Box<Bump>>,
+}
+
+/// How the normal depends on the viewer: see [`BumpOptions::flip_invalid_normals`].
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    /// Whether this is the normal after turning.
+    is_turned: bool,
+    /// The normal of viewers who do not see this one.
+    other: Vec3,
 }
 
 impl Bump {
-    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. None if the normal is no direction.
-    pub fn new(mut normal: Vec3, below: Orientation, wo: Vec3, options: BumpOptions) -> Option<(Orientation, Self)> {
-        let wo = below.to_local(wo);
-        if options.flip_invalid_normals && wo.z * wo.dot(normal) <= 0.0 {
-            normal = Vec3::new(-normal.x, -normal.y, normal.z);
+    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. `below` is bumped by `outer` already. None if
+    /// the normal is no direction.
+    pub fn new(
+        normal: Vec3,
+        is_turned: bool,
+        below: Orientation,
+        outer: Option<&Self>,
+        options: BumpOptions,
+    ) -> Option<(Orientation, Self)> {
+        let (mut n, mut other) = (normal.try_normalize()?, turned(normal.try_normalize()?));
+        if is_turned {
+            (n, other) = (other, n);
         }
-        let n = normal.try_normalize()?;
         let s = (Vec3::X - n * n.x).try_normalize()?;
         let [s, t, n_world] = [s, n.cross(s), n].map(|axis| below.to_world(axis));
         let tan_squared = (1.0 - n.z * n.z).max(0.0) / (n.z * n.z).max(f32::MIN_POSITIVE);
         let orientation = Orientation {
             frame: Frame { s, t, n: n_world },
             side: 1.0,
+            is_of_one_side: false,
         };
+        let is_flat = n.x == 0.0 && n.y == 0.0;
         let bump = Self {
             surface: below.side * below.frame.n,
             bumped: n_world,
@@ -79,12 +106,86 @@ impl Bump {
             } else {
                 0.0
             },
+            is_of_one_side: below.is_of_one_side,
+            turning: (options.flip_invalid_normals && !is_flat).then(|| Turning {
+                is_turned,
+                other: below.to_world(other),
+            }),
+            outer: outer.cloned().map(Box::new),
         };
         Some((orientation, bump))
     }
 
-    /// The factor of the light towards `wi`: zero where the surface and the bumped one disagree about the side.
+    /// The map and those that it lies in.
+    fn chain(&self) -> impl Iterator<Item = &Self> {
+        std::iter::successors(Some(self), |bump| bump.outer.as_deref())
+    }
+
+    /// Whether viewers elsewhere see this map with another normal.
+    pub fn may_turn(&self) -> bool {
+        self.turning.is_some()
+    }
+
+    /// Whether viewers elsewhere see this map, or one that it lies in, with another normal.
+    pub fn may_turn_at_all(&self) -> bool {
+        self.chain().any(Self::may_turn)
+    }
+
+    /// Whether this normal, or that of a map that this one lies in, is one after turning.
+    pub fn is_turned(&self) -> bool {
+        self.chain()
+            .any(|bump| bump.turning.is_some_and(|turning| turning.is_turned))
+    }
+
+    /// Whether a viewer in this direction sees the normal turned.
+    pub fn turns_for(&self, viewer: Vec3) -> bool {
+        self.turning.is_some_and(|Turning { is_turned, other }| {
+            let normal = if is_turned { other } else { self.bumped };
+            viewer.dot(self.surface) * viewer.dot(normal) <= 0.0
+        })
+    }
+
+    /// Whether a viewer in this direction sees all maps, and with these normals. `transmits`: whether viewers on the other side see light as well.
+    pub fn is_seen_from(&self, viewer: Vec3, transmits: bool) -> bool {
+        self.chain().all(|bump| {
+            let is_turned = bump.turning.is_some_and(|turning| turning.is_turned);
+            let is_before = transmits || !bump.is_of_one_side || viewer.dot(bump.surface) > 0.0;
+            is_before && bump.turns_for(viewer) == is_turned
+        })
+    }
+
+    /// The share of the light from a lamp in this direction that is sent on as from these normals, while one does not know yet which viewers it will come to.
+    ///
+    /// A normal that cannot be lit from there has none. Of the others, those after turning have as much as makes a diffuse surface least noisy: they send
+    /// the share sin^2 of the light, where the angle is that between normal and surface, and the noise of a share is least if it has its root of the samples.
+    pub fn chance(&self, lamp: Vec3) -> f32 {
+        self.chain().map(|bump| bump.own_chance(lamp)).product()
+    }
+
+    fn own_chance(&self, lamp: Vec3) -> f32 {
+        let Some(Turning { is_turned, other }) = self.turning else {
+            return 1.0;
+        };
+        let cos = lamp.dot(self.surface);
+        let is_lit = |normal: Vec3| cos * lamp.dot(normal) > 0.0;
+        match (is_lit(self.bumped), is_lit(other)) {
+            (true, true) => {
+                let of_turned = self.bumped.cross(self.surface).length().max(LEAST_SINE);
+                let own = if is_turned { of_turned } else { 1.0 };
+                own / (1.0 + of_turned)
+            }
+            (true, false) => 1.0,
+            (false, true) => 0.0,
+            (false, false) => f32::from(!is_turned),
+        }
+    }
+
+    /// The factor of the light towards `wi`: zero where a surface and the one bumped from it disagree about the side.
     pub fn factor(&self, wi: Vec3) -> f32 {
+        self.chain().map(|bump| bump.own_factor(wi)).product()
+    }
+
+    fn own_factor(&self, wi: Vec3) -> f32 {
         let cos = wi.dot(self.surface);
         if cos * wi.dot(self.bumped) <= 0.0 {
             return 0.0;
@@ -92,4 +193,9 @@ impl Bump {
         let tan_squared = (1.0 - cos * cos).max(0.0) / (cos * cos);
         2.0 / (1.0 + (1.0 + self.alpha_squared * tan_squared).sqrt())
     }
+}
+
+/// The normal, in the frame that it is bumped from, on the other side of that frame's.
+fn turned(normal: Vec3) -> Vec3 {
+    Vec3::new(-normal.x, -normal.y, normal.z)
 }

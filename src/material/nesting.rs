@@ -16,6 +16,9 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// The greatest depth of materials inside each other; the stack is finite.
 const DEEPEST: usize = 64;
 
+/// The most normal and bump maps inside each other. Each doubles what a path from a lamp looks at.
+const DEEPEST_MAPS: usize = 8;
+
 /// The reason why a list of materials is no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("material {place} {problem}")]
@@ -34,6 +37,8 @@ pub enum NestingProblem {
     OutOfRange(u32, usize),
     #[error("contains itself, or others nested deeper than {DEEPEST}")]
     TooDeep,
+    #[error("holds more than {DEEPEST_MAPS} normal or bump maps inside each other")]
+    TooManyMaps,
     #[error("mixes more than {LARGEST_MIX} others")]
     TooManyParts,
     #[error("refers to a table of its model that is not there")]
@@ -55,6 +60,7 @@ impl Material {
 
 pub(super) fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
     let mut known = vec![None; materials.len()];
+    let mut known_maps = vec![None; materials.len()];
     for place in 0..materials.len() {
         let error = |problem| MaterialTableError { place, problem };
         for nested in materials[place].nested().into_iter().flatten() {
@@ -65,6 +71,9 @@ pub(super) fn check(materials: &[Material], tables: &ShadingTables) -> Result<()
         let parts = count_parts(materials, place, &mut known, 0).ok_or(error(NestingProblem::TooDeep))?;
         if parts > LARGEST_MIX {
             return Err(error(NestingProblem::TooManyParts));
+        }
+        if count_maps(materials, place, &mut known_maps) > DEEPEST_MAPS {
+            return Err(error(NestingProblem::TooManyMaps));
         }
         let has_tables = match &materials[place] {
             Material::Plain(bsdf) => bsdf.has_its_tables(tables),
@@ -153,6 +162,26 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
     known[index]
 }
 
+/// The most maps inside each other whose normals may turn. The material is not nested too deep.
+fn count_maps(materials: &[Material], index: usize, known: &mut [Option<usize>]) -> usize {
+    if let Some(count) = known[index] {
+        return count;
+    }
+    let nested = materials[index].nested().into_iter().flatten();
+    // One that is not there is reported at its own turn.
+    let inside = nested
+        .filter(|nested| (nested.0 as usize) < materials.len())
+        .map(|nested| count_maps(materials, nested.0 as usize, known))
+        .max();
+    let own = match &materials[index] {
+        Material::NormalMap { options, .. } | Material::BumpMap { options, .. } => options.flip_invalid_normals,
+        _ => false,
+    };
+    let count = inside.unwrap_or(0) + usize::from(own);
+    known[index] = Some(count);
+    count
+}
+
 /// Resolves the material `id` at a place.
 pub(super) fn resolve<'a>(
     materials: &'a [Material],
@@ -169,6 +198,7 @@ pub(super) fn resolve<'a>(
     let upright = Orientation {
         frame: point.shading_frame(),
         side: 1.0,
+        is_of_one_side: false,
     };
     let mut resolver = Resolver {
         materials,
@@ -192,7 +222,7 @@ struct Resolver<'a, 'b> {
 }
 
 impl<'a> Resolver<'a, '_> {
-    fn add(&mut self, id: MaterialId, weight: f32, orientation: Orientation, bump: Option<Bump>) {
+    fn add(&mut self, id: MaterialId, weight: f32, orientation: Orientation, bump: Option<&Bump>) {
         if weight <= 0.0 {
             return;
         }
@@ -204,15 +234,14 @@ impl<'a> Resolver<'a, '_> {
                 self.push(Cow::Owned(bsdf), weight, orientation, bump);
             }
             Material::TwoSided { front, back } => {
-                if orientation.to_local(self.wo).z > 0.0 {
-                    self.add(*front, weight, orientation, bump);
-                } else {
-                    let behind = Orientation {
-                        side: -orientation.side,
-                        ..orientation
-                    };
-                    self.add(*back, weight, behind, bump);
-                }
+                let is_before = orientation.to_local(self.wo).z > 0.0;
+                let (seen, side) = if is_before { (*front, 1.0) } else { (*back, -1.0) };
+                let orientation = Orientation {
+                    side: side * orientation.side,
+                    is_of_one_side: true,
+                    ..orientation
+                };
+                self.add(seen, weight, orientation, bump);
             }
             Material::Blend {
                 first,
@@ -225,7 +254,7 @@ impl<'a> Resolver<'a, '_> {
             }
             Material::Mask { nested, opacity } => {
                 let opacity = self.textures.float(*opacity, self.at).clamp(0.0, 1.0);
-                self.scattering.add_null_lobe(weight * (1.0 - opacity));
+                self.add_null(weight * (1.0 - opacity), bump);
                 self.add(*nested, weight * opacity, orientation, bump);
             }
             Material::NormalMap {
@@ -250,32 +279,63 @@ impl<'a> Resolver<'a, '_> {
                 let normal = displaced_normal(self.point, orientation.frame, gradient);
                 self.add_bumped(*nested, weight, orientation, bump, normal, *options);
             }
-            Material::Null => self.scattering.add_null_lobe(weight),
+            Material::Null => self.add_null(weight, bump),
         }
     }
 
     /// Adds a bumped material. `normal` is in the frame of `below`, the orientation without it.
+    ///
+    /// A path from the camera knows its viewer, and with it on which side the normal is. A path from a lamp does not yet, so it has both.
     fn add_bumped(
         &mut self,
         nested: MaterialId,
         weight: f32,
         below: Orientation,
-        bump: Option<Bump>,
+        outer: Option<&Bump>,
         normal: Vec3,
         options: BumpOptions,
     ) {
-        match Bump::new(normal, below, self.wo, options) {
-            Some((bumped, bump)) => self.add(nested, weight, bumped, Some(bump)),
-            None => self.add(nested, weight, below, bump),
+        let Some((bumped, bump)) = Bump::new(normal, false, below, outer, options) else {
+            return self.add(nested, weight, below, outer);
+        };
+        let turned = || Bump::new(normal, true, below, outer, options);
+        match self.scattering.mode() {
+            TransportMode::Radiance => {
+                let turned = if bump.turns_for(self.wo) { turned() } else { None };
+                let (bumped, bump) = turned.unwrap_or((bumped, bump));
+                self.add(nested, weight, bumped, Some(&bump));
+            }
+            TransportMode::Importance => {
+                let other = if bump.may_turn() { turned() } else { None };
+                for (bumped, bump) in [Some((bumped, bump)), other].into_iter().flatten() {
+                    if bump.chance(self.wo) > 0.0 {
+                        self.add(nested, weight, bumped, Some(&bump));
+                    }
+                }
+            }
         }
     }
 
-    fn push(&mut self, bsdf: Cow<'a, Bsdf>, weight: f32, orientation: Orientation, bump: Option<Bump>) {
+    /// The chance that a path takes the surface to be bumped like this.
+    fn chance(&self, bump: Option<&Bump>) -> f32 {
+        match (self.scattering.mode(), bump) {
+            (TransportMode::Importance, Some(bump)) => bump.chance(self.wo),
+            _ => 1.0,
+        }
+    }
+
+    fn add_null(&mut self, share: f32, bump: Option<&Bump>) {
+        let chance = self.chance(bump);
+        self.scattering.add_null_lobe(share * chance);
+    }
+
+    fn push(&mut self, bsdf: Cow<'a, Bsdf>, share: f32, orientation: Orientation, bump: Option<&Bump>) {
         self.scattering.push(Part {
-            weight,
+            share,
+            weight: share * self.chance(bump),
             wo: orientation.to_local(self.wo),
             orientation,
-            bump,
+            bump: bump.cloned(),
             bsdf,
         });
     }

@@ -17,6 +17,9 @@ pub(super) const LARGEST_MIX: usize = 8;
 /// A model, its share, and its orientation in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Part<'a> {
+    /// The share in what a viewer sees who sees this orientation.
+    pub share: f32,
+    /// The probability of choosing it: the share, or less of it if others are there for other viewers.
     pub weight: f32,
     /// The scattering's `wo` in the orientation.
     pub wo: Vec3,
@@ -33,6 +36,8 @@ pub struct Scattering<'a> {
     mode: TransportMode,
     tables: &'a ShadingTables,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
+    /// The same models about the normals that other viewers see, which a path from a lamp may come to.
+    turned: Vec<Part<'a>>,
     /// The share of the light that passes straight through.
     null_share: f32,
 }
@@ -88,12 +93,12 @@ impl Single<'_> {
 
     /// Evaluates as [`Scattering::eval_and_pdf`].
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        self.part.eval_and_pdf(self.tables, wi, self.mode)
+        self.part.eval_and_pdf(self.tables, self.wo, wi, self.mode)
     }
 
     /// Samples as [`Scattering::sample`].
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
-        let sample = self.part.sample(self.tables, u_lobe, u, self.mode)?;
+        let sample = self.part.sample(self.tables, self.wo, u_lobe, u, self.mode)?;
         Some(only(self.wo, &self.part, sample, 1.0))
     }
 }
@@ -120,26 +125,42 @@ impl Part<'_> {
         (self.bsdf.diffuse_lobe(tables, self.wo), normal)
     }
 
-    fn factor(&self, wi: Vec3) -> f32 {
-        self.bump.map_or(1.0, |bump| bump.factor(wi))
+    /// The factor of the maps on light between `wo` and `wi`, in world space: that of where the light comes from. Zero also where it goes on from a lamp to
+    /// viewers who see other normals.
+    fn factor(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+        match (&self.bump, mode) {
+            (None, _) => 1.0,
+            (Some(bump), TransportMode::Radiance) => bump.factor(wi),
+            (Some(bump), TransportMode::Importance) => match bump.is_seen_from(wi, self.bsdf.transmits()) {
+                true => bump.factor(wo),
+                false => 0.0,
+            },
+        }
     }
 
-    /// The value f |cos wi| and its density, both times the weight.
-    fn eval_and_pdf(&self, tables: &ShadingTables, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        let factor = self.factor(wi);
+    /// The value f |cos wi|, times the share, and its density, times the weight. Directions are in world space.
+    fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        let factor = self.factor(wo, wi, mode);
         if factor == 0.0 {
             return (Rgb::ZERO, 0.0);
         }
         let wi = self.orientation.to_local(wi);
         let (value, pdf) = self.bsdf.eval_and_pdf(tables, self.wo, wi, mode);
-        (self.weight * factor * value, self.weight * pdf)
+        (self.share * factor * value, self.weight * pdf)
     }
 
-    /// Samples in world space and with the bump's factor, without the weight.
-    fn sample(&self, tables: &ShadingTables, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    /// Samples in world space and with the factor of the maps, without the share.
+    fn sample(
+        &self,
+        tables: &ShadingTables,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        mode: TransportMode,
+    ) -> Option<BsdfSample> {
         let sample = self.bsdf.sample(tables, self.wo, u_lobe, u, mode)?;
         let wi = self.orientation.to_world(sample.wi);
-        let factor = self.factor(wi);
+        let factor = self.factor(wo, wi, mode);
         (factor > 0.0).then_some(BsdfSample {
             wi,
             weight: sample.weight * factor,
@@ -147,28 +168,31 @@ impl Part<'_> {
         })
     }
 
-    /// The light that goes from `wo`, in world space, to `wi`: f |cos wo| of a path that comes from `wi`, times the weight.
+    /// The light that goes from `wo`, the direction of a lamp in world space, to `wi`: f |cos wo| of a path that comes from `wi`, times the share.
     fn eval_reverse(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
-        let factor = self.factor(wo);
+        let factor = self.factor(wo, wi, TransportMode::Importance);
         if factor == 0.0 {
             return Rgb::ZERO;
         }
         let wi = self.orientation.to_local(wi);
-        self.weight * factor * self.bsdf.eval(tables, wi, self.wo, TransportMode::Radiance)
+        self.share * factor * self.bsdf.eval(tables, wi, self.wo, TransportMode::Radiance)
     }
 
-    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the weight.
-    fn reverse_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
-        if self.factor(wo) == 0.0 {
+    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the probability that it chooses this part.
+    fn reverse_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+        if self.factor(wo, wi, mode) == 0.0 {
             return 0.0;
         }
-        self.weight * self.bsdf.pdf(tables, self.orientation.to_local(wi), self.wo)
+        let chance = match (mode, &self.bump) {
+            (TransportMode::Radiance, Some(bump)) => bump.chance(wi),
+            _ => 1.0,
+        };
+        self.share * chance * self.bsdf.pdf(tables, self.orientation.to_local(wi), self.wo)
     }
 
     /// The factor that turns the weight of a delta lobe into that for light from a lamp, but for the cosines with the geometric normal.
-    fn delta_correction(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let cosines = (self.wo.z / self.orientation.to_local(wi).z).abs();
-        cosines * self.factor(wo) / self.factor(wi)
+    fn delta_correction(&self, wi: Vec3) -> f32 {
+        (self.wo.z / self.orientation.to_local(wi).z).abs()
     }
 }
 
@@ -179,13 +203,25 @@ impl<'a> Scattering<'a> {
             mode,
             tables,
             parts: ArrayVec::new(),
+            turned: Vec::new(),
             null_share: 0.0,
         }
     }
 
+    pub(super) fn mode(&self) -> TransportMode {
+        self.mode
+    }
+
     /// The table has made sure that there is room.
     pub(super) fn push(&mut self, part: Part<'a>) {
-        self.parts.push(part);
+        match part.bump.as_ref().is_some_and(Bump::is_turned) && self.mode == TransportMode::Importance {
+            true => self.turned.push(part),
+            false => self.parts.push(part),
+        }
+    }
+
+    fn parts(&self) -> impl Iterator<Item = &Part<'a>> + Clone {
+        self.parts.iter().chain(&self.turned)
     }
 
     pub(super) fn add_null_lobe(&mut self, share: f32) {
@@ -194,8 +230,8 @@ impl<'a> Scattering<'a> {
 
     /// The value f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
-            let (part_value, part_pdf) = part.eval_and_pdf(self.tables, wi, self.mode);
+        self.parts().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
+            let (part_value, part_pdf) = part.eval_and_pdf(self.tables, self.wo, wi, self.mode);
             (value + part_value, pdf + part_pdf)
         })
     }
@@ -208,8 +244,8 @@ impl<'a> Scattering<'a> {
     /// [`Self::sample`], with the model that was chosen if there is one.
     #[inline(always)]
     fn sample_part(&self, u_lobe: f32, u: Vec2) -> Option<(ScatterSample, Option<&Part<'a>>)> {
-        if let ([part], 0.0) = (&self.parts[..], self.null_share) {
-            let sample = part.sample(self.tables, u_lobe, u, self.mode)?;
+        if let ([part], [], 0.0) = (&self.parts[..], &self.turned[..], self.null_share) {
+            let sample = part.sample(self.tables, self.wo, u_lobe, u, self.mode)?;
             return Some((only(self.wo, part, sample, 1.0), Some(part)));
         }
         if u_lobe < self.null_share {
@@ -222,28 +258,32 @@ impl<'a> Scattering<'a> {
             };
             return Some((straight, None));
         }
-        // All shares add up to 1; rounding may lead beyond the last.
+        // All weights add up to 1; rounding may lead beyond the last.
         let mut left = u_lobe - self.null_share;
-        let mut chosen = self.parts.len().checked_sub(1)?;
-        for (index, part) in self.parts.iter().enumerate() {
+        let (mut chosen, mut chosen_part) = (0, None);
+        for (index, part) in self.parts().enumerate() {
+            if let Some(part) = chosen_part.replace(part) {
+                left -= part.weight;
+            }
+            chosen = index;
             if left < part.weight {
-                chosen = index;
                 break;
             }
-            left -= part.weight;
         }
-        let part = &self.parts[chosen];
+        let part = chosen_part?;
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
-        let sample = part.sample(self.tables, u_part, u, self.mode)?;
+        let sample = part.sample(self.tables, self.wo, u_part, u, self.mode)?;
         if sample.is_delta {
+            let weight = sample.weight * (part.share / part.weight);
+            let sample = BsdfSample { weight, ..sample };
             return Some((only(self.wo, part, sample, part.weight), Some(part)));
         }
         // Other parts could have sampled the direction as well.
         let pdf = part.weight * sample.pdf;
-        let start = (pdf * sample.weight, pdf);
-        let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
+        let start = (part.share * sample.pdf * sample.weight, pdf);
+        let others = self.parts().enumerate().filter(|&(index, _)| index != chosen);
         let (value, pdf) = others.fold(start, |(value, pdf), (_, other)| {
-            let (other_value, other_pdf) = other.eval_and_pdf(self.tables, sample.wi, self.mode);
+            let (other_value, other_pdf) = other.eval_and_pdf(self.tables, self.wo, sample.wi, self.mode);
             (value + other_value, pdf + other_pdf)
         });
         let sample = ScatterSample {
@@ -259,26 +299,28 @@ impl<'a> Scattering<'a> {
     /// The value of [`Self::eval_and_pdf`] for light that has come from a lamp along `-wo`: f |cos wo| |wi . n| / |wo . n| with the geometric
     /// normal n, where f is that of a path from the camera. Shading normals are taken into account (Veach 1997, section 5.3).
     pub fn eval_adjoint(&self, wi: Vec3, normal: Vec3) -> Rgb {
-        let parts = self.parts.iter();
+        let parts = self.parts();
         let value: Rgb = parts.map(|part| part.eval_reverse(self.tables, self.wo, wi)).sum();
         value * self.cosine_ratio(wi, normal)
     }
 
     /// The density with which a path that comes from `wi` is sent on to `wo`, without delta and null lobes.
     pub fn reverse_pdf(&self, wi: Vec3) -> f32 {
-        let parts = self.parts.iter();
-        parts.map(|part| part.reverse_pdf(self.tables, self.wo, wi)).sum()
+        let parts = self.parts();
+        parts
+            .map(|part| part.reverse_pdf(self.tables, self.wo, wi, self.mode))
+            .sum()
     }
 
     /// Samples a direction for light that has come from a lamp along `-wo`, as [`Self::sample`] does, with the weight of [`Self::eval_adjoint`]. The
-    /// scattering has to be that of [`TransportMode::Importance`].
+    /// scattering has to be that of [`TransportMode::Importance`]. What is not seen as the path has taken it to be counts as absorbed.
     pub fn sample_adjoint(&self, u_lobe: f32, u: Vec2, normal: Vec3) -> Option<ScatterSample> {
         debug_assert_eq!(self.mode, TransportMode::Importance);
         let (sample, part) = self.sample_part(u_lobe, u)?;
         let weight = match (sample.lobe, part) {
             (Lobe::Smooth, _) => self.eval_adjoint(sample.wi, normal) / sample.pdf,
             (Lobe::Delta, Some(part)) => {
-                sample.weight * (part.delta_correction(self.wo, sample.wi) * self.cosine_ratio(sample.wi, normal))
+                sample.weight * (part.delta_correction(sample.wi) * self.cosine_ratio(sample.wi, normal))
             }
             (Lobe::Delta, None) | (Lobe::Null, _) => sample.weight,
         };
@@ -303,8 +345,9 @@ impl<'a> Scattering<'a> {
 
     /// The transmittance for a shadow ray against `wo`.
     pub fn transmittance(&self) -> Rgb {
-        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.transmittance(part.wo);
-        Rgb::splat(self.null_share) + self.parts.iter().map(of_part).sum::<Rgb>()
+        let of_part =
+            |part: &Part| part.weight * part.factor(self.wo, -self.wo, self.mode) * part.bsdf.transmittance(part.wo);
+        Rgb::splat(self.null_share) + self.parts().map(of_part).sum::<Rgb>()
     }
 
     /// The share of the light that passes straight through because the material is open here.
@@ -336,7 +379,7 @@ impl<'a> Scattering<'a> {
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
     pub fn has_smooth_lobe(&self) -> bool {
-        self.parts.iter().any(|part| part.bsdf.has_smooth_lobe())
+        self.parts().any(|part| part.bsdf.has_smooth_lobe())
     }
 
     /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not known, or all of
@@ -346,6 +389,15 @@ impl<'a> Scattering<'a> {
             [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
             _ => None,
         }
+    }
+
+    /// [`Self::one_sided_normal`] where it is the same for light that goes the other way: None also where viewers elsewhere see another normal.
+    pub fn one_sided_normal_both_ways(&self) -> Option<Vec3> {
+        let may_turn = |part: &Part| part.bump.as_ref().is_some_and(Bump::may_turn_at_all);
+        if self.parts().any(may_turn) {
+            return None;
+        }
+        self.one_sided_normal()
     }
 
     /// [`Single::diffuse_lobe`] of the only model; None where there are several, and where the lobe is empty.
@@ -358,7 +410,7 @@ impl<'a> Scattering<'a> {
 
     /// The colour of the surface for denoisers and debug views. It is in [0, 1] for physical parameters.
     pub fn albedo(&self) -> Rgb {
-        let of_parts = self.parts.iter().map(|part| part.weight * part.bsdf.albedo());
+        let of_parts = self.parts().map(|part| part.weight * part.bsdf.albedo());
         Rgb::splat(self.null_share) + of_parts.sum::<Rgb>()
     }
 }

@@ -29,6 +29,7 @@ mod wavy_sphere;
 mod accel;
 mod accel_surface;
 mod accel_together;
+mod adjoint;
 mod animation;
 mod auto;
 mod bake;

@@ -239,7 +239,7 @@ fn the_frame_is_the_surfaces_own() {
 
 #[test]
 fn materials_that_cannot_be_are_refused() {
-    use sunroom::material::{MaterialTable, NestingProblem};
+    use sunroom::material::{BumpOptions, MaterialTable, NestingProblem};
     use sunroom::texture::Parameter;
     let id = MaterialId;
     let mask = |nested| Material::Mask {
@@ -278,4 +278,18 @@ fn materials_that_cannot_be_are_refused() {
         }
     }
     assert_eq!(problem(mixes(4)), NestingProblem::TooManyParts);
+    let maps = |count: u32, flip_invalid_normals: bool| {
+        let mut list = vec![Material::Plain(diffuse)];
+        list.extend((0..count).map(|i| Material::NormalMap {
+            nested: id(i),
+            normals: Parameter::Constant(Rgb::new(0.6, 0.5, 0.9)),
+            options: BumpOptions {
+                flip_invalid_normals,
+                use_shadowing_function: true,
+            },
+        }));
+        list
+    };
+    assert!(MaterialTable::new(maps(8, true)).is_ok() && MaterialTable::new(maps(20, false)).is_ok());
+    assert_eq!(problem(maps(9, true)), NestingProblem::TooManyMaps);
 }

@@ -76,7 +76,7 @@ impl Vertex<'_> {
     pub fn reference(&self) -> LightReference {
         LightReference {
             position: self.point.position,
-            normal: self.scattering.one_sided_normal(),
+            normal: self.scattering.one_sided_normal_both_ways(),
         }
     }
 

@@ -62,15 +62,13 @@ impl Placed {
 
     /// `wo` in the local frame.
     pub fn scattering(&self, wo: Vec3) -> Scattering<'_> {
+        self.scattering_of(wo, TransportMode::Radiance)
+    }
+
+    pub fn scattering_of(&self, wo: Vec3, mode: TransportMode) -> Scattering<'_> {
         let at = TexturePoint::of_uv(self.uv);
-        self.table.scattering(
-            self.root,
-            &self.surface(),
-            world(wo),
-            TransportMode::Radiance,
-            &self.textures,
-            &at,
-        )
+        self.table
+            .scattering(self.root, &self.surface(), world(wo), mode, &self.textures, &at)
     }
 
     /// Sample number `index`; also checks what holds of every sample.
@@ -505,6 +503,31 @@ pub fn all_cases() -> Vec<Case> {
         .normal_map(slanted(), false, true)
         .two_sided(red.clone().normal_map(slanted(), true, false));
     add("two bumped sides", both, false);
+    for (name, flip, shadow) in [("", false, true), (", flipped", true, false), (", both", true, true)] {
+        let flat = || normal(0.0, 0.0, 1.0);
+        let leaning = || normal(0.2, 0.5, 0.7);
+        let bumped = |nested: &Made| nested.clone().normal_map(slanted(), flip, shadow);
+        add(
+            &format!("flat in bumped{name}"),
+            bumped(&gold.clone().normal_map(flat(), flip, shadow)),
+            false,
+        );
+        add(
+            &format!("leaning in bumped{name}"),
+            bumped(&red.clone().normal_map(leaning(), flip, shadow)),
+            false,
+        );
+        add(
+            &format!("both sides in bumped{name}"),
+            bumped(&leaf().normal_map(leaning(), flip, shadow)),
+            false,
+        );
+        add(
+            &format!("thrice bumped{name}"),
+            bumped(&bumped(&dull.clone().normal_map(leaning(), flip, shadow))),
+            false,
+        );
+    }
     add("bumped blend", warm.normal_map(slanted(), false, true), false);
     add(
         "blend of bumped and flat",
