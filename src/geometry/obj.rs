@@ -1,7 +1,8 @@
 //! Reads Wavefront OBJ meshes (Wavefront, "Advanced Visualizer" manual, appendix B1): the polygons, with their MTL materials.
 //!
 //! All objects and groups of a file become one mesh. Corners share a vertex where their indices of position, texture coordinate and
-//! normal agree; polygons are cut as in `polygon.rs`. Smoothing groups, points, lines, curves and vertex colours are ignored.
+//! normal agree; polygons are cut as in `polygon.rs`. Colours behind the coordinates of vertices (`v x y z r g b`, as MeshLab writes them) become the
+//! attribute `vertex_color`, taken as they are, like the floats of a PLY file. Smoothing groups, points, lines and curves are ignored.
 //!
 //! Normals follow Mitsuba 3.9.1: where the file has none, they are computed over all triangles that share a vertex, whatever `s` says, so
 //! a seam of the texture is a crease. Corners without a normal in a file that has some, and normals that are zero or not finite, get
@@ -16,6 +17,7 @@ use std::io;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use super::mesh::{MeshData, MtlMaterial};
 use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, excerpt};
 use super::mtl::{default_material, read_mtl};
@@ -76,6 +78,10 @@ fn load_in_stretches(
 /// The file's statements as they stand.
 struct Statements {
     positions: Vec<Vec3>,
+    /// One for each position, or empty.
+    colors: Vec<Vec3>,
+    /// The number of positions that have a colour in the file.
+    colored: usize,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     /// The rest, in the order of the file.
@@ -102,7 +108,13 @@ impl Statements {
             }
             warnings.append(std::mem::take(&mut part.warnings));
         }
+        let colored = parts.iter().map(|part| part.colored).sum();
+        for part in parts.iter_mut().filter(|_| colored > 0) {
+            part.colors.resize(part.positions.len(), Vec3::ONE);
+        }
         Ok(Self {
+            colors: joined(&mut parts, |part| &mut part.colors),
+            colored,
             positions: joined(&mut parts, |part| &mut part.positions),
             uvs: joined(&mut parts, |part| &mut part.uvs),
             normals: joined(&mut parts, |part| &mut part.normals),
@@ -177,6 +189,7 @@ impl Statements {
             let uv_of = |source: &Corner| self.uvs.get(source.uv as usize).copied().unwrap_or_default();
             mesh.uvs = sources.par_iter().map(uv_of).collect();
         }
+        self.add_colors(&mut mesh, &sources, warnings);
         self.add_normals(&mut mesh, &sources, warnings);
         mesh
     }
@@ -196,6 +209,28 @@ impl Statements {
             triangulate(&outline, |triangle| triangles.push(triangle.map(|i| ids[i])));
         }
         triangles
+    }
+
+    fn add_colors(&self, mesh: &mut MeshData, sources: &[Corner], warnings: &mut Warnings) {
+        if self.colors.is_empty() {
+            return;
+        }
+        let lacking = self.positions.len() - self.colored;
+        if lacking > 0 {
+            let count = self.positions.len();
+            warnings.add(
+                format_args!("{lacking} of {count} vertices"),
+                "without a colour are white",
+            );
+        }
+        let color_of = |source: &Corner| self.colors[source.position as usize].to_array();
+        let channels: Vec<[f32; 3]> = sources.iter().map(color_of).collect();
+        mesh.attributes.push(MeshAttribute {
+            name: "vertex_color".to_owned(),
+            domain: AttributeDomain::Vertex,
+            channels: 3,
+            values: AttributeValues::F32(channels.into_flattened()),
+        });
     }
 
     fn add_normals(&self, mesh: &mut MeshData, sources: &[Corner], warnings: &mut Warnings) {

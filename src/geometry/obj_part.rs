@@ -61,6 +61,10 @@ pub struct Part {
     /// The lines up to an error.
     pub lines: u32,
     pub positions: Vec<Vec3>,
+    /// The colours of the positions up to the last that has one, white for those that have none.
+    pub colors: Vec<Vec3>,
+    /// The number of positions with a colour.
+    pub colored: usize,
     pub uvs: Vec<Vec2>,
     pub normals: Vec<Vec3>,
     pub corners: Vec<Corner>,
@@ -142,6 +146,11 @@ impl Part {
                 let position = Vec3::from(self.numbers(&mut words, place, text, "three coordinates")?);
                 if !position.is_finite() {
                     return Err(MeshError::NotFinite { place });
+                }
+                if let Some(color) = color_of_vertex(&mut words) {
+                    self.colors.resize(self.positions.len(), Vec3::ONE);
+                    self.colors.push(color);
+                    self.colored += 1;
                 }
                 self.positions.push(position);
             }
@@ -282,6 +291,15 @@ impl Part {
         }
         Ok(corner)
     }
+}
+
+/// The colour behind the coordinates of a vertex, as MeshLab and Blender write it: three numbers; a fourth is its alpha, which is not kept. One number
+/// alone is a weight of the vertex, which polygons do not have.
+#[inline]
+fn color_of_vertex(words: &mut Words) -> Option<Vec3> {
+    let mut next = || words.next_if(leading_f32);
+    let color = Vec3::new(next()?, next()?, next()?);
+    color.is_finite().then_some(color)
 }
 
 /// The corner at the beginning of `text` and its length, if it is written as most are: in whole numbers from 1 on.

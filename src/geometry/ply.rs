@@ -1,7 +1,7 @@
 //! Reads PLY meshes: ASCII and binary of both byte orders.
 //!
 //! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the list `vertex_indices` (or
-//! `vertex_index`), polygons as fans around their first corner; `tristrips` as the Stanford archive has them, with -1 between strips.
+//! `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford archive has them, with -1 between strips.
 //! Colours and other values in groups become attributes of the mesh, see `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
 //! single normals that are zero or not finite are replaced likewise. The texture coordinates stay as they are.
 //!
@@ -17,6 +17,7 @@ use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_records::Records;
 use super::ply_source::{Ascii, Binary, Source};
+use super::polygon::triangulate;
 
 /// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
 pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
@@ -34,6 +35,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     let mut mesh = MeshData::default();
     let vertex_count = check_elements(header)?;
     let mut memory = MeshMemory::reserve(0, String::new)?;
+    let mut fans = Vec::new();
     for element in &header.elements {
         let smallest = element.smallest_record(header.format);
         // The last number of a text needs nothing after it.
@@ -52,7 +54,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
         memory.add(needed, || format!("{} elements `{}`", element.count, element.name))?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut source, &mut mesh)?,
-            "face" => read_faces(element, &mut source, vertex_count, &mut mesh, &mut warnings)?,
+            "face" => fans = read_faces(element, &mut source, vertex_count, &mut mesh, &mut warnings)?,
             "tristrips" => read_strips(element, &mut source, vertex_count, &mut mesh)?,
             _ if smallest == 0 => {}
             _ => {
@@ -70,6 +72,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     if mesh.triangles.is_empty() {
         return Err(MeshError::NoTriangles);
     }
+    cut_polygons(&fans, &mut mesh);
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
         mesh: memory.hold(mesh)?,
@@ -77,11 +80,11 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     })
 }
 
-/// Memory of one element in bytes: of a vertex its position, normal and texture coordinates, of a face one triangle.
+/// Memory of one element in bytes: of a vertex its position, normal and texture coordinates, of a face one triangle or the first one of a fan.
 fn bytes_per_element(name: &str) -> u64 {
     match name {
         "vertex" => 32,
-        "face" => 12 + HIERARCHY_BYTES,
+        "face" => 12 + size_of::<Fan>() as u64 + HIERARCHY_BYTES,
         _ => 0,
     }
 }
@@ -301,13 +304,20 @@ fn checked_index(index: f64, source: &impl Source, vertex_count: u64) -> Result<
     }
 }
 
+/// The triangles of a polygon of more than three corners: those of a mesh from `first` on.
+struct Fan {
+    first: usize,
+    triangles: usize,
+}
+
+/// Reads the faces, polygons as fans around their first corner. Returns these fans.
 fn read_faces(
     element: &Element,
     source: &mut impl Source,
     vertex_count: u64,
     mesh: &mut MeshData,
     warnings: &mut Warnings,
-) -> Result<(), MeshError> {
+) -> Result<Vec<Fan>, MeshError> {
     let faces = element.count as usize;
     let mut attributes = Attributes::new(element, AttributeDomain::Triangle, |_| false, faces);
     if let Some(mut triangles) = triangles_abreast(element, source, vertex_count, &mut attributes) {
@@ -317,9 +327,10 @@ fn read_faces(
             mesh.triangles.append(&mut triangles);
         }
         mesh.attributes.extend(attributes.finish());
-        return Ok(());
+        return Ok(Vec::new());
     }
     mesh.triangles.reserve(faces);
+    let mut fans = Vec::new();
     for _ in 0..faces {
         let before = mesh.triangles.len();
         for (i, property) in element.properties.iter().enumerate() {
@@ -340,6 +351,12 @@ fn read_faces(
                 source.skip(corners, item)?;
                 continue;
             }
+            if corners > 3 {
+                fans.push(Fan {
+                    first: mesh.triangles.len(),
+                    triangles: corners as usize - 2,
+                });
+            }
             if add_fan(source, item, corners, vertex_count, &mut mesh.triangles) {
                 source.skip(corners, item)?;
                 continue;
@@ -355,7 +372,27 @@ fn read_faces(
         attributes.push(mesh.triangles.len() - before);
     }
     mesh.attributes.extend(attributes.finish());
-    Ok(())
+    Ok(fans)
+}
+
+/// Cuts those polygons anew that a fan does not fit. The vertices may stand behind the faces, so that this comes after all is read.
+fn cut_polygons(fans: &[Fan], mesh: &mut MeshData) {
+    let cut = |fan: &Fan| {
+        let triangles = &mesh.triangles[fan.first..][..fan.triangles];
+        let [first, second, _] = triangles[0];
+        let corners: Vec<u32> = [first, second]
+            .into_iter()
+            .chain(triangles.iter().map(|t| t[2]))
+            .collect();
+        let outline: Vec<Vec3> = corners.iter().map(|&corner| mesh.positions[corner as usize]).collect();
+        let mut cut = Vec::with_capacity(fan.triangles);
+        triangulate(&outline, |triangle| cut.push(triangle.map(|i| corners[i])));
+        (cut != triangles).then_some((fan.first, cut))
+    };
+    let cut: Vec<(usize, Vec<[u32; 3]>)> = fans.par_iter().filter_map(cut).collect();
+    for (first, triangles) in cut {
+        mesh.triangles[first..][..triangles.len()].copy_from_slice(&triangles);
+    }
 }
 
 /// Adds the fan of a list of indices that comes next, of at least three, if it is binary and all is well; it is not passed over.

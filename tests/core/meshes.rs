@@ -572,7 +572,7 @@ fn obj_text_may_look_in_many_ways() {
     for other in [
         "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3",
         "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
-        "\u{feff}v 0 0 0 1 0.5 0.5\n\tv  1.\t0 -.0  # x\n v +0 1e0 0e-9 1.0\n\nf\t1//  2/ 3 # end",
+        "\u{feff}v 0 0 0 1\n\tv  1.\t0 -.0  # x\n v +0 1e0 0e-9 1.0\n\nf\t1//  2/ 3 # end",
         "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n",
         "v 0 0 0\nv 1 \\\n0 0\nv 0 1 0\nf 1 2\\\r\n 3\nl 1 2\np 1\ns off\n",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/5/7 2/6/8 3/7/9\n",
@@ -786,6 +786,110 @@ fn colours_of_a_ply_file_become_attributes() {
         mesh.heap_bytes() - bare.unwrap().mesh.heap_bytes(),
         4 * 3 + 4 * 4 + 3 * 4
     );
+}
+
+/// The area of a mesh and the sum of its triangles' areas with the sign of their winding about z: equal, if none lies outside or over another.
+fn areas(mesh: &MeshData) -> (f32, f32) {
+    let area = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle);
+        0.5 * (b - a).cross(c - a).z
+    };
+    let all = (0..mesh.triangles.len()).map(area);
+    all.fold((0.0, 0.0), |(all, signed), area| (all + area.abs(), signed + area))
+}
+
+#[test]
+fn a_concave_polygon_of_a_ply_file_is_cut_as_that_of_an_obj_file() {
+    // A dart whose first corner sees not all others, an L of six corners, a convex quad and a triangle, side by side.
+    let corners = [
+        [-1.0, -1.0],
+        [0.0, -0.2],
+        [1.0, -1.0],
+        [0.0, 1.0],
+        [3.0, 1.0],
+        [3.0, 2.0],
+        [2.0, 2.0],
+        [2.0, 0.0],
+        [4.0, 0.0],
+        [4.0, 1.0],
+    ];
+    let faces: [&[u8]; 4] = [&[0, 1, 2, 3], &[4, 5, 6, 7, 8, 9], &[7, 8, 9, 6], &[7, 8, 6]];
+    let mut text = String::new();
+    for [x, y] in corners {
+        text += &format!("v {x} {y} 0\n");
+    }
+    for face in faces {
+        let of_face: Vec<String> = face.iter().map(|corner| (corner + 1).to_string()).collect();
+        text += &format!("f {}\n", of_face.join(" "));
+    }
+    let of_obj = obj_mesh(&text);
+    let vertices = "element vertex 10\nproperty float x\nproperty float y\nproperty float z\n";
+    let elements = "element face 4\nproperty float heat_x\nproperty list uchar int vertex_indices\n";
+    for format in FORMATS {
+        for is_first in [true, false] {
+            let put_vertices = |body: &mut Body| {
+                for [x, y] in corners {
+                    for number in [x, y, 0.0f32] {
+                        put!(body, number);
+                    }
+                }
+            };
+            let put_faces = |body: &mut Body| {
+                for (number, face) in faces.iter().enumerate() {
+                    put!(body, number as f32);
+                    put!(body, face.len() as u8);
+                    face.iter().for_each(|&corner| put!(body, i32::from(corner)));
+                }
+            };
+            let header = if is_first {
+                [vertices, elements]
+            } else {
+                [elements, vertices]
+            };
+            let bytes = ply(format, &header.concat(), |body| {
+                if is_first {
+                    put_vertices(body);
+                    put_faces(body);
+                } else {
+                    put_faces(body);
+                    put_vertices(body);
+                }
+            });
+            let mesh = load_ply(&bytes).unwrap().mesh;
+            let (all, signed) = areas(&mesh);
+            let expected = 1.2 + 3.0 + 3.0 + 2.0;
+            assert!(
+                (all - expected).abs() < 1e-5 && (signed - expected).abs() < 1e-5,
+                "{all} {signed}"
+            );
+            assert_eq!(mesh.triangles.len(), 2 + 4 + 2 + 1);
+            assert_eq!(areas(&of_obj), (all, signed));
+            // Each triangle has the value of its polygon.
+            let heat = mesh.attribute("face_heat").expect("an attribute");
+            let heats: Vec<f32> = (0..9)
+                .map(|triangle| heat.value(&mesh.triangles, triangle, Vec3::X).x)
+                .collect();
+            assert_eq!(heats, [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 3.0]);
+        }
+    }
+}
+
+#[test]
+fn colours_of_an_obj_file_become_an_attribute() {
+    let text = "v 0 0 0 1 0 0\nv 1 0 0 0 0.25 0\nv 1 1 0 0 0 1 0.5\nv 0 1 0 2\nf 4 1 2\nf 4 2 3\n";
+    let loaded = obj(text).unwrap();
+    assert_eq!(loaded.warnings, ["1 of 4 vertices: without a colour are white"]);
+    let mesh = loaded.mesh;
+    let color = mesh.attribute("vertex_color").expect("an attribute");
+    let at = |triangle, place| color.value(&mesh.triangles, triangle, place);
+    // Linear numbers, in the order of the mesh's own vertices; the alpha and the weight are none of them.
+    assert_eq!(at(0, Vec3::X), Vec3::ONE);
+    assert_eq!(at(0, Vec3::Y), Vec3::X);
+    assert_eq!(at(0, Vec3::Z), Vec3::new(0.0, 0.25, 0.0));
+    assert_eq!(at(1, Vec3::Z), Vec3::Z);
+    assert_eq!(at(1, Vec3::new(0.0, 0.5, 0.5)), Vec3::new(0.0, 0.125, 0.5));
+    let plain = obj_mesh("v 0 0 0\nv 1 0 0 2\nv 1 1 0 0.5 0.5\nf 1 2 3\n");
+    assert!(plain.attributes.is_empty());
 }
 
 #[test]
