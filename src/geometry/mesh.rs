@@ -58,7 +58,7 @@ pub struct MtlMaterial {
     pub ns: f32,
     /// Index of refraction.
     pub ni: f32,
-    /// The opacity in [0, 1].
+    /// The opacity in [0, 1]: the share of the surface that is there.
     pub d: f32,
     /// The share of the light, per colour and in [0, 1], that comes through the object.
     pub tf: Vec3,

@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::mesh::MtlMaterial;
 use super::mesh_file::{Warnings, decode, excerpt};
 use super::mtl_map::{MtlMaps, parse_map};
+use super::mtl_model::MtlModel;
 
 /// The material of triangles whose `usemtl` names none that exists: the grey that Mitsuba gives shapes without a bsdf.
 pub fn default_material(name: &str) -> MtlMaterial {
@@ -41,15 +42,36 @@ pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<Mtl
         map.file = folder.join(&map.file);
     }
     match tobj::load_mtl_buf(&mut text.as_bytes()) {
-        Ok((materials, _)) => materials
-            .iter()
-            .zip(maps)
-            .map(|(material, maps)| convert(material, maps))
-            .collect(),
+        Ok((materials, _)) => {
+            let materials = materials.iter().zip(maps);
+            let materials: Vec<MtlMaterial> = materials.map(|(material, maps)| convert(material, maps)).collect();
+            for material in &materials {
+                warn_of_oddities(material, library, warnings);
+            }
+            materials
+        }
         Err(error) => {
             warnings.add(library, &format!("the material library is ignored: {error}"));
             Vec::new()
         }
+    }
+}
+
+/// Warns of what is hardly meant, and of what is not kept.
+fn warn_of_oddities(material: &MtlMaterial, library: &str, warnings: &mut Warnings) {
+    let name = excerpt(material.name.as_bytes());
+    let of_material = format!("{library} material {name}");
+    if material.d == 0.0 && material.maps.d.is_none() && !matches!(material.model(), MtlModel::Glass { .. }) {
+        warnings.add(
+            &of_material,
+            "its opacity (`d`, or 1 - `Tr`) is 0, so that it is invisible",
+        );
+    }
+    if material.maps.ke.is_some() && material.ke != Vec3::ZERO && material.ke != Vec3::ONE {
+        warnings.add(
+            &of_material,
+            "`map_Ke` takes the place of `Ke`, which is not multiplied with it",
+        );
     }
 }
 

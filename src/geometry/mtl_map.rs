@@ -15,6 +15,8 @@ pub struct MtlMap {
     pub offset: Vec2,
     /// Whether the picture's edge continues outside of the unit square, instead of a repetition.
     pub clamp: bool,
+    /// What `-bm` says, the factor of heights; 1 without.
+    pub bump: f32,
 }
 
 /// The pictures of a material; each takes the place of the number of the same name.
@@ -22,8 +24,12 @@ pub struct MtlMap {
 pub struct MtlMaps {
     /// The map of the diffuse colour.
     pub kd: Option<MtlMap>,
+    /// The map of the emitted radiance.
+    pub ke: Option<MtlMap>,
     /// The map of the opacity.
     pub d: Option<MtlMap>,
+    /// The map of heights, in units of the mesh once multiplied by [`MtlMap::bump`].
+    pub bump: Option<MtlMap>,
     /// The map of normals in the tangent frame, as colours.
     pub norm: Option<MtlMap>,
 }
@@ -33,7 +39,9 @@ impl MtlMaps {
     pub(super) fn slot(&mut self, keyword: &str) -> Option<&mut Option<MtlMap>> {
         Some(match &*keyword.to_ascii_lowercase() {
             "map_kd" => &mut self.kd,
+            "map_ke" => &mut self.ke,
             "map_d" => &mut self.d,
+            "bump" | "map_bump" => &mut self.bump,
             "norm" | "map_norm" => &mut self.norm,
             _ => return None,
         })
@@ -41,14 +49,14 @@ impl MtlMaps {
 
     /// The pictures that are given.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MtlMap> {
-        let Self { kd, d, norm } = self;
-        [kd, d, norm].into_iter().flatten()
+        let Self { kd, ke, d, bump, norm } = self;
+        [kd, ke, d, bump, norm].into_iter().flatten()
     }
 
     /// The pictures that are given.
     pub fn iter(&self) -> impl Iterator<Item = &MtlMap> {
-        let Self { kd, d, norm } = self;
-        [kd, d, norm].into_iter().flatten()
+        let Self { kd, ke, d, bump, norm } = self;
+        [kd, ke, d, bump, norm].into_iter().flatten()
     }
 }
 
@@ -59,6 +67,7 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
         scale: Vec2::ONE,
         offset: Vec2::ZERO,
         clamp: false,
+        bump: 1.0,
     };
     let mut rest = text.trim();
     while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|_| rest.starts_with('-')) {
@@ -92,6 +101,7 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
             "-s" => map.scale = pair(Vec2::ONE),
             "-o" => map.offset = pair(Vec2::ZERO),
             "-clamp" => map.clamp = word == "on",
+            "-bm" => map.bump = values[0].unwrap_or(1.0),
             _ => {}
         }
     }
@@ -112,6 +122,7 @@ mod tests {
         let map = parse("-s 2 3 4 -o 0.5 -clamp on -bm 0.25 -colorspace sRGB wood 01.png");
         assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
         assert!(map.clamp);
+        assert_eq!(map.bump, 0.25);
         assert_eq!(map.file, PathBuf::from("wood 01.png"));
         // The third word is no number, so only two are the scale.
         let map = parse("-s 0.1 0.2 specular.jpg");

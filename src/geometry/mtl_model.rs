@@ -30,10 +30,10 @@ impl MtlModel {
 }
 
 impl MtlMaterial {
-    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation.
+    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Of what is no glass, the share [`MtlMaterial::d`] is there.
     pub fn model(&self) -> MtlModel {
         let refracts = (self.ni - 1.0).abs() > 1e-3 && self.ni > 0.0;
-        if matches!(self.illum, Some(6 | 7)) || (refracts && (matches!(self.illum, Some(4 | 9)) || self.d < 1.0)) {
+        if matches!(self.illum, Some(6 | 7)) || refracts && matches!(self.illum, Some(4 | 9)) {
             let index = if refracts { self.ni } else { 1.5 };
             return MtlModel::Glass { index };
         }

@@ -12,6 +12,7 @@ mod gltf;
 mod groups;
 mod hot_reload;
 mod media;
+mod mesh_files;
 mod opening;
 mod saving;
 mod scene;

@@ -2,22 +2,25 @@
 //!
 //! | the library says | becomes |
 //! |---|---|
-//! | `illum` 6 or 7; `illum` 4, 9 or `d` < 1 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1), through which light comes out in the colour `Tf` |
+//! | `illum` 6 or 7; `illum` 4 or 9 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1), through which light comes out in the colour `Tf` |
 //! | `Pm` > 0.5 | rough metal in the colour `Kd`, alpha = max(`Pr`, 0.03)² |
 //! | `illum` 3 or 5 with a `Kd` as good as black | a mirror in the colour `Ks` |
 //! | anything else | diffuse `Kd` |
 //! | `Ke` above 0 | emits that radiance as well |
 //! | `map_Kd` | diffuse in the colours of the picture |
+//! | `map_Ke` | emits the colours of the picture |
 //! | `norm` | shaded about the normals of the picture |
-//! | `map_d` | opaque as far as the picture is bright |
+//! | `bump` | shaded as if moved by the picture times `-bm`, in units of the mesh; about its normals if it holds some |
+//! | `d` < 1, `map_d` | opaque with this share, or as far as the picture is bright |
 //!
 //! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
 
-use super::Checker;
 use super::bsdf::PERFECT_MIRROR;
 use super::texture::TexturePacker;
+use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
+use crate::geometry::mtl_map::MtlMap;
 use crate::geometry::mtl_model::MtlModel;
 use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
 use crate::scene::assets::mtl_picture::mtl_picture;
@@ -26,6 +29,7 @@ use crate::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
 };
+use crate::texture::Parameter;
 
 /// Appends what one material is to `materials` and returns the id of the one to use.
 pub(in crate::engine) fn push_mtl(
@@ -53,24 +57,54 @@ pub(in crate::engine) fn push_mtl(
     if matches!(bsdf, Bsdf::Dielectric(_)) {
         return id;
     }
-    if let Some(map) = &mtl.maps.norm {
-        id = push(Material::NormalMap {
-            nested: id,
-            normals: textures.parameter(&mtl_picture(map, true)),
-            gltf_tangents: true,
-            options: BumpOptions {
-                flip_invalid_normals: true,
-                use_shadowing_function: true,
+    let options = BumpOptions {
+        flip_invalid_normals: true,
+        use_shadowing_function: true,
+    };
+    let bump = mtl.maps.bump.as_ref().map(|map| (map, has_normals(map, textures)));
+    let norm = mtl.maps.norm.as_ref().map(|map| (map, true));
+    for (map, has_normals) in [bump, norm].into_iter().flatten() {
+        let picture = mtl_picture(map, true);
+        id = push(match has_normals {
+            true => Material::NormalMap {
+                nested: id,
+                normals: textures.parameter(&picture),
+                gltf_tangents: true,
+                options,
+            },
+            false => Material::BumpMap {
+                nested: id,
+                height: textures.parameter(&picture),
+                scale: map.bump,
+                options,
             },
         });
     }
     id = push(Material::TwoSided { front: id, back: id });
-    match &mtl.maps.d {
-        Some(map) => push(Material::Mask {
-            nested: id,
-            opacity: textures.parameter(&mtl_picture(map, true)),
-        }),
-        None => id,
+    let opacity = match &mtl.maps.d {
+        Some(map) => textures.parameter(&mtl_picture(map, true)),
+        None => Parameter::Constant(mtl.d),
+    };
+    match opacity {
+        Parameter::Constant(1.0) => id,
+        opacity => push(Material::Mask { nested: id, opacity }),
+    }
+}
+
+/// Whether the picture of a `bump` statement holds normals, which exporters (Blender's among them) write so: they are light blue in the mean, as no heights are.
+fn has_normals(map: &MtlMap, textures: &TexturePacker) -> bool {
+    const UPRIGHT: Rgb = Rgb::new(0.5, 0.5, 0.9);
+    let is_upright = |mean: Rgb| (mean - UPRIGHT).abs().max_element() < 0.15;
+    textures
+        .picture(&map.file)
+        .is_some_and(|image| is_upright(image.mean(true)))
+}
+
+/// What a material emits: nothing if that is black. Odd colours have been reported with the other parameters or do not matter.
+pub(super) fn emission(mtl: &MtlMaterial, textures: &mut TexturePacker) -> Parameter<Rgb> {
+    match &mtl.maps.ke {
+        Some(map) => textures.parameter(&mtl_picture(map, false)),
+        None => Parameter::Constant(mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST))),
     }
 }
 
@@ -169,16 +203,16 @@ mod tests {
                     ..plain.clone()
                 },
                 &diffuse,
-                true,
+                false,
             ),
             (
-                "clear",
+                "clear with an index",
                 MtlMaterial {
                     d: 0.2,
                     ni: 1.3,
                     ..plain.clone()
                 },
-                &glass(1.3),
+                &diffuse,
                 false,
             ),
             (

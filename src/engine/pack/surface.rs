@@ -10,9 +10,9 @@ use bevy::prelude::*;
 use super::Checker;
 use super::group::Layout;
 use super::instance::InstanceRecord;
-use super::mtl::push_mtl;
+use super::mtl::{emission, push_mtl};
 use super::texture::TexturePacker;
-use super::{BRIGHTEST, LAMP_ID, STAND_IN_ID};
+use super::{LAMP_ID, STAND_IN_ID};
 use crate::accel::Primitive;
 use crate::color::Rgb;
 use crate::engine::splice::{ListEdits, Piece, pieces};
@@ -208,16 +208,17 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
                     .collect()
             })
         });
-        let slot = |slot: u32| {
+        let emitted: Vec<_> = (0..record.slots)
+            .map(|slot| {
+                let in_file = mesh.and_then(|mesh| mesh.materials.get(slot as usize));
+                let of_file = in_file.map_or(Parameter::Constant(Rgb::ZERO), |mtl| emission(mtl, self.textures));
+                own_light.unwrap_or((of_file, 1.0, false))
+            })
+            .collect();
+        let slot = |(slot, (radiance, sampling_weight, is_two_sided)): (u32, (Parameter<Rgb>, f32, bool))| {
             let material = own
                 .or_else(|| from_file.get(slot as usize).copied())
                 .unwrap_or(if own_light.is_some() { LAMP_ID } else { STAND_IN_ID });
-            let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
-            let (radiance, sampling_weight, is_two_sided) = own_light.unwrap_or_else(|| {
-                // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
-                let radiance = in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)));
-                (Parameter::Constant(radiance), 1.0, false)
-            });
             let is_bright = match radiance {
                 Parameter::Constant(color) => color.is_finite() && color != Rgb::ZERO,
                 Parameter::Texture(_) => true,
@@ -239,7 +240,7 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
             });
             SurfaceSlot { material, light, media }
         };
-        (0..record.slots).map(slot).collect()
+        (0..record.slots).zip(emitted).map(slot).collect()
     }
 }
 

@@ -488,9 +488,13 @@ impl Looks<'_, '_> {
             look.normals = Some(Level::of_color(&Parameter::Texture(mtl_picture(map, true))));
             look.gltf_tangents = true;
         }
-        if let Some(map) = &mtl.maps.d {
-            look.opacity = Level::of_number(&Parameter::Texture(mtl_picture(map, true)));
+        if mtl.maps.bump.is_some() {
+            self.lose(&mtl.name, "the bumps are left out");
         }
+        look.opacity = match &mtl.maps.d {
+            Some(map) => Level::of_number(&Parameter::Texture(mtl_picture(map, true))),
+            None => Level::number(mtl.d),
+        };
         look
     }
 }

@@ -16,6 +16,7 @@ use crate::gltf::write::material::{
     Transmission, Volume,
 };
 use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
+use crate::scene::assets::mtl_picture::mtl_picture;
 use crate::scene::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
@@ -136,8 +137,11 @@ impl<'a> Materials<'a> {
         };
         let emission = match (surface.light, in_file.filter(|_| surface.material.is_none())) {
             (Some(light), _) => Some(Level::of_color(&light.radiance)),
-            (None, Some(mtl)) if mtl.ke.max_element() > 0.0 => Some(Level::Constant(mtl.ke)),
-            _ => None,
+            (None, Some(mtl)) => match &mtl.maps.ke {
+                Some(map) => Some(Level::of_color(&Parameter::Texture(mtl_picture(map, false)))),
+                None => (mtl.ke.max_element() > 0.0).then_some(Level::Constant(mtl.ke)),
+            },
+            (None, None) => None,
         };
         let look = match appearance {
             Appearance::Surface(look) => *look,
