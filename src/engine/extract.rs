@@ -11,6 +11,7 @@ use std::time::Duration;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
+use super::attributes::missing_attributes;
 use super::authored::{Authored, name_of};
 use super::auto::{AutoIntegrator, is_auto};
 use super::blas_cache::{BlasCache, BuildPolicy};
@@ -381,6 +382,7 @@ impl Extracted {
             self.material_of_entity = Arc::new(ids);
         }
         let table = material_table(packed.materials, tables, &mut self.errors.surfaces);
+        self.errors.surfaces.extend(missing_attributes(authored, &self.layout));
         if *self.scene.materials != table {
             self.scene.materials = Arc::new(table);
         }

@@ -3,6 +3,7 @@
 
 mod adaptation;
 mod all_shapes;
+mod attributes;
 mod authored;
 mod auto;
 mod backend;

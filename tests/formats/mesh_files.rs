@@ -95,3 +95,38 @@ fn pictures_of_a_library_shine_and_bump() {
         ["norm", "map_Bump"].map(|keyword| with_library(&format!("Kd 1 1 1\n{keyword} normals.pfm\n")).x);
     assert!(norm < 0.99 && (norm - bump).abs() < 1e-6, "{norm} {bump}");
 }
+
+#[test]
+fn an_attribute_that_a_mesh_does_not_have_is_a_warning() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("plain.obj"), [SQUARE, "f 1 2 3 4\n"].concat()).expect("writable");
+    let coloured = SQUARE.replacen(" 0\n", " 0 0.5 0.25 1\n", 4);
+    std::fs::write(folder.path().join("coloured.obj"), [&*coloured, "f 1 2 3 4\n"].concat()).expect("writable");
+    let material = "<bsdf type='twosided'><bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>
+        <string name='name' value='vertex_color'/></texture></bsdf></bsdf>";
+    let shape = |id: &str, file: &str, what: &str| {
+        format!("<shape type='obj' id='{id}'><string name='filename' value='{file}'/>{what}</shape>")
+    };
+    let (color, errors) = seen(folder.path(), &shape("a", "coloured.obj", material));
+    assert_eq!(errors, [""; 0]);
+    assert!(color.abs_diff_eq(Rgb::new(0.5, 0.25, 1.0), 0.01), "{color}");
+
+    let both = [shape("a", "plain.obj", material), shape("b", "plain.obj", material)].concat();
+    let (color, errors) = seen(folder.path(), &both);
+    assert_eq!(color, Rgb::ZERO);
+    let [error] = &errors[..] else { panic!("{errors:?}") };
+    assert!(
+        error.starts_with("shape \"a\": its mesh ")
+            && error.ends_with("plain.obj has no attribute `vertex_color`; 0 is taken for it, which is black"),
+        "{error}"
+    );
+    // A lamp, and what is no mesh.
+    let lamp = "<emitter type='area'><texture type='mesh_attribute' name='radiance'><string name='name' value='face_glow'/></texture></emitter>";
+    let (_, errors) = seen(folder.path(), &shape("l", "plain.obj", lamp));
+    assert!(errors.iter().any(|error| error.contains("`face_glow`")), "{errors:?}");
+    let (_, errors) = seen(
+        folder.path(),
+        &format!("<shape type='rectangle' id='r'>{material}</shape>"),
+    );
+    assert!(errors[0].starts_with("shape \"r\": it is no mesh"), "{errors:?}");
+}
