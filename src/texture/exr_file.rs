@@ -1,13 +1,19 @@
 //! Reads OpenEXR pictures: half or single floats, of the channels that make a colour.
 //!
-//! Names count after a prefix: renderers name layers so (`ViewLayer.Combined.R`). Chosen are R, G, B, else Y, else a channel that is the only
-//! one; names without a prefix come before those with one, and a colour has one prefix. The data window is the picture, as in Mitsuba.
+//! Names count after a prefix: renderers name layers so (`ViewLayer.Combined.R`). Chosen are R, G, B of a part, of whichever part has all, else of several
+//! parts that have one each, else Y, else the channel of a part that has no other; names without a prefix come before those with one, and a colour has one
+//! prefix.
+//!
+//! The display window is the picture: it is black outside of the data window, and what is outside of it is left out, as in OpenEXR's own viewer. Where both
+//! do not meet, the data window is the picture. Colours of other primaries become those of Rec. 709 ([`super::exr_color`]).
 
+use std::collections::HashMap;
 use std::io::Cursor;
 
 use exr::meta::MetaData;
 use exr::prelude::*;
 
+use super::exr_color::to_rec709;
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, hold};
 use crate::memory::Reservation;
@@ -21,24 +27,32 @@ pub(crate) fn is_exr(bytes: &[u8]) -> bool {
 
 pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileError> {
     // The colour of one layer is taken out while all layers are still there.
-    let memory = reserve_exr(bytes, |_| COLOR_BYTES + ENVIRONMENT_BYTES)?;
+    let mut memory = reserve_exr(bytes, |_| COLOR_BYTES + ENVIRONMENT_BYTES)?;
     let file = read_exr_parts(bytes)?;
-    let found = file
-        .layer_data
-        .iter()
-        .find_map(|layer| color_channels(&layer.channel_data.list).map(|color| (layer.size, color)));
-    let Some((size, color)) = found else {
-        let channels = file.layer_data.iter().flat_map(|layer| &layer.channel_data.list);
-        let names: Vec<String> = channels.map(|channel| format!("`{}`", channel.name)).collect();
+    let channels = channels_of(&file);
+    let Some(color) = color_of(&channels) else {
+        let names: Vec<String> = channels.iter().map(|channel| format!("`{}`", channel.name)).collect();
         return Err(ImageFileError::Channels(names.join(", ")));
     };
-    let samples = match color {
-        Color::Rgb(channels) => interleave(&channels),
-        Color::Grey(channel) => interleave(&[channel]),
+    let data = color[0].window;
+    let display = Window::of_file(&file);
+    let frame = if display.meets(&data) { display } else { data };
+    let (width, height) = (frame.size[0], frame.size[1]);
+    let too_large = |shortage| ImageFileError::Memory {
+        width: width as u64,
+        height: height as u64,
+        shortage,
     };
-    let channels = if matches!(color, Color::Grey(_)) { 1 } else { 3 };
-    let (width, height) = (size.width() as u32, size.height() as u32);
-    let image = Image::new(width, height, channels, samples, Transfer::Linear);
+    if frame != data {
+        let pixels = (width as u64).saturating_mul(height as u64);
+        let more = pixels.saturating_mul(COLOR_BYTES + ENVIRONMENT_BYTES);
+        memory.resize(memory.bytes().saturating_add(more)).map_err(too_large)?;
+    }
+    let mut samples = interleave(&color, &data, &frame);
+    if let (3, Some(primaries)) = (color.len(), &file.attributes.chromaticities) {
+        samples = to_rec709(samples, primaries);
+    }
+    let image = Image::new(width as u32, height as u32, color.len(), samples, Transfer::Linear);
     hold(image.ok_or(ImageFileError::Empty)?, memory)
 }
 
@@ -101,68 +115,152 @@ fn refused(error: Error) -> ImageFileError {
     }
 }
 
-enum Color<'a> {
-    Rgb([&'a FlatSamples; 3]),
-    Grey(&'a FlatSamples),
+/// A rectangle of pixels: its upper left corner, its width and height.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Window {
+    first: [i64; 2],
+    size: [usize; 2],
 }
 
-fn color_channels(list: &[AnyChannel<FlatSamples>]) -> Option<Color<'_>> {
-    let names: Vec<String> = list.iter().map(|channel| channel.name.to_string()).collect();
-    let prefixes = names
-        .iter()
-        .map(|name| name.rsplit_once('.').map_or("", |parts| parts.0));
-    let mut prefixes: Vec<&str> = prefixes.collect();
-    // The sort is stable, so that those with a prefix stay in the order of the file.
-    prefixes.sort_by_key(|prefix| !prefix.is_empty());
-    prefixes.dedup();
-    let channel = |prefix: &str, last: &str| {
-        let is_wanted = |name: &&String| match name.rsplit_once('.') {
-            Some((before, after)) => before == prefix && after.eq_ignore_ascii_case(last),
-            None => prefix.is_empty() && name.eq_ignore_ascii_case(last),
-        };
-        let at = names.iter().position(|name| is_wanted(&name))?;
-        Some(&list[at].sample_data)
-    };
-    let rgb = |prefix: &&str| {
-        let [r, g, b] = ["R", "G", "B"].map(|name| channel(prefix, name));
-        Some(Color::Rgb([r?, g?, b?]))
-    };
-    let grey = |prefix: &&str| channel(prefix, "Y").map(Color::Grey);
-    let only = match list {
-        [channel] => Some(Color::Grey(&channel.sample_data)),
-        _ => None,
-    };
-    let mut each = prefixes.iter();
-    each.clone().find_map(rgb).or_else(|| each.find_map(grey)).or(only)
+impl Window {
+    fn of_file(file: &FlatImage) -> Self {
+        let IntegerBounds { position, size } = file.attributes.display_window;
+        Self::new(position, size)
+    }
+
+    fn new(Vec2(x, y): Vec2<i32>, Vec2(width, height): Vec2<usize>) -> Self {
+        Self {
+            first: [x.into(), y.into()],
+            size: [width, height],
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        (0..2).all(|axis| {
+            let end = |window: &Self| window.first[axis] + window.size[axis] as i64;
+            self.first[axis].max(other.first[axis]) < end(self).min(end(other))
+        })
+    }
 }
 
-/// Halves if all channels are, else floats.
-fn interleave(channels: &[&FlatSamples]) -> Samples {
+/// A channel of a part.
+struct PartChannel<'a> {
+    part: usize,
+    /// Whether the part has no other.
+    is_only: bool,
+    /// The whole name.
+    name: String,
+    /// The name behind the last dot, and what is before it.
+    last: String,
+    prefix: String,
+    /// The prefix, or without one that of the part's name.
+    group: String,
+    window: Window,
+    samples: &'a FlatSamples,
+}
+
+fn channels_of(file: &FlatImage) -> Vec<PartChannel<'_>> {
+    let mut channels = Vec::new();
+    for (part, layer) in file.layer_data.iter().enumerate() {
+        let list = &layer.channel_data.list;
+        let of_part = layer.attributes.layer_name.as_ref().map(Text::to_string);
+        let of_part = of_part.as_deref().and_then(|name| name.rsplit_once('.'));
+        channels.extend(list.iter().map(|channel| {
+            let name = channel.name.to_string();
+            let (prefix, last) = name.rsplit_once('.').unwrap_or(("", &name));
+            let group = if prefix.is_empty() {
+                of_part.map_or("", |parts| parts.0)
+            } else {
+                prefix
+            };
+            PartChannel {
+                part,
+                is_only: list.len() == 1,
+                last: last.to_owned(),
+                prefix: prefix.to_owned(),
+                group: group.to_owned(),
+                name,
+                window: Window::new(layer.attributes.layer_position, layer.size),
+                samples: &channel.sample_data,
+            }
+        }));
+    }
+    channels
+}
+
+/// The channels of the colour, three or one, all of one window.
+fn color_of<'a, 'b>(channels: &'a [PartChannel<'b>]) -> Option<Vec<&'a PartChannel<'b>>> {
+    let grey = || {
+        let greys = channels.iter().filter(|channel| channel.last.eq_ignore_ascii_case("Y"));
+        greys.min_by_key(|channel| !channel.prefix.is_empty())
+    };
+    let only = || channels.iter().find(|channel| channel.is_only);
+    rgb(channels, |channel| (channel.part, &channel.prefix))
+        .or_else(|| rgb(channels, |channel| (0, &channel.group)))
+        .or_else(|| grey().or_else(only).map(|channel| vec![channel]))
+}
+
+/// R, G and B of one window and one group, each of which has a number and a name. Groups without a name come first, else those that the file has first.
+fn rgb<'a, 'b>(
+    channels: &'a [PartChannel<'b>],
+    group: impl Fn(&'a PartChannel<'b>) -> (usize, &'a String),
+) -> Option<Vec<&'a PartChannel<'b>>> {
+    let mut groups: HashMap<_, [Option<&PartChannel>; 3]> = HashMap::new();
+    let mut order = Vec::new();
+    for channel in channels {
+        let group = group(channel);
+        let found = groups.entry(group).or_insert_with(|| {
+            order.push(group);
+            [None; 3]
+        });
+        if let Some(place) = ["R", "G", "B"]
+            .iter()
+            .position(|name| channel.last.eq_ignore_ascii_case(name))
+        {
+            found[place].get_or_insert(channel);
+        }
+    }
+    // The sort is stable.
+    order.sort_by_key(|(_, name)| !name.is_empty());
+    order.iter().find_map(|group| {
+        let [r, g, b] = groups[group];
+        let color = vec![r?, g?, b?];
+        let is_aligned = color.iter().all(|channel| channel.window == color[0].window);
+        is_aligned.then_some(color)
+    })
+}
+
+/// The channels side by side, of each pixel of the frame; zero outside of the window that they are of. Halves if all channels are, else floats.
+fn interleave(channels: &[&PartChannel], data: &Window, frame: &Window) -> Samples {
     let halves: Option<Vec<&[f16]>> = channels
         .iter()
-        .map(|samples| match samples {
+        .map(|channel| match channel.samples {
             FlatSamples::F16(halves) => Some(halves.as_slice()),
             _ => None,
         })
         .collect();
     match halves {
         Some(halves) => {
-            let pixels = 0..halves[0].len();
-            Samples::F16(
-                pixels
-                    .flat_map(|i| halves.iter().map(move |channel| channel[i]))
-                    .collect(),
-            )
+            let pixel = |i: Option<usize>| halves.iter().map(move |half| i.map_or(f16::ZERO, |i| half[i]));
+            Samples::F16(places(data, frame).flat_map(pixel).collect())
         }
         None => {
-            let pixels = 0..channels[0].len();
-            Samples::F32(
-                pixels
-                    .flat_map(|i| channels.iter().map(move |c| number(c, i)))
-                    .collect(),
-            )
+            let pixel = |i: Option<usize>| channels.iter().map(move |c| i.map_or(0.0, |i| number(c.samples, i)));
+            Samples::F32(places(data, frame).flat_map(pixel).collect())
         }
     }
+}
+
+/// The number in the data of each pixel of a frame; None outside of the data.
+fn places(data: &Window, frame: &Window) -> impl Iterator<Item = Option<usize>> {
+    let [width, height] = data.size;
+    let [dx, dy] = [0, 1].map(|axis| frame.first[axis] - data.first[axis]);
+    let within = |at: i64, size: usize| usize::try_from(at).ok().filter(|&at| at < size);
+    let columns = frame.size[0];
+    (0..frame.size[1]).flat_map(move |y| {
+        let row = within(y as i64 + dy, height);
+        (0..columns).map(move |x| Some(row? * width + within(x as i64 + dx, width)?))
+    })
 }
 
 fn number(samples: &FlatSamples, i: usize) -> f32 {

@@ -5,6 +5,7 @@
 
 mod bitmap;
 mod checkerboard;
+mod exr_color;
 mod exr_file;
 mod image;
 mod image_file;

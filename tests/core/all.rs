@@ -48,6 +48,7 @@ mod document;
 mod edited_hierarchy;
 mod emission;
 mod environment;
+mod exr_pictures;
 mod far_from_origin;
 mod film;
 mod fuzz_corpus;
