@@ -5,10 +5,13 @@
 //! rendered anywhere, has the same.
 
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::camera::Camera;
+use super::fireflies::Pilot;
 use super::scene::RenderScene;
+use super::together::Together;
 
 /// The percentile of the samples' light that is the limit, with the limits that were found. Clones share these.
 ///
@@ -34,8 +37,11 @@ struct KnownLimit {
     camera: Camera,
     size: [u32; 2],
     from_lights: bool,
-    limit: Arc<Mutex<Option<BrightnessLimit>>>,
+    limit: Arc<Search>,
 }
+
+/// The search for a limit, by all workers that wait for it. Its parts, and so its result, are None if it was cancelled.
+type Search = Together<Option<Pilot>, Option<BrightnessLimit>>;
 
 /// The limits that are kept, each with its scene: those of the picture by path tracing and with paths from the lights.
 const KEPT: usize = 2;
@@ -49,31 +55,41 @@ impl Clamp {
         }
     }
 
-    /// The limit of a scene that a camera sees on a film of this size, found by `find` if it is not known; None if that gives none. Others who ask for
-    /// it in the meantime wait. `from_lights`: whether paths begin at the lights as well.
+    /// The limit of a scene that a camera sees on a film of this size, if it is not known found by all workers that ask for it: `trace` traces part number n
+    /// of `parts` of the pilot, and `of_pilot` gives the limit. None if cancelled. `from_lights`: whether paths begin at the lights as well.
     pub(super) fn limit(
         &self,
         scene: &RenderScene,
-        camera: &Camera,
-        size: [u32; 2],
+        (camera, size): (&Camera, [u32; 2]),
         from_lights: bool,
-        find: impl FnOnce() -> Option<BrightnessLimit>,
+        parts: u32,
+        trace: impl Fn(u32) -> Option<Pilot>,
+        of_pilot: impl Fn(Vec<Pilot>) -> BrightnessLimit,
+        cancel: &AtomicBool,
     ) -> Option<BrightnessLimit> {
-        let entry = self.entry(scene, camera, size, from_lights);
-        let mut limit = entry.lock().unwrap_or_else(PoisonError::into_inner);
-        if limit.is_none() {
-            *limit = find();
+        loop {
+            let search = self.search(scene, camera, size, from_lights, parts);
+            let finish = |found: Vec<Option<Pilot>>| found.into_iter().collect::<Option<_>>().map(&of_pilot);
+            if let Some(Some(limit)) = search.get(&trace, finish, cancel) {
+                return Some(limit);
+            }
+            // Somebody was cancelled, and not all parts are there: others begin anew.
+            let mut known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
+            known.retain(|known| !Arc::ptr_eq(&known.limit, &search));
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
         }
-        *limit
     }
 
-    fn entry(
+    fn search(
         &self,
         scene: &RenderScene,
         camera: &Camera,
         size: [u32; 2],
         from_lights: bool,
-    ) -> Arc<Mutex<Option<BrightnessLimit>>> {
+        parts: u32,
+    ) -> Arc<Search> {
         let mut known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
         let is_same = |known: &KnownLimit| {
             (known.size, known.from_lights) == (size, from_lights)
@@ -83,7 +99,7 @@ impl Clamp {
         if let Some(found) = known.iter().find(|known| is_same(known)) {
             return found.limit.clone();
         }
-        let limit = Arc::default();
+        let limit = Arc::new(Search::new(parts as usize));
         known.insert(
             0,
             KnownLimit {
@@ -101,8 +117,7 @@ impl Clamp {
     /// The limit of the scene and the view that were new last; None before that.
     pub fn found(&self) -> Option<BrightnessLimit> {
         let known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
-        let limit = known.first()?.limit.try_lock().ok()?;
-        *limit
+        known.first()?.limit.known()?
     }
 }
 

@@ -4,21 +4,27 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec2};
 
+use super::bidirectional::photon_paths;
 use super::clamp::BrightnessLimit;
 use super::lanes::Job;
 use super::path::PathSample;
 use super::scene::RenderScene;
 use super::splats::{Splat, TileSplats};
 use super::tracer::Tracer;
-use super::view::View;
+use super::view::{Integrator, View};
 use crate::color::luminance;
 
 /// The samples of a pilot.
 const SAMPLES: u32 = 1 << 15;
-/// The samples of a pilot that are traced at once.
-const BATCH: u32 = 4096;
+/// The samples of a part of a pilot, which one worker traces at once.
+const BATCH: u32 = 2048;
 /// The sample numbers of a pixel in a pilot, at least.
 const NUMBERS: u32 = 16;
+/// The paths from the lights that make the photons of a pilot, unless [`FEWEST_ROUNDS`] have more. All samples with one number see the same photons, which
+/// cost far more than the samples where each has photons of its own.
+const PHOTON_PATHS: u32 = 1 << 18;
+/// The fewest numbers of a pilot with photons.
+const FEWEST_ROUNDS: u32 = 4;
 /// The seed of pilots: limits do not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_c1a3;
 
@@ -26,66 +32,97 @@ const SEED: u32 = 0x5eed_c1a3;
 pub(super) fn limit(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<BrightnessLimit> {
     let clamp = view.clamp.as_ref()?;
     let from_lights = view.integrator.splats() && !view.film_layers().parts_light();
-    clamp.limit(scene, &view.camera, [view.width, view.height], from_lights, || {
-        let found = pilot(scene, view, cancel)?;
-        Some(limit_of(found, clamp.percentile))
-    })
+    let place = (&view.camera, [view.width, view.height]);
+    let pilot = View {
+        seed: SEED,
+        clamp: None,
+        ..view.clone()
+    };
+    clamp.limit(
+        scene,
+        place,
+        from_lights,
+        SAMPLES / BATCH,
+        |part| trace(scene, &pilot, part, cancel),
+        |parts| limit_of(parts, clamp.percentile),
+        cancel,
+    )
 }
 
-/// What a pilot has found.
+/// What a part of a pilot has found.
 #[derive(Default)]
-struct Pilot {
+pub(super) struct Pilot {
     /// The luminances of the samples that have light, without what is seen directly.
     light: Vec<f32>,
     /// The sum over all that is seen directly.
     seen: f64,
 }
 
-/// Traces samples that are spread evenly over the film; None if cancelled.
-fn pilot(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Option<Pilot> {
-    let view = View {
-        seed: SEED,
-        clamp: None,
-        ..view.clone()
-    };
-    let (tracer, mut found) = (Tracer::of(&view), Pilot::default());
-    for start in (0..SAMPLES).step_by(BATCH as usize) {
-        let jobs = (start..start + BATCH).map(|index| job(&view, index));
-        let mut splats = TileSplats::default();
-        let mut traced = tracer.trace(scene, &view, jobs.clone(), cancel)?;
-        for job in jobs {
-            let (sample, weight) = traced.next(job);
-            let light = luminance(sample.radiance - sample.seen) * weight.abs();
-            if light.is_finite() {
-                found.light.extend((light > 0.0).then_some(light));
-                found.seen += f64::from(luminance(sample.seen) * weight.abs());
-            }
+/// Traces a part of the samples, which are spread evenly over the film; None if cancelled.
+fn trace(scene: &RenderScene, view: &View, part: u32, cancel: &AtomicBool) -> Option<Pilot> {
+    let mut found = Pilot::default();
+    let numbers = Numbers::of(view);
+    let jobs = (part * BATCH..(part + 1) * BATCH).map(|index| job(view, index, numbers));
+    let mut splats = TileSplats::default();
+    let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
+    for job in jobs {
+        let (sample, weight) = traced.next(job);
+        let light = luminance(sample.radiance - sample.seen) * weight.abs();
+        if light.is_finite() {
+            found.light.extend((light > 0.0).then_some(light));
+            found.seen += f64::from(luminance(sample.seen) * weight.abs());
         }
-        traced.take_splats(&mut splats);
-        // Filters with negative parts make negative light.
-        let lights = splats.list.iter().map(|splat| luminance(splat.radiance).abs());
-        found
-            .light
-            .extend(lights.filter(|light| *light > 0.0 && light.is_finite()));
     }
+    traced.take_splats(&mut splats);
+    // Filters with negative parts make negative light.
+    let lights = splats.list.iter().map(|splat| luminance(splat.radiance).abs());
+    found
+        .light
+        .extend(lights.filter(|light| *light > 0.0 && light.is_finite()));
     Some(found)
 }
 
+/// The sample numbers of a pilot: so many, so far apart.
+#[derive(Clone, Copy)]
+struct Numbers {
+    count: u32,
+    step: u32,
+}
+
+impl Numbers {
+    /// Many unless they are dear, and more if there are few pixels.
+    fn of(view: &View) -> Self {
+        let many = NUMBERS.max(SAMPLES.div_ceil(view.width * view.height));
+        let count = match view.integrator {
+            Integrator::Merging(_, photons) => {
+                (PHOTON_PATHS / photon_paths(view, photons).max(1)).clamp(FEWEST_ROUNDS, many)
+            }
+            _ => many,
+        };
+        // Later numbers have photons in smaller places.
+        let step = many / count;
+        Self { count, step }
+    }
+}
+
 /// A sample at the point number `index` of an even sequence over the film (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
-fn job(view: &View, index: u32) -> Job {
+fn job(view: &View, index: u32, numbers: Numbers) -> Job {
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
     let size = UVec2::new(view.width, view.height);
     let [x, y] = STEP.map(|step| (f64::from(index) * step).fract() as f32);
     let pixel = (Vec2::new(x, y) * size.as_vec2()).as_uvec2().min(size - 1);
-    // All samples with one number see the same photons, so that there are few numbers, unless there are few pixels.
-    let numbers = NUMBERS.max(SAMPLES.div_ceil(view.width * view.height));
     Job {
         pixel,
-        index: index % numbers,
+        index: index % numbers.count * numbers.step,
     }
 }
 
-fn limit_of(mut pilot: Pilot, percentile: f32) -> BrightnessLimit {
+fn limit_of(parts: Vec<Pilot>, percentile: f32) -> BrightnessLimit {
+    let seen: f64 = parts.iter().map(|part| part.seen).sum();
+    let mut pilot = Pilot {
+        light: parts.into_iter().flat_map(|part| part.light).collect(),
+        seen,
+    };
     pilot.light.sort_unstable_by(f32::total_cmp);
     let place = (f64::from(percentile) / 100.0 * pilot.light.len() as f64) as usize;
     let Some(&limit) = pilot.light.get(place.min(pilot.light.len().saturating_sub(1))) else {
@@ -139,11 +176,11 @@ mod tests {
             seen: 50.0,
         };
         // Of 1 to 100 the last ten are above 90, by 1 to 10 in all but the first of them.
-        let limit = limit_of(pilot(), 90.0);
+        let limit = limit_of(vec![pilot()], 90.0);
         assert_eq!(limit.luminance, 91.0);
         assert!((limit.removed - 45.0 / 5100.0).abs() < 1e-6, "{limit:?}");
-        assert_eq!(limit_of(pilot(), 99.999).removed, 0.0);
-        let dark = limit_of(Pilot::default(), 99.0);
+        assert_eq!(limit_of(vec![pilot()], 99.999).removed, 0.0);
+        let dark = limit_of(vec![Pilot::default()], 99.0);
         assert_eq!((dark.luminance, dark.removed), (f32::INFINITY, 0.0));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::bidirectional::{by, diffuse, placed};
+use crate::bidirectional::{by, diffuse, lit_room, look, placed};
 use crate::support::{SceneBuilder, camera, mean_luminance, render, view};
 use glam::{Quat, Vec3};
 use sunroom::accel::Primitive;
@@ -12,7 +12,7 @@ use sunroom::render::clamp::Clamp;
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::view::{Integrator, PhotonSettings, Strategy, View};
 
 const SAMPLES: u32 = 256;
 
@@ -78,8 +78,30 @@ fn the_limit_depends_on_neither_seed_nor_part() {
     // The same bits by parts, and with a limit that is known already.
     let whole = render(&scene, &tame, 8);
     assert_eq!(whole.radiance(), render(&scene, &clamped(&free, 95.0), 8).radiance());
-    let cancelled = render_tile(&scene, &clamped(&free, 95.0), tile, 0..1, &AtomicBool::new(true));
+    let begun = clamped(&free, 95.0);
+    let cancelled = render_tile(&scene, &begun, tile, 0..1, &AtomicBool::new(true));
     assert!(cancelled.is_none());
+    // Who asks again is not left without a limit.
+    render_tile(&scene, &begun, tile, 0..1, &AtomicBool::new(false)).expect("not cancelled");
+    assert_eq!(begun.clamp.as_ref().and_then(Clamp::found), first);
+}
+
+/// Tracing all of them would take seconds, however small the picture is.
+#[test]
+fn the_search_for_a_limit_has_few_photons() {
+    let merging = |settings| {
+        let photons = PhotonSettings {
+            paths: Some(1 << 16),
+            radius: 3.0,
+        };
+        Integrator::Merging(settings, photons)
+    };
+    let (scene, view) = (lit_room(), by(merging, &clamped(&look(4), 90.0)));
+    let tile = tiles(view.width, view.height)[0];
+    render_tile(&scene, &view, tile, 0..1, &AtomicBool::new(false)).expect("not cancelled");
+    assert!(view.clamp.as_ref().and_then(Clamp::found).is_some());
+    // Four of the search, which has a seed of its own, and that of the sample.
+    assert_eq!(view.photons.kept(), 5);
 }
 
 #[test]

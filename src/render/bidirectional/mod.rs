@@ -31,6 +31,7 @@ use glam::{UVec2, Vec3};
 
 pub(super) use self::arrivals::arrivals;
 pub(super) use self::finds::Find;
+pub(super) use self::photons::photon_paths;
 use self::subpath::{LightPath, Vertex, Walk};
 use self::weights::{Merging, Ways};
 use super::dimensions::LightDraw;

@@ -10,7 +10,7 @@ use super::weights::{Merging, Ways};
 use super::{LIGHT_PIXEL, Tracer};
 use crate::render::photon_map::{MergeArea, Photon, PhotonMap};
 use crate::render::photon_rounds::{PATHS_OF_BLOCK, RoundId};
-use crate::render::view::PhotonSettings;
+use crate::render::view::{PhotonSettings, View};
 use crate::sampling::Sampler;
 
 /// The exponent of the round's number in the squared radius: photons are merged in areas that shrink so slowly that both the blur and the noise of the mean of
@@ -21,6 +21,12 @@ const LARGEST_RADIUS: f32 = 0.01;
 /// The fewest and the most paths of a round, where they are not told.
 const PATHS: [u32; 2] = [1 << 12, 1 << 16];
 
+/// The paths from the lights of a round.
+pub(in crate::render) fn photon_paths(view: &View, settings: PhotonSettings) -> u32 {
+    let pixels = view.width.saturating_mul(view.height);
+    settings.paths.unwrap_or((pixels / 4).clamp(PATHS[0], PATHS[1]))
+}
+
 impl<'a> Tracer<'a> {
     /// The photons of a round. None if cancelled.
     pub(super) fn photons(
@@ -29,8 +35,7 @@ impl<'a> Tracer<'a> {
         settings: PhotonSettings,
         cancel: &AtomicBool,
     ) -> Option<(Merging, Arc<PhotonMap>)> {
-        let pixels = self.view.width.saturating_mul(self.view.height);
-        let paths = settings.paths.unwrap_or((pixels / 4).clamp(PATHS[0], PATHS[1]));
+        let paths = photon_paths(self.view, settings);
         let area = self.merge_area(number, settings.radius);
         let id = RoundId {
             number,
