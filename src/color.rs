@@ -7,6 +7,9 @@ use glam::{Mat3, Vec3};
 /// Linear Rec. 709 RGB: a radiance, a reflectance or a weight, by context.
 pub type Rgb = Vec3;
 
+/// The largest radiance, intensity, irradiance or value of a picture or a grid: products along a path stay finite.
+pub const BRIGHTEST: f32 = 1e12;
+
 /// The share of each component of a linear colour in its luminance.
 pub const LUMINANCE: Vec3 = Vec3::new(0.212_671, 0.715_160, 0.072_169);
 

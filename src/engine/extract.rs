@@ -337,6 +337,11 @@ impl Extracted {
         if self.packed_media.sources != packed.sources {
             self.scene.media = Arc::new(self.scene.media.with(packed.sources.clone()));
         }
+        for (name, medium) in packed.names.iter().zip(self.scene.media.iter()) {
+            if let Some(limited) = medium.limited() {
+                self.errors.media.push(format!("{name}: {limited}"));
+            }
+        }
         self.packed_media = packed;
     }
 

@@ -4,21 +4,29 @@ use glam::UVec3;
 use half::f16;
 use thiserror::Error;
 
-use crate::color::Rgb;
+use crate::color::{BRIGHTEST, Rgb};
 use crate::memory::{Held, Reservation};
 
 /// The most voxels along an axis, so that places fit well into 32 bits.
 const MOST_ALONG_AXIS: u32 = 1 << 14;
 
-/// A box of voxels with one or three values each, none of them negative.
+/// A box of voxels with one or three values each, from 0 to [`BRIGHTEST`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeGrid {
     resolution: UVec3,
     channels: u32,
     voxels: Voxels,
-    /// The number of values that were negative or no numbers and now are zero.
-    mended: usize,
+    mended: Mended,
     memory: Held,
+}
+
+/// The numbers of values that could not stay as they were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mended {
+    /// Those that were negative, infinite or no numbers, and are zero now.
+    pub zeros: usize,
+    /// Those that were above [`BRIGHTEST`], and are that now.
+    pub limited: usize,
 }
 
 /// The values of voxels, as precise as their file has them: x grows fastest, then y, then z; the channels of a voxel are side by side.
@@ -70,22 +78,39 @@ impl Voxels {
         }
     }
 
-    /// Sets values that are negative or not finite to zero, and counts them.
-    fn mend(&mut self) -> usize {
-        fn mend<T>(values: &mut [T], is_good: impl Fn(&T) -> bool, zero: impl Fn() -> T) -> usize {
-            let bad = values.iter_mut().filter(|value| !is_good(value));
-            bad.map(|value| *value = zero()).count()
-        }
+    /// Sets values that are negative or not finite to zero and those that are too large to the largest one, and counts both.
+    fn mend(&mut self) -> Mended {
+        let mut mended = Mended::default();
         match self {
-            Self::F32(values) => mend(values, |value| *value >= 0.0 && value.is_finite(), || 0.0),
-            Self::F16(values) => mend(values, |value| *value >= f16::ZERO && value.is_finite(), || f16::ZERO),
-            Self::U8(_) => 0,
+            Self::F32(values) => {
+                for value in values {
+                    if !(*value >= 0.0 && value.is_finite()) {
+                        *value = 0.0;
+                        mended.zeros += 1;
+                    } else if *value > BRIGHTEST {
+                        *value = BRIGHTEST;
+                        mended.limited += 1;
+                    }
+                }
+            }
+            // None of them is too large.
+            Self::F16(values) => {
+                for value in values {
+                    if !(*value >= f16::ZERO && value.is_finite()) {
+                        *value = f16::ZERO;
+                        mended.zeros += 1;
+                    }
+                }
+            }
+            Self::U8(_) => {}
         }
+        mended
     }
 }
 
 impl VolumeGrid {
-    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Values that are negative or not finite become zero.
+    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Values that are negative or not finite become zero, and
+    /// those above [`BRIGHTEST`] that.
     pub fn new(resolution: UVec3, channels: u32, mut voxels: Voxels) -> Result<Self, GridError> {
         if resolution.min_element() < 1 || resolution.max_element() > MOST_ALONG_AXIS {
             return Err(GridError::Resolution(resolution.x, resolution.y, resolution.z));
@@ -135,8 +160,8 @@ impl VolumeGrid {
         &self.voxels
     }
 
-    /// The number of values that were negative or not finite, which are zero here.
-    pub fn mended(&self) -> usize {
+    /// The numbers of values that are other ones than were given.
+    pub fn mended(&self) -> Mended {
         self.mended
     }
 
@@ -163,24 +188,33 @@ impl VolumeGrid {
 
     /// The largest value of the voxels from `first` to `last`, both included.
     pub(super) fn largest(&self, first: UVec3, last: UVec3) -> f32 {
+        self.fold(first, last, 0.0, f32::max)
+    }
+
+    /// The least value of the voxels from `first` to `last`, both included.
+    pub(super) fn smallest(&self, first: UVec3, last: UVec3) -> f32 {
+        self.fold(first, last, f32::INFINITY, f32::min)
+    }
+
+    fn fold(&self, first: UVec3, last: UVec3, start: f32, choose: impl Fn(f32, f32) -> f32 + Copy) -> f32 {
         let [width, height, _] = self.resolution.to_array().map(|size| size as usize);
         let channels = self.channels as usize;
-        let mut largest = 0.0f32;
+        let mut chosen = start;
         for z in first.z..=last.z {
             for y in first.y..=last.y {
                 let row = (z as usize * height + y as usize) * width;
                 let values = (row + first.x as usize) * channels..(row + last.x as usize + 1) * channels;
-                largest = match &self.voxels {
-                    Voxels::F32(all) => all[values].iter().copied().fold(largest, f32::max),
-                    Voxels::F16(all) => all[values].iter().map(|value| value.to_f32()).fold(largest, f32::max),
+                chosen = match &self.voxels {
+                    Voxels::F32(all) => all[values].iter().copied().fold(chosen, choose),
+                    Voxels::F16(all) => all[values].iter().map(|value| value.to_f32()).fold(chosen, choose),
                     Voxels::U8(all) => {
-                        let brightest = all[values].iter().copied().max().unwrap_or(0);
-                        largest.max(f32::from(brightest) * (1.0 / 255.0))
+                        let numbers = all[values].iter().map(|&value| f32::from(value) * (1.0 / 255.0));
+                        numbers.fold(chosen, choose)
                     }
                 };
             }
         }
-        largest
+        chosen
     }
 }
 
@@ -212,12 +246,15 @@ mod tests {
             Voxels::F32(vec![-1.0, f32::NAN, 3.0, f32::INFINITY]),
         )
         .unwrap();
-        assert_eq!(
-            (grid.mended(), grid.largest(UVec3::ZERO, UVec3::new(1, 1, 0))),
-            (3, 3.0)
-        );
+        let last = UVec3::new(1, 1, 0);
+        assert_eq!((grid.mended().zeros, grid.largest(UVec3::ZERO, last)), (3, 3.0));
+        assert_eq!(grid.smallest(UVec3::ZERO, last), 0.0);
         let halves = [-2.0, 0.5].map(f16::from_f32).to_vec();
         let grid = VolumeGrid::new(UVec3::new(1, 2, 1), 1, Voxels::F16(halves)).unwrap();
-        assert_eq!((grid.mended(), grid.voxel(UVec3::Y).x), (1, 0.5));
+        assert_eq!((grid.mended().zeros, grid.voxel(UVec3::Y).x), (1, 0.5));
+        let huge = Voxels::F32(vec![3e38, 1e12]);
+        let grid = VolumeGrid::new(UVec3::new(1, 2, 1), 1, huge).unwrap();
+        assert_eq!(grid.mended(), Mended { zeros: 0, limited: 1 });
+        assert_eq!(grid.voxel(UVec3::ZERO).x, BRIGHTEST);
     }
 }

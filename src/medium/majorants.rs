@@ -1,6 +1,8 @@
 //! A coarse grid of upper bounds of a medium's extinction, along which rays walk cell by cell (Amanatides and Woo, A Fast Voxel Traversal
 //! Algorithm for Ray Tracing, 1987; PBR 4th ed., section 11.4.2). Tight bounds mean few null collisions.
 
+use std::fmt::{self, Display, Formatter};
+
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
@@ -11,8 +13,15 @@ use crate::math::Aabb;
 const VOXELS_PER_CELL: f32 = 8.0;
 /// The most cells along an axis: 8 MiB in all.
 const MOST_CELLS: f32 = 128.0;
+/// The most voxels that are read to find the bounds in all cells of a small grid: a second.
+const MOST_READ: u64 = 1 << 31;
+/// Of a large grid the most times that a voxel is read, as a mean. In a turned grid it is ten times.
+const READS_PER_VOXEL: u64 = 16;
 /// What cells are enlarged by, relative to their size, so that rounding leads to no value outside of them.
 const MARGIN: f32 = 1e-3;
+/// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and another is not, a ray beside the dense one would
+/// be held up by null collisions without end. As no light passes such a cell's dense voxels in either case, their extinction counts as that much.
+pub(super) const MOST_TRIED: f32 = 4096.0;
 
 /// Upper bounds of extinction in the cells of a box in world space.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +34,30 @@ pub(super) struct MajorantGrid {
     majorants: Vec<f32>,
     /// The extinction outside of the box.
     outside: f32,
+    /// Where what is denser than [`MOST_TRIED`] allows counts as that.
+    limited: Option<Limited>,
+}
+
+/// What was found too dense to be tracked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limited {
+    /// The number of cells of 8 voxels along an edge, or more in large grids.
+    pub cells: usize,
+    /// The largest extinction that there is in them.
+    pub densest: f32,
+    /// What it counts as, at most.
+    pub limit: f32,
+}
+
+impl Display for Limited {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        let Self { cells, densest, limit } = self;
+        let places = if *cells == 1 { "cell" } else { "cells" };
+        write!(
+            out,
+            "it is too dense beside what is thin: the extinction is up to {densest:e} per unit of length, and in {cells} {places} what is above {limit:.1} counts as that"
+        )
+    }
 }
 
 /// A part of a ray along which one bound holds.
@@ -34,6 +67,69 @@ pub(super) struct Segment {
     pub end: f32,
     /// The upper bound of the extinction in all colours.
     pub majorant: f32,
+    /// Whether it is outside of the box, where the extinction is the same everywhere.
+    pub is_outside: bool,
+}
+
+/// How a box is divided into cells.
+struct Cells {
+    bounds: Aabb,
+    /// The number along each axis.
+    along: Vec3,
+    size: Vec3,
+}
+
+impl Cells {
+    /// Cells of about this edge. There are fewer where finding the bounds in all of them would take far longer than reading the voxels once: cells of slanted or repeated
+    /// grids may touch all voxels each.
+    fn new(bounds: Aabb, edge: f32, grids: &[&GridVolume]) -> Self {
+        let extent = bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
+        let along = (extent / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MOST_CELLS));
+        let mut cells = Self {
+            bounds,
+            along,
+            size: extent / along,
+        };
+        let voxels: u64 = grids.iter().map(|grid| grid.voxels()).sum();
+        let most = MOST_READ.max(READS_PER_VOXEL * voxels);
+        while cells.along != Vec3::ONE && cells.touched(grids) > most {
+            cells.along = (0.5 * cells.along).ceil();
+            cells.size = extent / cells.along;
+        }
+        cells
+    }
+
+    fn count(&self) -> usize {
+        self.along.to_array().into_iter().map(|along| along as usize).product()
+    }
+
+    /// The cell of this index, a little enlarged.
+    fn within(&self, index: usize) -> Aabb {
+        let (columns, rows) = (self.along.x as usize, self.along.y as usize);
+        let cell = Vec3::new(
+            (index % columns) as f32,
+            (index / columns % rows) as f32,
+            (index / columns / rows) as f32,
+        );
+        Aabb {
+            min: self.bounds.min + self.size * (cell - MARGIN),
+            max: self.bounds.min + self.size * (cell + 1.0 + MARGIN),
+        }
+    }
+
+    /// The number of voxels of all cells together, some of them counted several times.
+    fn touched(&self, grids: &[&GridVolume]) -> u64 {
+        // Not worth counting.
+        let voxels: u64 = grids.iter().map(|grid| grid.voxels()).sum();
+        if (self.count() as u64).saturating_mul(voxels) <= MOST_READ {
+            return 0;
+        }
+        let of_cell = |index: usize| {
+            let within = self.within(index);
+            grids.iter().map(|grid| grid.voxels_of(&within)).sum::<u64>()
+        };
+        (0..self.count()).into_par_iter().map(of_cell).sum()
+    }
 }
 
 impl MajorantGrid {
@@ -50,23 +146,19 @@ impl MajorantGrid {
             .into_iter()
             .filter_map(|volume| volume.bounds())
             .fold(Aabb::EMPTY, Aabb::union);
-        let extent = bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
         let edge = VOXELS_PER_CELL * grids.iter().map(|grid| grid.voxel_edge()).fold(f32::INFINITY, f32::min);
-        let cells = (extent / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MOST_CELLS));
-        let cell_size = extent / cells;
-        let (columns, rows) = (cells.x as usize, cells.y as usize);
-        let count = columns * rows * cells.z as usize;
+        let cells = Cells::new(bounds, edge, &grids);
+        let (cell_size, count) = (cells.size, cells.count());
+        let limit = MOST_TRIED / cell_size.length();
+        let bounds_of = |index: usize| cells.within(index);
+        // Where all is the same, no collision is a null collision.
+        let is_limited = |sigma_t: f32, within: &Aabb| {
+            sigma_t > limit && source.sigma_t.lower_bound(within) * source.scale < sigma_t
+        };
         let majorant = |index: usize| {
-            let cell = Vec3::new(
-                (index % columns) as f32,
-                (index / columns % rows) as f32,
-                (index / columns / rows) as f32,
-            );
-            let within = Aabb {
-                min: bounds.min + cell_size * (cell - MARGIN),
-                max: bounds.min + cell_size * (cell + 1.0 + MARGIN),
-            };
+            let within = bounds_of(index);
             let sigma_t = source.sigma_t.upper_bound(&within) * source.scale;
+            let sigma_t = if is_limited(sigma_t, &within) { limit } else { sigma_t };
             // Where a medium shines, its light is gathered at collisions, so that there have to be some: about one for each cell.
             match source.emission.upper_bound(&within) > 0.0 {
                 true => sigma_t.max(1.0 / cell_size.max_element()),
@@ -77,13 +169,28 @@ impl MajorantGrid {
             Volume::Constant(sigma_t) => sigma_t.max_element() * source.scale,
             Volume::Grid(_) => 0.0,
         };
+        let majorants: Vec<f32> = (0..count).into_par_iter().map(majorant).collect();
+        let too_dense = |index: usize| {
+            // Few cells have exactly that bound, and most often none.
+            let within = (majorants[index] == limit).then(|| bounds_of(index))?;
+            let sigma_t = source.sigma_t.upper_bound(&within) * source.scale;
+            is_limited(sigma_t, &within).then_some((1, sigma_t))
+        };
+        let found = (0..count).into_par_iter().filter_map(too_dense);
+        let found = found.reduce_with(|one, other| (one.0 + other.0, one.1.max(other.1)));
         Self {
             bounds,
-            cells: cells.as_ivec3(),
+            cells: cells.along.as_ivec3(),
             cell_size,
-            majorants: (0..count).into_par_iter().map(majorant).collect(),
             outside,
+            limited: found.map(|(cells, densest)| Limited { cells, densest, limit }),
+            majorants,
         }
+    }
+
+    /// What was found too dense to be tracked, and counts as less; None in nearly all media.
+    pub fn limited(&self) -> Option<Limited> {
+        self.limited
     }
 
     /// The segments of a way, in order. The last one ends where the way does.
@@ -164,6 +271,7 @@ impl Iterator for Walk<'_> {
             return (self.t > 0.0).then_some(Segment {
                 end: self.t,
                 majorant: outside,
+                is_outside: true,
             });
         }
         if self.t >= self.exit {
@@ -171,6 +279,7 @@ impl Iterator for Walk<'_> {
             return Some(Segment {
                 end: self.length,
                 majorant: outside,
+                is_outside: true,
             });
         }
         let CellWalk { cell, leave, .. } = self.cells;
@@ -192,6 +301,7 @@ impl Iterator for Walk<'_> {
         Some(Segment {
             end,
             majorant: self.grid.majorants[index as usize],
+            is_outside: false,
         })
     }
 }
@@ -214,7 +324,7 @@ impl GridVolume {
 mod tests {
     use std::sync::Arc;
 
-    use glam::{Affine3A, UVec3};
+    use glam::{Affine3A, UVec3, Vec3A};
 
     use super::super::{Phase, VolumeFilter, VolumeGrid, VolumeWrap, Voxels};
     use super::*;
@@ -227,8 +337,11 @@ mod tests {
         let count = size.element_product();
         // It becomes thicker along x.
         let value = |n: u32| unit_float(pcg3d([n / 50, 0, 1])[0]).powi(4) * (n % size.x) as f32 / size.x as f32;
-        let values = (0..count).map(value).collect();
-        let grid = VolumeGrid::new(size, 1, Voxels::F32(values)).unwrap();
+        of_voxels(size, 1, (0..count).map(value).collect(), placed)
+    }
+
+    fn of_voxels(size: UVec3, channels: u32, values: Vec<f32>, placed: Affine3A) -> MediumSource {
+        let grid = VolumeGrid::new(size, channels, Voxels::F32(values)).unwrap();
         MediumSource {
             sigma_t: Volume::Grid(GridVolume::new(
                 Arc::new(grid),
@@ -289,6 +402,55 @@ mod tests {
             }
             assert!(inside > 1000);
         }
+    }
+
+    /// A cell of 4 x 4 x 4 voxels of which one is dense; nothing is limited where all is as dense, or where what is dense can be tracked.
+    #[test]
+    fn what_is_too_dense_beside_what_is_thin_is_limited() {
+        let limited = |channels: u32, dense: f32, thin: f32| {
+            let mut values = vec![thin; 64 * channels as usize];
+            values[17] = dense;
+            let source = of_voxels(UVec3::splat(4), channels, values, Affine3A::IDENTITY);
+            let majorants = MajorantGrid::new(&source);
+            (majorants.limited(), majorants.majorants[0])
+        };
+        let limit = MOST_TRIED / 3.0f32.sqrt();
+        for dense in [1e6, 1e12, 3e38] {
+            let densest = 3.0 * dense.min(1e12);
+            let found = Limited {
+                cells: 1,
+                densest,
+                limit,
+            };
+            assert_eq!(limited(1, dense, 0.0), (Some(found), limit));
+            // A colour that passes is held up as well.
+            assert_eq!(limited(3, dense, 0.0), (Some(found), limit));
+        }
+        assert_eq!(limited(1, 700.0, 0.0), (None, 2100.0));
+        assert_eq!(limited(1, 1e6, 1e6), (None, 3e6));
+    }
+
+    /// Every cell of a slanted grid touches most of its voxels, and so does every cell beside a turned one that is repeated.
+    #[test]
+    fn the_bounds_of_slanted_grids_are_found_in_proportion_to_their_size() {
+        let size = UVec3::splat(64);
+        let slanted = Affine3A::from_cols(
+            Vec3A::X,
+            Vec3A::new(1000.0, 1.0, 0.0),
+            Vec3A::new(0.0, 1000.0, 1.0),
+            Vec3A::ZERO,
+        );
+        let mut source = of_voxels(size, 1, vec![1.0; 64 * 64 * 64], slanted);
+        let majorants = MajorantGrid::new(&source);
+        assert!(majorants.cells.element_product() < 1 << 18, "{}", majorants.cells);
+        let largest = majorants.majorants.iter().copied().fold(0.0, f32::max);
+        assert_eq!(largest, 3.0);
+        if let Volume::Grid(grid) = &mut source.sigma_t {
+            let turned = Affine3A::from_rotation_x(0.7) * Affine3A::from_rotation_y(0.6);
+            *grid = GridVolume::new(grid.grid.clone(), turned, VolumeFilter::Nearest, VolumeWrap::Repeat);
+        }
+        let cells = MajorantGrid::new(&source).cells;
+        assert!(cells.min_element() > 8, "{cells}");
     }
 
     #[test]

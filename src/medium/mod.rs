@@ -22,7 +22,8 @@ pub mod vdb;
 mod vol_file;
 mod volume;
 
-pub use grid::{GridError, VolumeGrid, Voxels};
+pub use grid::{GridError, Mended, VolumeGrid, Voxels};
+pub use majorants::Limited;
 pub use phase::{BlendedPhase, Phase};
 pub use tabulated_phase::TabulatedPhase;
 pub use vol_file::{VolError, VolFile, read_vol, write_vol};
@@ -142,6 +143,11 @@ impl MediumTable {
         self.media.is_empty()
     }
 
+    /// All media in the order of their ids.
+    pub fn iter(&self) -> impl Iterator<Item = &Medium> {
+        self.media.iter()
+    }
+
     /// The medium of an id of this table.
     #[inline(always)]
     pub fn get(&self, id: MediumId) -> &Medium {
@@ -201,6 +207,14 @@ impl Medium {
             plain: plain(&source, &self.distances),
             source,
             distances: self.distances.clone(),
+        }
+    }
+
+    /// What of its extinction is too dense to be tracked and counts as less; None in nearly all media.
+    pub fn limited(&self) -> Option<Limited> {
+        match &self.distances {
+            Distances::Uniform(_) => None,
+            Distances::Tracked(majorants) => majorants.limited(),
         }
     }
 

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::majorants::MajorantGrid;
+use super::majorants::{MOST_TRIED, MajorantGrid};
 use super::{MediumSource, Travel, Volume, Way, chance};
 use crate::color::Rgb;
 use crate::sampling::RandomStream;
@@ -23,23 +23,26 @@ struct Collision {
     null: Rgb,
 }
 
-/// Calls `collide` at each tentative collision until that returns something or the way ends. `u` decides where the first one is. Grids end with
-/// their boxes, as in Mitsuba.
+/// Calls `collide` with the throughput at each tentative collision until that returns something or the way ends. `u` decides where the first one is.
+/// Grids end with their boxes, as in Mitsuba.
 #[inline(always)]
 fn track<T>(
     source: &MediumSource,
     majorants: &MajorantGrid,
     way: &Way,
     u: f32,
+    throughput: &mut Rgb,
     stream: &mut RandomStream,
-    mut collide: impl FnMut(&Collision, &mut RandomStream) -> Option<T>,
+    mut collide: impl FnMut(&Collision, &mut Rgb, &mut RandomStream) -> Option<T>,
 ) -> Option<T> {
     let exponential = |u: f32| -(1.0 - u).ln();
     let mut t = 0.0;
     // The optical depth up to the next collision.
     let mut depth = exponential(u);
     for segment in majorants.walk(way) {
-        let majorant = segment.majorant;
+        let mut majorant = segment.majorant;
+        // Outside, where nothing varies, a colour that is left may have a longer way than the others, or one without an end.
+        let is_long = segment.is_outside && majorant * (segment.end - t) > MOST_TRIED;
         if majorant > 0.0 {
             while t + depth / majorant < segment.end {
                 t += depth / majorant;
@@ -53,11 +56,18 @@ fn track<T>(
                     majorant,
                     null,
                 };
-                if let Some(result) = collide(&collision, stream) {
+                if let Some(result) = collide(&collision, throughput, stream) {
                     return Some(result);
                 }
+                if is_long {
+                    let is_left = throughput.cmpgt(Rgb::ZERO);
+                    majorant = Rgb::select(is_left, extinction, Rgb::ZERO).max_element();
+                }
             }
-            depth -= majorant * (segment.end - t);
+            // Infinity times zero is no number.
+            if majorant > 0.0 {
+                depth -= majorant * (segment.end - t);
+            }
         }
         t = segment.end;
     }
@@ -77,30 +87,38 @@ pub(super) fn travel(
     let mut emitted = Rgb::ZERO;
     let shines = source.emission != Volume::ZERO;
     let scatters = source.scatters();
-    let scattered_at = track(source, majorants, way, u, stream, |collision, stream| {
-        let Collision {
-            t,
-            point,
-            majorant,
-            null,
-        } = *collision;
-        if shines {
-            emitted += *throughput * source.emission.within_bounds_at(point) / majorant;
-        }
-        if !scatters {
-            *throughput *= null;
-            // What is left goes to the end without further ado.
-            return (*throughput == Rgb::ZERO).then_some(None);
-        }
-        let is_null = chance(*throughput, null);
-        if stream.draw() < is_null {
-            *throughput *= null / is_null;
-            passed *= is_null;
-            return None;
-        }
-        *throughput *= source.albedo_at(point) * (Rgb::ONE - null) / (1.0 - is_null);
-        Some(Some(t))
-    });
+    let scattered_at = track(
+        source,
+        majorants,
+        way,
+        u,
+        throughput,
+        stream,
+        |collision, throughput, stream| {
+            let Collision {
+                t,
+                point,
+                majorant,
+                null,
+            } = *collision;
+            if shines {
+                emitted += *throughput * source.emission.within_bounds_at(point) / majorant;
+            }
+            if !scatters {
+                *throughput *= null;
+                // What is left goes to the end without further ado.
+                return (*throughput == Rgb::ZERO).then_some(None);
+            }
+            let is_null = chance(*throughput, null);
+            if stream.draw() < is_null {
+                *throughput *= null / is_null;
+                passed *= is_null;
+                return None;
+            }
+            *throughput *= source.albedo_at(point) * (Rgb::ONE - null) / (1.0 - is_null);
+            Some(Some(t))
+        },
+    );
     Travel {
         scattered_at: scattered_at.flatten(),
         passed,
@@ -121,24 +139,32 @@ pub(super) fn transmit(
     // What roulette has given to rays that have gone on. The weights of multiple importance sampling do not see it.
     let mut raised = 1.0;
     let u = stream.draw();
-    let given_up = track(source, majorants, way, u, stream, |collision, stream| {
-        if scatters {
-            passed *= chance(*carried, collision.null);
-        }
-        *carried *= collision.null;
-        share *= collision.null;
-        let largest = share.max_element() * raised;
-        if *carried == Rgb::ZERO || largest == 0.0 {
-            return Some(());
-        }
-        if largest < FAINT {
-            if stream.draw() >= GOES_ON {
+    let given_up = track(
+        source,
+        majorants,
+        way,
+        u,
+        carried,
+        stream,
+        |collision, carried, stream| {
+            if scatters {
+                passed *= chance(*carried, collision.null);
+            }
+            *carried *= collision.null;
+            share *= collision.null;
+            let largest = share.max_element() * raised;
+            if *carried == Rgb::ZERO || largest == 0.0 {
                 return Some(());
             }
-            raised /= GOES_ON;
-        }
-        None
-    });
+            if largest < FAINT {
+                if stream.draw() >= GOES_ON {
+                    return Some(());
+                }
+                raised /= GOES_ON;
+            }
+            None
+        },
+    );
     match given_up {
         Some(()) => {
             *carried = Rgb::ZERO;

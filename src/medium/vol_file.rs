@@ -259,7 +259,7 @@ mod tests {
         bytes[HEADER..HEADER + 4].copy_from_slice(&f32::NAN.to_le_bytes());
         bytes[24..28].copy_from_slice(&2.0f32.to_le_bytes());
         let file = read_vol(&bytes).expect("it is mended");
-        assert_eq!((file.grid.mended(), file.bounds), (1, None));
+        assert_eq!((file.grid.mended().zeros, file.bounds), (1, None));
         assert_eq!(file.grid.voxel(UVec3::ZERO).x, 0.0);
     }
 }

@@ -103,6 +103,14 @@ impl Volume {
             Self::Grid(volume) => volume.upper_bound(within),
         }
     }
+
+    /// A lower bound of all components within a box of world space.
+    pub(super) fn lower_bound(&self, within: &Aabb) -> f32 {
+        match self {
+            Self::Constant(value) => value.min_element(),
+            Self::Grid(volume) => volume.lower_bound(within),
+        }
+    }
 }
 
 impl GridVolume {
@@ -176,6 +184,31 @@ impl GridVolume {
 
     /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box or its surroundings of one voxel touch.
     fn upper_bound(&self, within: &Aabb) -> f32 {
+        let [first, last] = self.touched(within);
+        self.grid.largest(first, last) * self.scale
+    }
+
+    /// The bound of [`Volume::lower_bound`], likewise.
+    fn lower_bound(&self, within: &Aabb) -> f32 {
+        let [first, last] = self.touched(within);
+        self.grid.smallest(first, last) * self.scale
+    }
+
+    /// The number of voxels.
+    pub(super) fn voxels(&self) -> u64 {
+        let [x, y, z] = self.grid.resolution().to_array().map(u64::from);
+        x * y * z
+    }
+
+    /// The number of voxels that are looked at for the bound within a box.
+    pub(super) fn voxels_of(&self, within: &Aabb) -> u64 {
+        let [first, last] = self.touched(within);
+        let [x, y, z] = (last - first + 1).to_array().map(u64::from);
+        x * y * z
+    }
+
+    /// The first and the last of all voxels that the box or its surroundings of one voxel touch.
+    fn touched(&self, within: &Aabb) -> [UVec3; 2] {
         let size = self.grid.resolution();
         let local = within.transformed(&self.local_from_world);
         let around = Vec3::splat(match self.filter {
@@ -199,7 +232,7 @@ impl GridVolume {
                 )
             }
         };
-        self.grid.largest(first.as_uvec3(), last.as_uvec3()) * self.scale
+        [first.as_uvec3(), last.as_uvec3()]
     }
 }
 

@@ -26,6 +26,8 @@ pub(in crate::engine) struct AuthoredMedium<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::engine) struct PackedMedia {
     pub sources: Vec<MediumSource>,
+    /// What messages call each of them.
+    pub names: Vec<String>,
     pub ids: Arc<EntityHashMap<MediumId>>,
 }
 
@@ -35,7 +37,7 @@ pub(in crate::engine) fn pack_media<'v>(
     volumes: &dyn Fn(&GridFile) -> Option<&'v VolumeMap>,
     errors: &mut Vec<String>,
 ) -> PackedMedia {
-    let (mut sources, mut ids) = (Vec::new(), EntityHashMap::default());
+    let (mut sources, mut names, mut ids) = (Vec::new(), Vec::new(), EntityHashMap::default());
     for AuthoredMedium { entity, name, medium } in authored {
         ids.insert(*entity, MediumId(sources.len() as u32));
         let mut packer = MediumPacker {
@@ -43,9 +45,11 @@ pub(in crate::engine) fn pack_media<'v>(
             check: Checker { name, errors },
         };
         sources.push(packer.pack(medium));
+        names.push(name.clone());
     }
     PackedMedia {
         sources,
+        names,
         ids: Arc::new(ids),
     }
 }

@@ -64,6 +64,3 @@ impl Checker<'_> {
         self.color(what, value, 1.0)
     }
 }
-
-/// Largest radiance, intensity or irradiance: products along a path stay finite.
-pub(super) const BRIGHTEST: f32 = 1e12;

@@ -1,7 +1,7 @@
 //! Brings the parameters of materials and lights into the ranges that are declared of them, because edits need not come from a file.
 
-use super::{BRIGHTEST, Checker};
-use crate::color::Rgb;
+use super::Checker;
+use crate::color::{BRIGHTEST, Rgb};
 use crate::scene::medium::{self, ALBEDO, SIGMA_S, SIGMA_T};
 use crate::scene::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, BEAM_WIDTH, CUTOFF_ANGLE, ETA, EUMELANIN, K, PHEOMELANIN,

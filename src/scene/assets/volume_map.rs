@@ -8,10 +8,11 @@ use bevy::asset::{AssetLoader, LoadContext};
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use crate::color::BRIGHTEST;
 use crate::files::{Access, FileError};
 use crate::math::Aabb;
 use crate::medium::vdb::{VdbError, VdbFile};
-use crate::medium::{VolError, VolumeGrid, read_vol, write_vol};
+use crate::medium::{Mended, VolError, VolumeGrid, read_vol, write_vol};
 use crate::memory;
 use crate::scene::{SceneAccess, VolumeFormat};
 
@@ -109,12 +110,18 @@ pub(crate) fn load_volume(asset: &Path, access: &Access) -> Result<VolumeMap, Vo
 impl VolumeMap {
     /// What was mended in it, in words; None if it was good.
     pub(crate) fn warning(&self) -> Option<String> {
-        match self.grid.mended() {
+        let Mended { zeros, limited } = self.grid.mended();
+        let zeros = match zeros {
             0 => None,
             1 => Some("1 value is negative or no number: it counts as zero".to_owned()),
-            mended => Some(format!(
-                "{mended} values are negative or no numbers: they count as zero"
-            )),
-        }
+            _ => Some(format!("{zeros} values are negative or no numbers: they count as zero")),
+        };
+        let limited = match limited {
+            0 => None,
+            1 => Some(format!("1 value is above {BRIGHTEST:e}: it counts as that")),
+            _ => Some(format!("{limited} values are above {BRIGHTEST:e}: they count as that")),
+        };
+        let found: Vec<String> = zeros.into_iter().chain(limited).collect();
+        (!found.is_empty()).then(|| found.join("; "))
     }
 }
