@@ -22,6 +22,11 @@ use crate::scene::{
     Sequence,
 };
 
+/// The most bounces before Russian roulette begins. Nothing else ends the paths of a closed white room, which would go on for minutes each.
+const LATEST_ROULETTE: u32 = 1024;
+/// The same where every vertex of a path from the camera is joined with every vertex of one from a light.
+const LATEST_ROULETTE_OF_JOINED: u32 = 128;
+
 /// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
     sensor: &Sensor,
@@ -82,9 +87,20 @@ pub(in crate::engine) fn pack_view(
         check.number("principal_point_offset_y", offset.y, -1e3, 1e3, 0.0),
     );
     let crop_min = crop_min + offset;
+    let max_depth = integrator.max_depth.unwrap_or(u32::MAX);
+    let latest = match integrator.plugin {
+        PathPlugin::Bdpt | PathPlugin::Vcm => LATEST_ROULETTE_OF_JOINED,
+        _ => LATEST_ROULETTE,
+    };
+    if integrator.rr_depth.min(max_depth) > latest {
+        let given = integrator.rr_depth;
+        check.report(format_args!(
+            "rr_depth is {given}: Russian roulette begins after {latest} bounces, for paths have to end"
+        ));
+    }
     let path_settings = PathSettings {
-        max_depth: integrator.max_depth.unwrap_or(u32::MAX),
-        rr_depth: integrator.rr_depth,
+        max_depth,
+        rr_depth: integrator.rr_depth.min(latest),
         hide_emitters: integrator.hide_emitters,
         media: integrator.plugin.traces_media(),
         strategy: match integrator.strategy {
