@@ -270,6 +270,18 @@ impl<'a, 'd> Reader<'a, 'd> {
         inside.filter(move |child| child.category == category)
     }
 
+    /// The number of plugins of a kind that another object consists of, itself included, each counted as often as it is referred to: references can make a
+    /// short file mean very many. It is counted up to a little more than `most`.
+    pub fn count_inside(&self, object: &'a Object, category: Category, most: usize) -> usize {
+        let mut count = 0;
+        let mut waiting = vec![object];
+        while let Some(object) = waiting.pop().filter(|_| count <= most) {
+            count += 1;
+            waiting.extend(self.inside(object, category).take(most));
+        }
+        count
+    }
+
     /// The plugins of a kind, in file order, with the names they carry; references are resolved.
     pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
         let mut found = Vec::new();

@@ -214,25 +214,13 @@ fn phase_inside(reader: &mut Reader, files: &mut PictureSearch) -> Option<PhaseF
         reader.diagnostics().error(second.span, message);
     }
     let &(_, phase) = inside.first()?;
-    // References could make a short file mean very many.
     let most = PhaseFunction::MOST;
-    if count_phases(reader, phase, most) > most {
+    if reader.count_inside(phase, Category::Phase, most) > most {
         let message = format!("this phase function consists of more than {most}");
         reader.diagnostics().error(phase.span, message);
         return None;
     }
     Some(reader.apart(phase, |reader| read_phase(reader, files)))
-}
-
-/// The number of phase functions in this one, counted up to a little more than `most`.
-fn count_phases<'a>(reader: &Reader<'a, '_>, phase: &'a Object, most: usize) -> usize {
-    let mut count = 0;
-    let mut waiting = vec![phase];
-    while let Some(phase) = waiting.pop().filter(|_| count <= most) {
-        count += 1;
-        waiting.extend(reader.inside(phase, Category::Phase).take(most));
-    }
-    count
 }
 
 fn read_phase(mut reader: Reader, files: &mut PictureSearch) -> PhaseFunction {

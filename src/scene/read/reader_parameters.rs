@@ -13,6 +13,9 @@ use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, TransformOp};
 use crate::scene::{Parameter, Texture, ToWorld};
 
+/// The most textures inside each other that a parameter may consist of.
+const MOST_TEXTURES: usize = 256;
+
 impl Parameters for Reader<'_, '_> {
     fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
         let given = self.unbounded_color(name, pictures);
@@ -87,6 +90,11 @@ impl Parameters for Reader<'_, '_> {
         if object.category != Category::Texture {
             let message = format!("`{name}` should be a colour or a texture, found {}", object.title());
             self.diagnostics().error(object.span, message);
+            return None;
+        }
+        if self.count_inside(object, Category::Texture, MOST_TEXTURES) > MOST_TEXTURES {
+            let message = format!("`{name}` consists of more than {MOST_TEXTURES} textures");
+            self.error_at(name, message);
             return None;
         }
         self.nested(object, |reader| read_texture(reader, pictures))
