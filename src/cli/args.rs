@@ -38,7 +38,7 @@ impl TrustArgs {
         if !self.untrusted {
             return Ok(Trust::Everything);
         }
-        let trust = Trust::Folders(Vec::new());
+        let trust = Trust::OwnFolder;
         let path = settle(scene);
         match trust.access(&path).covers(&path) {
             true => Ok(trust),

@@ -15,6 +15,9 @@ const MOST_REFUSED: usize = 1000;
 /// The most links that are followed in one path, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
+/// The number of times that a path is resolved anew because a link has taken the place of a part of it meanwhile.
+const MOST_TRIES: usize = 8;
+
 /// A folder that may be read, or a file that stands for itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Folder {
@@ -123,16 +126,10 @@ impl Access {
     /// Gives the answer of [`Self::permits`], and remembers nothing. A path that leads through other places is refused also if it ends in a
     /// permitted folder: the answer must not tell whether those places exist.
     pub fn covers(&self, path: &Path) -> bool {
-        let Some(folders) = &self.folders else {
-            return true;
-        };
-        let is_inside = |place: &Path| folders.iter().any(|folder| place.starts_with(&folder.canonical));
-        let leads_in =
-            |place: &Path| is_inside(place) || folders.iter().any(|folder| folder.canonical.starts_with(place));
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let from_folder = |folder: &Folder| Some(folder.canonical.join(path.strip_prefix(&folder.named).ok()?));
-        let path = folders.iter().find_map(from_folder).unwrap_or(path);
-        resolved(&path, leads_in).is_some_and(|path| is_inside(&path))
+        match &self.folders {
+            Some(folders) => place_in(folders, path).is_some(),
+            None => true,
+        }
     }
 
     /// The files and folders that were refused so far and exist, in alphabetical order.
@@ -143,24 +140,37 @@ impl Access {
 
     /// Does what [`reading::check`] does, if the file is permitted.
     pub fn check(&self, path: &Path, limit: u64) -> Result<(), FileError> {
-        reading::check(self.permitted(path)?, limit).inspect(|()| note_read(path))
+        self.opened(path, limit).map(drop).inspect(|()| note_read(path))
     }
 
-    /// Opens a permitted file, as [`reading::open`] does.
+    /// Opens a permitted file, as [`reading::open`] does. What is opened is the file that was found to be permitted, whatever takes its place meanwhile.
     pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
-        reading::open(self.permitted(path)?, limit).inspect(|_| note_read(path))
+        self.opened(path, limit).inspect(|_| note_read(path))
     }
 
-    /// Reads a permitted file, as [`reading::read`] does.
+    /// Reads a permitted file, as [`reading::read`] does, and opens it as [`Self::open`] does.
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-        reading::read(self.permitted(path)?, limit).inspect(|_| note_read(path))
+        let file = self.opened(path, limit)?;
+        reading::content(file, limit).inspect(|_| note_read(path))
     }
 
-    fn permitted<'p>(&self, path: &'p Path) -> Result<&'p Path, FileError> {
-        match self.permits(path) {
-            true => Ok(path),
-            false => Err(FileError::Outside),
+    fn opened(&self, path: &Path, limit: u64) -> Result<File, FileError> {
+        let Some(folders) = &self.folders else {
+            return reading::open(path, limit);
+        };
+        let mut last = FileError::Outside;
+        for _ in 0..MOST_TRIES {
+            let Some(place) = place_in(folders, path) else {
+                // It is remembered.
+                self.permits(path);
+                return Err(FileError::Outside);
+            };
+            match reading::open_without_links(&place, limit) {
+                Err(error) if error.is_link() => last = error,
+                opened => return opened,
+            }
         }
+        Err(last)
     }
 }
 
@@ -169,6 +179,16 @@ impl PartialEq for Access {
     fn eq(&self, other: &Self) -> bool {
         self.folders == other.folders
     }
+}
+
+/// The absolute path without links of what a path leads to, if that lies in one of the folders.
+fn place_in(folders: &[Folder], path: &Path) -> Option<PathBuf> {
+    let is_inside = |place: &Path| folders.iter().any(|folder| place.starts_with(&folder.canonical));
+    let leads_in = |place: &Path| is_inside(place) || folders.iter().any(|folder| folder.canonical.starts_with(place));
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let from_folder = |folder: &Folder| Some(folder.canonical.join(path.strip_prefix(&folder.named).ok()?));
+    let path = folders.iter().find_map(from_folder).unwrap_or(path);
+    resolved(&path, leads_in).filter(|path| is_inside(path))
 }
 
 fn canonical(folder: &Path) -> PathBuf {
@@ -355,5 +375,59 @@ mod tests {
         for name in ["inner", "inner/c", "absent"] {
             assert!(access.covers(&path("scene").join(name)), "{name}");
         }
+    }
+
+    /// Files and folders are swapped for links that lead out while they are opened: what is read is never what the links lead to.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_swapped_while_it_is_opened_is_not_read() {
+        use std::os::unix::fs::symlink;
+        use std::sync::atomic::{AtomicBool, Ordering};
+        const READS: usize = 4000;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir_all(path("scene/inside")).unwrap();
+        fs::create_dir_all(path("other")).unwrap();
+        for (name, text) in [("scene/inside/a", "own"), ("other/a", "secret")] {
+            fs::write(path(name), text).unwrap();
+        }
+        let is_done = AtomicBool::new(false);
+        let swap_files = || {
+            while !is_done.load(Ordering::Relaxed) {
+                fs::write(path("scene/new"), "own").unwrap();
+                fs::rename(path("scene/new"), path("scene/a")).unwrap();
+                symlink(path("other/a"), path("scene/new")).unwrap();
+                fs::rename(path("scene/new"), path("scene/a")).unwrap();
+            }
+        };
+        let swap_folders = || {
+            symlink(path("other"), path("scene/link")).unwrap();
+            while !is_done.load(Ordering::Relaxed) {
+                fs::rename(path("scene/inside"), path("scene/away")).unwrap();
+                fs::rename(path("scene/link"), path("scene/inside")).unwrap();
+                fs::rename(path("scene/inside"), path("scene/link")).unwrap();
+                fs::rename(path("scene/away"), path("scene/inside")).unwrap();
+            }
+        };
+        let access = Access::within([path("scene")]);
+        let (mut own, mut refused) = (0, 0);
+        std::thread::scope(|threads| {
+            threads.spawn(swap_files);
+            threads.spawn(swap_folders);
+            let outcomes: Vec<_> = (0..READS)
+                .flat_map(|_| ["scene/a", "scene/inside/a"].map(|name| access.read(&path(name), 100)))
+                .collect();
+            is_done.store(true, Ordering::Relaxed);
+            for outcome in outcomes {
+                match outcome {
+                    Ok(bytes) => {
+                        assert_eq!(bytes, b"own");
+                        own += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+        });
+        assert!(own > READS / 100 && refused > READS / 100, "{own} {refused}");
     }
 }

@@ -39,6 +39,18 @@ pub enum FileError {
 }
 
 impl FileError {
+    /// Whether a link has taken the place of the file or of a folder on the way to it.
+    #[cfg(unix)]
+    pub(super) fn is_link(&self) -> bool {
+        use rustix::io::Errno;
+        matches!(self, Self::Io(error) if matches!(Errno::from_io_error(error), Some(Errno::LOOP | Errno::NOTDIR)))
+    }
+
+    #[cfg(not(unix))]
+    pub(super) fn is_link(&self) -> bool {
+        false
+    }
+
     /// Whether there is no file of that name.
     pub fn is_not_found(&self) -> bool {
         matches!(self, Self::Io(error) if error.kind() == io::ErrorKind::NotFound)
@@ -71,7 +83,11 @@ pub fn open(path: &Path, limit: u64) -> Result<File, FileError> {
 
 /// The content of a regular file of at most `limit` bytes.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-    let file = open(path, limit)?;
+    content(open(path, limit)?, limit)
+}
+
+/// The content of an open file of at most `limit` bytes.
+pub(super) fn content(file: File, limit: u64) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let length = usize::try_from(file.metadata()?.len()).map_err(|_| FileError::TooLarge { limit })?;
     // One byte more shows the end of the file without a second allocation.
@@ -132,6 +148,54 @@ fn open_without_blocking(path: &Path) -> io::Result<File> {
 #[cfg(not(unix))]
 fn open_without_blocking(path: &Path) -> io::Result<File> {
     File::open(path)
+}
+
+/// [`open`] for an absolute path without links: the file that is opened lies where the path says, also if others move and replace files meanwhile. A link
+/// that has taken the place of any part of the path is an error, see [`FileError::is_link`].
+#[cfg(unix)]
+pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileError> {
+    use std::os::fd::OwnedFd;
+
+    use rustix::fs::{AtFlags, CWD, FileType, Mode, OFlags, openat, statat};
+
+    // Each folder is opened in the one before. Only Linux opens folders that may be passed and not be listed.
+    let passing = OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+    #[cfg(target_os = "linux")]
+    let passing = passing | OFlags::PATH;
+    let mut folder: Option<OwnedFd> = None;
+    let mut parts = path.components().peekable();
+    while let Some(part) = parts.next() {
+        let open = |flags: OFlags| match &folder {
+            Some(folder) => openat(folder, part.as_os_str(), flags, Mode::empty()),
+            None => openat(CWD, part.as_os_str(), flags, Mode::empty()),
+        };
+        if parts.peek().is_some() {
+            folder = Some(open(passing).map_err(io::Error::from)?);
+            continue;
+        }
+        // Opening a device may have effects of its own. A link is none here, and opening it says so.
+        if let Some(folder) = &folder {
+            let about = statat(folder, part.as_os_str(), AtFlags::SYMLINK_NOFOLLOW).map_err(io::Error::from)?;
+            match FileType::from_raw_mode(about.st_mode) {
+                FileType::RegularFile | FileType::Symlink => {}
+                FileType::Directory => return Err(FileError::Folder),
+                FileType::Fifo => return Err(FileError::NotRegular { kind: "a pipe" }),
+                FileType::Socket => return Err(FileError::NotRegular { kind: "a socket" }),
+                _ => return Err(FileError::NotRegular { kind: "a device" }),
+            }
+        }
+        let reading = OFlags::RDONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+        let file = File::from(open(reading).map_err(io::Error::from)?);
+        check_metadata(&file.metadata()?, limit)?;
+        return Ok(file);
+    }
+    Err(FileError::Folder)
+}
+
+/// [`open`]: where there is no way to open a file in an open folder, the path is followed once more.
+#[cfg(not(unix))]
+pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileError> {
+    open(path, limit)
 }
 
 #[cfg(test)]

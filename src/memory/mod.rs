@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
 pub use self::size::{Bytes, NoSize, parse_size};
-use crate::files::{self, Access, FileError, LARGEST_DATA};
+use crate::files::{Access, FileError, LARGEST_DATA};
 
 /// The environment variable with the budget, such as `8GB`.
 pub const VARIABLE: &str = "SUNROOM_MEMORY";
@@ -59,9 +59,9 @@ pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
     data_result(budget().limit(), |limit| access.read(path, limit))
 }
 
-/// Checks by the metadata alone whether [`read_data`] can read a file, if it may be read.
-pub fn check_data(path: &Path) -> Result<(), FileError> {
-    data_result(budget().limit(), |limit| files::check(path, limit))
+/// Checks whether [`read_data`] can read a file.
+pub fn check_data(path: &Path, access: &Access) -> Result<(), FileError> {
+    data_result(budget().limit(), |limit| access.check(path, limit))
 }
 
 /// Hands the longest length of a file to `act`, and names the budget if it is the reason for an error. Both are in bytes.
@@ -241,14 +241,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.hdr");
         std::fs::write(&path, [0; 2000]).unwrap();
-        let message = data_result(1000, |limit| files::check(&path, limit))
+        let message = data_result(1000, |limit| crate::files::check(&path, limit))
             .unwrap_err()
             .to_string();
         assert!(
             message.contains("the memory budget of 1.0 kB") && message.contains("--memory"),
             "{message}"
         );
-        data_result(2000, |limit| files::check(&path, limit)).unwrap();
+        data_result(2000, |limit| crate::files::check(&path, limit)).unwrap();
     }
 
     #[test]

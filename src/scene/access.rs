@@ -13,8 +13,10 @@ pub enum Trust {
     /// Scenes may read every file.
     #[default]
     Everything,
-    /// Scenes may read the files in their own folder and in these.
+    /// Scenes may read the files in their own folder and in these. A scene's file itself may be a link to elsewhere: the user has named it.
     Folders(Vec<PathBuf>),
+    /// Scenes may read the files in their own folder, and no links that lead out of it.
+    OwnFolder,
 }
 
 impl Trust {
@@ -23,7 +25,11 @@ impl Trust {
         let own = scene.parent();
         let access = match self {
             Self::Everything => Access::everywhere(),
-            Self::Folders(folders) => Access::within(folders.iter().cloned().chain(own.map(Path::to_owned))),
+            Self::Folders(folders) => {
+                let named = own.into_iter().flat_map(|own| [own, scene]);
+                Access::within(folders.iter().cloned().chain(named.map(Path::to_owned)))
+            }
+            Self::OwnFolder => Access::within(own.map(Path::to_owned)),
         };
         match own {
             Some(own) => access.of_scene_in(own),

@@ -38,9 +38,10 @@ impl AssetReader for FileSource {
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }
-        let checked = memory::check_data(path).or_else(|error| match error.is_not_found() {
+        let check = || memory::check_data(path, &self.access.get());
+        let checked = check().or_else(|error| match error.is_not_found() {
             // A program that was killed may have left it beside its place.
-            true => finish_set(path).and_then(|()| memory::check_data(path)),
+            true => finish_set(path).and_then(|()| check()),
             false => Err(error),
         });
         match checked {

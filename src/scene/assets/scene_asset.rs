@@ -13,7 +13,7 @@ use super::gltf_scene::{import, is_gltf, largest};
 use super::parts_cache::allow_parts;
 use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
-use crate::files::{self, Access};
+use crate::files::Access;
 use crate::scene::SceneDescription;
 use crate::scene::{KeepSource, SceneAccess, read};
 
@@ -79,8 +79,7 @@ impl AssetLoader for SceneLoader {
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
         files::finish_set(&path)?;
-        let bytes = files::read(&path, largest(&path))?;
-        files::note_read(&path);
+        let bytes = self.access.of_scene(&path).read(&path, largest(&path))?;
         if is_gltf(&bytes, &path) {
             allow_parts(|folder| self.access.allow(folder));
         }
@@ -130,9 +129,8 @@ fn read_scene_within(
 
 /// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
-    let read = files::finish_set(path).and_then(|()| files::read(path, largest(path)));
+    let read = files::finish_set(path).and_then(|()| access.read(path, largest(path)));
     let bytes = read.map_err(|source| unreadable(path, source))?;
-    files::note_read(path);
     parse(bytes, path, defines, access)
 }
 

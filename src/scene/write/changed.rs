@@ -123,6 +123,8 @@ pub(super) fn access(world: &World, target: &Path) -> Access {
     let mut access = access.map(SceneAccess::get).unwrap_or_default();
     if let Some(folder) = target.parent() {
         access.allow(folder);
+        // It may be a link, which the user has named.
+        access.allow(target);
     }
     access
 }

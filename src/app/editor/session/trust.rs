@@ -242,7 +242,7 @@ fn has_neighbours(file: &Path) -> bool {
 /// Lets this and all scenes read these folders and files from now on.
 fn allow_folders(world: &mut World, folders: &[PathBuf]) {
     match &mut *world.resource_mut::<Trust>() {
-        Trust::Everything => return,
+        Trust::Everything | Trust::OwnFolder => return,
         Trust::Folders(all) => all.extend(folders.iter().cloned()),
     }
     let access = world.resource::<SceneAccess>();
