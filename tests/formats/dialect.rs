@@ -88,13 +88,12 @@ fn config_and_camera_give_the_film_and_the_view() {
     assert!(Vec3::from(pose.matrix3.z_axis).abs_diff_eq(Vec3::NEG_Z, 1e-6));
     assert!(Vec3::from(pose.matrix3.y_axis).abs_diff_eq(Vec3::Y, 1e-6));
 
-    let bad = "<ItemContainer><Config><Width value='many'/></Config><Camera><Look_at z='1'/><FOV angle='200'/></Camera><Objects/><Wood/></ItemContainer>";
-    let (scene, diagnostics) = read_text(bad, Path::new("/tmp/a.xml"), &[]);
+    let odd = "<ItemContainer><Config><Width value=''/></Config><Camera><Look_at z='1'/></Camera><Objects/><Wood/></ItemContainer>";
+    let (scene, diagnostics) = read_text(odd, Path::new("/tmp/a.xml"), &[]);
     assert!(!diagnostics.has_errors(), "{diagnostics}");
     for part in [
-        "found `many`",
+        "<Width> is empty; 800 takes its place",
         "looks at where it stands",
-        "field of view of 200",
         "<Wood> is not known",
         "no <Sun>",
     ] {
@@ -102,6 +101,59 @@ fn config_and_camera_give_the_film_and_the_view() {
     }
     assert_eq!((scene.sensors[0].film.width, scene.sensors[0].film.height), (800, 450));
     assert!(scene.emitters.is_empty());
+}
+
+/// What is typed wrong is an error with its place: none of it is replaced without being asked.
+#[test]
+fn slips_of_the_hand_are_errors() {
+    let config = |inside: &str| format!("<Config>{inside}</Config><Camera/><Lights><Sun/></Lights><Objects/>");
+    let camera = |inside: &str| format!("<Camera>{inside}</Camera><Lights><Sun/></Lights><Objects/>");
+    let ball = |inside: &str| format!("<Camera/><Lights><Sun/></Lights><Objects><Sphere>{inside}</Sphere></Objects>");
+    for (text, place, expected) in [
+        (
+            config("<Width value='wide'/>"),
+            "2:23",
+            "expected a number, found `wide`",
+        ),
+        (config("<Width value='8o0'/>"), "2:23", "expected a number, found `8o0`"),
+        (config("<Width value='nan'/>"), "2:23", "expected a number, found `nan`"),
+        (
+            config("<Width value='0'/>"),
+            "2:23",
+            "expected 1 or more for <Width>, found 0",
+        ),
+        (
+            config("<Aspect_ratio value='0'/>"),
+            "2:30",
+            "expected 0.001 or more for <Aspect_ratio>, found 0",
+        ),
+        (
+            config("<Samples value='-4'/>"),
+            "2:25",
+            "expected 1 or more for <Samples>, found -4",
+        ),
+        (
+            config("<Depth value='0'/>"),
+            "2:23",
+            "expected 1 or more for <Depth>, found 0",
+        ),
+        (
+            camera("<FOV angle='200'/>"),
+            "2:9",
+            "expected a field of view between 0 and 180 degrees, found 200",
+        ),
+        (camera("<Look_at x='1,5'/>"), "2:21", "expected a number, found `1,5`"),
+        (ball("<Radius value='big'/>"), "2:69", "expected a number, found `big`"),
+    ] {
+        let text = format!("<ItemContainer>\n{text}</ItemContainer>");
+        let (_, diagnostics) = read_text(&text, Path::new("/tmp/a.xml"), &[]);
+        let said = diagnostics.to_string();
+        assert_eq!(diagnostics.error_count(), 1, "{said}");
+        assert!(
+            said.contains(&format!("a.xml:{place}: error: {expected}")),
+            "{place} {expected}: {said}"
+        );
+    }
 }
 
 #[test]

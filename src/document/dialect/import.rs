@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::mesh_files::FilesBelow;
+use super::mesh_files::KnownFiles;
 use super::tree::Node;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Diagnostics, Object, Severity, Span};
@@ -16,12 +16,12 @@ pub struct Import<'i> {
     /// Whether rotations are in radians; they are in degrees otherwise.
     pub radians: bool,
     pub root: Object,
+    /// What is known of files.
+    pub files: KnownFiles,
     /// Ids given so far.
     pub ids: HashSet<String>,
     /// The number that the next thing of this name may get.
     pub next_numbers: HashMap<String, u32>,
-    /// None until a file was sought by its name alone.
-    pub below: Option<FilesBelow>,
     pub diagnostics: &'i mut Diagnostics,
 }
 
@@ -33,6 +33,10 @@ impl Import<'_> {
 
     pub fn warn(&mut self, span: Span, message: impl Into<String>) {
         self.diagnostics.warn(span, message);
+    }
+
+    pub fn error(&mut self, span: Span, message: impl Into<String>) {
+        self.diagnostics.error(span, message);
     }
 
     /// Warns of elements that are none of these.

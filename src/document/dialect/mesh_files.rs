@@ -15,17 +15,21 @@ const MOST_FILES: usize = 5000;
 /// The most lines of an OBJ that are searched for a material.
 const MOST_LINES: usize = 10_000_000;
 
+/// What was found out about files so far: a scene may name the same ones, or ones that are not there, any number of times.
+#[derive(Default)]
+pub struct KnownFiles {
+    /// By their names the files below the folders that are searched, the nearest first. None before the first search.
+    below: Option<HashMap<OsString, Vec<PathBuf>>>,
+    /// For each OBJ whether it brings its own materials.
+    own_materials: HashMap<PathBuf, bool>,
+}
+
 impl Import<'_> {
     /// The folder of the scene file, absolute.
     pub fn folder(&self) -> PathBuf {
         settle(self.path).parent().unwrap_or(Path::new("/")).to_owned()
     }
-}
 
-/// The files below the folders of a scene by their names, the nearest first.
-pub type FilesBelow = HashMap<OsString, Vec<PathBuf>>;
-
-impl Import<'_> {
     /// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its
     /// file name alone: an absolute name is often one of its author's machine.
     pub fn find_file(&mut self, name: &str) -> Option<PathBuf> {
@@ -33,16 +37,28 @@ impl Import<'_> {
         if name.as_os_str().is_empty() {
             return None;
         }
-        let access = self.access;
-        let folders = self.folders();
+        let (folder, access) = (self.folder(), self.access);
+        let started_in = std::env::current_dir().unwrap_or_default();
+        let above = folder.ancestors().chain(started_in.ancestors());
+        let assets = above
+            .map(|folder| folder.join("assets"))
+            .filter(|folder| folder.is_dir());
+        let mut folders = vec![folder.clone()];
+        for folder in assets {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
         // Joining an absolute name gives that name.
         let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
         let direct = places.iter().find(|path| access.covers(path) && path.is_file());
-        let found = direct.cloned().or_else(|| {
-            let below = self.below.get_or_insert_with(|| files_below(&folders, access));
-            let same = below.get(name.file_name()?)?;
-            same.iter().find(|path| access.covers(path)).cloned()
-        });
+        folders.retain(|folder| access.covers(folder));
+        let by_name = || {
+            let below = self.files.below.get_or_insert_with(|| files_below(&folders));
+            let named = below.get(name.file_name()?)?;
+            named.iter().find(|path| access.covers(path)).cloned()
+        };
+        let found = direct.cloned().or_else(by_name);
         if found.is_none() {
             // The result is not needed: `access` remembers the places.
             access.find(&places);
@@ -50,30 +66,19 @@ impl Import<'_> {
         Some(settle(&found?))
     }
 
-    /// The folder of the scene and the `assets` folders.
-    fn folders(&self) -> Vec<PathBuf> {
-        let folder = self.folder();
-        let started_in = std::env::current_dir().unwrap_or_default();
-        let above = folder.ancestors().chain(started_in.ancestors());
-        let assets: Vec<PathBuf> = above
-            .map(|folder| folder.join("assets"))
-            .filter(|folder| folder.is_dir())
-            .collect();
-        let mut folders = vec![folder];
-        for folder in assets {
-            if !folders.contains(&folder) {
-                folders.push(folder);
-            }
-        }
-        folders
+    /// Whether an OBJ uses materials of a library that is there.
+    pub fn has_own_materials(&mut self, path: PathBuf) -> bool {
+        let access = self.access;
+        let known = self.files.own_materials.entry(path);
+        *known.or_insert_with_key(|path| has_own_materials(path, access))
     }
 }
 
-/// The files in and below those of the folders that may be read.
-fn files_below(folders: &[PathBuf], access: &Access) -> FilesBelow {
-    let mut found = FilesBelow::new();
+/// The files in and below the folders, the nearest first, by their names.
+fn files_below(folders: &[PathBuf]) -> HashMap<OsString, Vec<PathBuf>> {
+    let mut files: HashMap<OsString, Vec<PathBuf>> = HashMap::new();
     let mut seen = 0;
-    for folder in folders.iter().filter(|folder| access.covers(folder)) {
+    for folder in folders {
         let mut waiting = VecDeque::from([folder.clone()]);
         while let Some(folder) = waiting.pop_front() {
             let Ok(entries) = std::fs::read_dir(&folder) else {
@@ -84,7 +89,7 @@ fn files_below(folders: &[PathBuf], access: &Access) -> FilesBelow {
             for path in paths {
                 seen += 1;
                 if seen > MOST_FILES {
-                    return found;
+                    return files;
                 }
                 // Links to folders may form a circle.
                 if path.is_symlink() && path.is_dir() {
@@ -93,16 +98,16 @@ fn files_below(folders: &[PathBuf], access: &Access) -> FilesBelow {
                 if path.is_dir() {
                     waiting.push_back(path);
                 } else if let Some(name) = path.file_name() {
-                    found.entry(name.to_owned()).or_default().push(path);
+                    files.entry(name.to_owned()).or_default().push(path);
                 }
             }
         }
     }
-    found
+    files
 }
 
 /// Whether an OBJ uses materials of a library that is there.
-pub fn has_own_materials(path: &Path, access: &Access) -> bool {
+fn has_own_materials(path: &Path, access: &Access) -> bool {
     let Ok(file) = access.open(path, MAX_FILE_BYTES) else {
         return false;
     };

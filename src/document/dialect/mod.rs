@@ -21,6 +21,7 @@ use quick_xml::events::Event;
 
 use self::import::Import;
 use self::materials::Materials;
+use self::mesh_files::KnownFiles;
 use self::tree::{Node, Tree};
 use super::value::quote;
 use super::{Category, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
@@ -60,9 +61,9 @@ pub fn import(source: SourceFile, defines: &[(String, String)], access: Access) 
                 access: &access,
                 radians: false,
                 root: Object::new(Category::Scene, ""),
+                files: KnownFiles::default(),
                 ids: HashSet::new(),
                 next_numbers: HashMap::new(),
-                below: None,
                 diagnostics: &mut diagnostics,
             };
             import.read_defines(defines);

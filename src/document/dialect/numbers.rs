@@ -1,4 +1,5 @@
-//! Reads numbers as C's `atof` does: text that is no number is 0, and what follows a number is ignored. Both are reported.
+//! Reads numbers. The original program reads them as C's `atof` does: text that is no number is 0, and what follows a number is ignored. Such text is a
+//! slip of the hand, so that it is an error here; what is left empty is 0 with a warning, as programs write it that know no value.
 
 use glam::Vec3;
 
@@ -12,11 +13,13 @@ impl Import<'_> {
         let (text, span) = node.attribute(attribute)?;
         let (number, is_clean) = atof(&text);
         let bounded = number.clamp(-LARGEST_NUMBER, LARGEST_NUMBER);
-        if !is_clean {
+        if text.trim().is_empty() {
             self.warn(
                 span,
-                format!("expected a number, found {}; it is read as {bounded}", quote(&text)),
+                format!("expected a number, found nothing; it is read as {bounded}"),
             );
+        } else if !is_clean {
+            self.error(span, format!("expected a number, found {}", quote(&text)));
         } else if bounded != number {
             self.warn(span, format!("{} is too large; it is read as {bounded}", quote(&text)));
         }

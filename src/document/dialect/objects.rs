@@ -6,7 +6,6 @@ use glam::{Mat4, Vec3, Vec4};
 
 use super::import::Import;
 use super::materials::{Look, Materials, black, grey};
-use super::mesh_files::has_own_materials;
 use super::tree::Node;
 use crate::document::paths::file_name;
 use crate::document::value::quote;
@@ -101,12 +100,12 @@ impl Import<'_> {
         shape
     }
 
-    fn brings_materials(&self, shape: &Object) -> bool {
+    fn brings_materials(&mut self, shape: &Object) -> bool {
         let name = shape.properties.iter().find_map(|property| match &property.value {
             Value::String(name) if property.name == "filename" => Some(name),
             _ => None,
         });
-        shape.plugin == "obj" && name.is_some_and(|name| has_own_materials(&self.folder().join(name), self.access))
+        shape.plugin == "obj" && name.is_some_and(|name| self.has_own_materials(self.folder().join(name)))
     }
 
     /// Reads a sphere, which stays round and upright whatever its `Scale` and `Rotation`.

@@ -36,15 +36,28 @@ impl Import<'_> {
             ),
         }
         let mut setting = |names: &[&str], least: f32, default: f32| {
-            let Some(config) = config else { return default };
-            match self.value(config, names) {
+            let Some(child) = config.and_then(|config| config.child(names)) else {
+                return default;
+            };
+            let Some((text, span)) = child.attribute("value") else {
+                return default;
+            };
+            if text.trim().is_empty() {
+                self.warn(span, format!("<{}> is empty; {default} takes its place", child.name()));
+                return default;
+            }
+            let errors = self.diagnostics.error_count();
+            match self.number(child, "value") {
                 Some(number) if number >= least => number,
-                Some(number) => {
-                    let span = config.child(names).map_or(config.span(), Node::span);
-                    self.warn(span, format!("<{}> is {number}; {default} takes its place", names[0]));
+                // Text that is no number has been reported.
+                Some(number) if self.diagnostics.error_count() == errors => {
+                    self.error(
+                        span,
+                        format!("expected {least} or more for <{}>, found {number}", child.name()),
+                    );
                     default
                 }
-                None => default,
+                _ => default,
             }
         };
         // Whole numbers are cut off, not rounded.
@@ -95,15 +108,16 @@ impl Import<'_> {
                 target = self.triple(camera, &["Look_at", "LookAt"]).unwrap_or(target);
                 up = self.triple(camera, &["Up"]).unwrap_or(up);
                 if let Some(angle) = camera.child(&["FOV"]) {
+                    let errors = self.diagnostics.error_count();
                     let given = self.number(angle, "angle").or_else(|| self.number(angle, "value"));
                     match given {
                         Some(degrees) if degrees > 0.0 && degrees < 180.0 => fov = degrees,
-                        Some(degrees) => {
+                        Some(degrees) if self.diagnostics.error_count() == errors => {
                             let message =
-                                format!("a field of view of {degrees} degrees is none: {FOV} takes its place");
-                            self.warn(angle.span(), message);
+                                format!("expected a field of view between 0 and 180 degrees, found {degrees}");
+                            self.error(angle.span(), message);
                         }
-                        None => {}
+                        _ => {}
                     }
                 }
             }

@@ -13,7 +13,7 @@ use super::gltf_scene::{import, is_gltf, largest};
 use super::parts_cache::allow_parts;
 use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
-use crate::files::Access;
+use crate::files::{self, Access};
 use crate::scene::SceneDescription;
 use crate::scene::{KeepSource, SceneAccess, read};
 
