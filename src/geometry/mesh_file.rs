@@ -2,11 +2,13 @@
 
 use std::fmt;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::attribute::AttributeValues;
 use super::mesh::MeshData;
 use super::vertex_normals::{angle_weighted_normals, unit};
+use crate::color::BRIGHTEST;
 use crate::memory::{self, Reservation, Shortage};
 
 /// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
@@ -231,6 +233,30 @@ impl Warnings {
             sentences.push(format!("{} further warnings", self.left_out));
         }
         sentences
+    }
+}
+
+/// Sets texture coordinates and numbers of attributes that are not finite to zero, and limits those of attributes, which may be light; with warnings.
+pub(crate) fn replace_not_finite(mesh: &mut MeshData, warnings: &mut Warnings) {
+    for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+        *uv = Vec2::ZERO;
+        warnings.add("texture coordinates", "a pair that is not finite counts as 0 0");
+    }
+    for attribute in &mut mesh.attributes {
+        if let AttributeValues::F32(values) = &mut attribute.values {
+            let is_good = |value: &f32| value.abs() <= BRIGHTEST;
+            for value in values.iter_mut().filter(|value| !is_good(value)) {
+                let name = &attribute.name;
+                let what = if value.is_finite() {
+                    *value = BRIGHTEST.copysign(*value);
+                    format!("a number of `{name}` is beyond {BRIGHTEST:e}, and counts as that")
+                } else {
+                    *value = 0.0;
+                    format!("a number of `{name}` that is not finite counts as 0")
+                };
+                warnings.add("attributes", &what);
+            }
+        }
     }
 }
 

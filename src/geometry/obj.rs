@@ -248,6 +248,12 @@ impl Statements {
         }
         let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
         if lacking == sources.len() {
+            if sources
+                .iter()
+                .any(|source| (source.normal as usize) < self.normals.len())
+            {
+                warnings.add("normals", "none is usable, and all are computed from the triangles");
+            }
             mesh.normals = computed;
             mesh.has_computed_normals = true;
             return;

@@ -225,7 +225,7 @@ impl Part {
         })
     }
 
-    /// One to three numbers, of which two count. What is not finite becomes 0.
+    /// One to three numbers, of which two count. A pair that is not finite becomes 0 0, with a warning.
     fn texture_coordinate(&mut self, words: &mut Words, place: Place, line: &[u8]) -> Result<Vec2, MeshError> {
         const EXPECTED: &str = "one to three texture coordinates";
         let [u] = self.numbers(words, place, line, EXPECTED)?;
@@ -239,7 +239,12 @@ impl Part {
             },
         };
         let uv = Vec2::new(u, v);
-        Ok(if uv.is_finite() { uv } else { Vec2::ZERO })
+        if uv.is_finite() {
+            return Ok(uv);
+        }
+        self.warnings
+            .add(place, "texture coordinates that are not finite count as 0 0");
+        Ok(Vec2::ZERO)
     }
 
     fn add_face(&mut self, words: &mut Words, line: u32, place: Place) -> Result<(), MeshError> {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::attribute::AttributeDomain;
 use super::mesh::{HIERARCHY_BYTES, MeshData};
-use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals, replace_not_finite};
 use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_records::Records;
@@ -73,6 +73,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
         return Err(MeshError::NoTriangles);
     }
     cut_polygons(&fans, &mut mesh);
+    replace_not_finite(&mut mesh, &mut warnings);
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
         mesh: memory.hold(mesh)?,
@@ -234,8 +235,7 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
             mesh.normals.push(Vec3::new(nx, ny, nz));
         }
         if uv_names.is_some() {
-            let uv = Vec2::new(u, v);
-            mesh.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+            mesh.uvs.push(Vec2::new(u, v));
         }
         attributes.push(1);
     }
@@ -275,10 +275,6 @@ fn vertices_abreast(
     }
     if let [Some(u), Some(v)] = [6, 7].map(column) {
         mesh.uvs = records.vectors([u, v]);
-        mesh.uvs
-            .iter_mut()
-            .filter(|uv| !uv.is_finite())
-            .for_each(|uv| *uv = Vec2::ZERO);
     }
     attributes.read(&records);
     let bytes = records.bytes().len();

@@ -116,7 +116,7 @@ impl Attributes {
 fn linear_number(number: f64, scalar: Scalar) -> f32 {
     match scalar.largest_whole() {
         Some(largest) => linear_from_srgb((number / largest) as f32),
-        None => Some(number as f32).filter(|number| number.is_finite()).unwrap_or(0.0),
+        None => number as f32,
     }
 }
 

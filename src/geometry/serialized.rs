@@ -10,7 +10,7 @@ use flate2::bufread::ZlibDecoder;
 use glam::{Vec2, Vec3};
 
 use super::mesh::{HIERARCHY_BYTES, MeshData};
-use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals, replace_not_finite};
 
 const MAGIC: u16 = 0x041c;
 
@@ -216,9 +216,11 @@ fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshErro
             .collect();
     }
     if flags & HAS_TEXTURE_COORDINATES != 0 {
-        let finite = |uv: Vec2| if uv.is_finite() { uv } else { Vec2::ZERO };
-        let uvs = source.points(vertices, is_double)?.into_iter();
-        mesh.uvs = uvs.map(|uv: [f32; 2]| finite(uv.into())).collect();
+        mesh.uvs = source
+            .points(vertices, is_double)?
+            .into_iter()
+            .map(Vec2::from)
+            .collect();
     }
     if flags & HAS_COLORS != 0 {
         source.points::<3>(vertices, is_double)?;
@@ -243,6 +245,7 @@ fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshErro
     mesh.triangles = corners.as_chunks::<3>().0.to_vec();
 
     let mut warnings = Warnings::default();
+    replace_not_finite(&mut mesh, &mut warnings);
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
         mesh: memory.hold(mesh)?,

@@ -6,7 +6,7 @@ use super::schema::{Material, Mesh, Primitive};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use crate::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
-use crate::geometry::mesh_file::{LoadedMesh, Warnings, complete_normals};
+use crate::geometry::mesh_file::{LoadedMesh, Warnings, complete_normals, replace_not_finite};
 use crate::geometry::vertex_normals::unit;
 
 /// The name of vertex colours among a mesh's attributes.
@@ -112,10 +112,7 @@ impl Gltf {
         };
         self.morph("NORMAL", primitive, weights, (vertices, used), &mut normals)?;
         let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
-            Some(accessor) => {
-                let uvs = self.vectors::<2>(accessor, "VEC2", used)?;
-                uvs.into_iter().map(|uv| Vec2::from(finite(uv))).collect()
-            }
+            Some(accessor) => into_vectors(self.vectors::<2>(accessor, "VEC2", used)?),
             None => Vec::new(),
         };
         let mut attributes = Vec::new();
@@ -141,12 +138,13 @@ impl Gltf {
             attributes,
             ..MeshData::default()
         };
-        let mut about_normals = Warnings::default();
-        complete_normals(&mut mesh, &mut about_normals);
+        let mut found = Warnings::default();
+        replace_not_finite(&mut mesh, &mut found);
+        complete_normals(&mut mesh, &mut found);
         // The file that is made of the mesh has them.
         mesh.has_computed_normals = false;
-        let about_normals = about_normals.finish().into_iter();
-        warnings.extend(about_normals.map(|sentence| format!("primitive {index}: {sentence}")));
+        let found = found.finish().into_iter();
+        warnings.extend(found.map(|sentence| format!("primitive {index}: {sentence}")));
         Ok(LoadedMesh { mesh, warnings })
     }
 
@@ -200,10 +198,10 @@ impl Gltf {
         };
         // If the material has no picture, its colour is this product, for which there is no other place.
         let factor = self.base_color(primitive);
-        let linear = |[r, g, b, _]: &[f32; 4]| finite((Vec3::new(*r, *g, *b) * factor).to_array());
+        let linear = |[r, g, b, _]: &[f32; 4]| (Vec3::new(*r, *g, *b) * factor).to_array();
         attributes.push(of_vertices(VERTEX_COLOR, 3, colors.iter().flat_map(linear).collect()));
         if has_alpha && counts_alpha {
-            let alphas = colors.iter().map(|color| finite([color[3]])[0]);
+            let alphas = colors.iter().map(|color| color[3]);
             attributes.push(of_vertices(VERTEX_ALPHA, 1, alphas.collect()));
         }
         Ok(())
@@ -248,14 +246,6 @@ impl Gltf {
 
 fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
     numbers.into_iter().map(V::from).collect()
-}
-
-/// Replaces texture coordinates and colours that are not finite by zeros, as in meshes of all other formats.
-fn finite<const N: usize>(numbers: [f32; N]) -> [f32; N] {
-    match numbers.iter().all(|number| number.is_finite()) {
-        true => numbers,
-        false => [0.0; N],
-    }
 }
 
 /// The vertices that triangles stand on, ascending.

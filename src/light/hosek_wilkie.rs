@@ -119,7 +119,7 @@ impl SkyModel {
         self.sun_radiance * TAU * self.sun_one_minus_cos()
     }
 
-    /// Radiance of the sky without the sun from a unit direction. Colours outside of Rec. 709 have negative components.
+    /// Radiance of the sky without the sun from a unit direction. Components that are negative, of colours outside of Rec. 709, count as zero: light takes none away.
     pub fn sky(&self, direction: Vec3) -> Rgb {
         if direction.z < 0.0 || self.radiance == Rgb::ZERO {
             return Rgb::ZERO;
@@ -130,7 +130,7 @@ impl SkyModel {
         let horizon = Rgb::ONE + a * (b / (direction.z + 0.01)).exp();
         let mie = (1.0 + cos_squared) / (Rgb::ONE + i * i - 2.0 * cos * i).powf(1.5);
         let glow = c + d * (e * from_sun).exp() + f * cos_squared + g * mie + h * direction.z.sqrt();
-        horizon * glow * self.radiance
+        (horizon * glow * self.radiance).max(Rgb::ZERO)
     }
 
     /// Radiance of the sun from a unit direction; zero beside it.

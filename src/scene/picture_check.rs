@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::assets::texture_map::{TextureMapError, load_picture};
 use super::missing::{NOT_THERE, sentence};
-use super::pictures::{negative_light, pictures_of_lights};
+use super::pictures::pictures_of_lights;
 use super::{FileKind, MissingFile, SceneDescription};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
-/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and those of lights that have
-/// negative pixels, where the scene names them first. All are warnings: the new file names the picture as well, whatever there is.
+/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and those with
+/// pixels that count as something else, where the scene names them first. All are warnings: the new file names the picture as well, whatever there is.
 pub fn check_pictures(
     scene: &SceneDescription,
     of_meshes: &BTreeSet<PathBuf>,
@@ -36,10 +36,10 @@ pub fn check_pictures(
                 noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what)
             }
             Err(error) => error.to_string(),
-            Ok(picture) if picture.negative_pixels > 0 && shining.contains(path) => {
-                negative_light(picture.negative_pixels)
-            }
-            Ok(_) => continue,
+            Ok(picture) => match picture.warning(shining.contains(path)) {
+                Some(warning) => warning,
+                None => continue,
+            },
         };
         let message = sentence(FileKind::Picture, path, &what);
         diagnostics.push(Severity::Warning, span, message, None);

@@ -112,10 +112,10 @@ pub(super) fn report_pictures(
             LoadState::Loaded => {}
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),
         }
-        let negative = assets.get(handle).map_or(0, |picture| picture.negative_pixels);
-        if negative > 0 && shining.contains(path) {
-            warnings.push(say(negative_light(negative)));
-        }
+        let warning = assets
+            .get(handle)
+            .and_then(|picture| picture.warning(shining.contains(path)));
+        warnings.extend(warning.map(say));
     }
     let known = [&status.picture_problems, &status.damaged_pictures];
     for problem in missing.iter().chain(&damaged) {
@@ -132,14 +132,6 @@ pub(super) fn report_pictures(
         status.damaged_pictures = damaged;
         status.picture_warnings = warnings;
         status.pictures_loading = loading;
-    }
-}
-
-/// The warning about a light's picture with this number of negative pixels.
-pub(super) fn negative_light(pixels: usize) -> String {
-    match pixels {
-        1 => "1 pixel is negative: as light it counts as zero".into(),
-        _ => format!("{pixels} pixels are negative: as light they count as zero"),
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::{LazyLock, OnceLock};
 use exr::prelude::f16;
 use glam::DVec3;
 
-use crate::color::{Rgb, linear_from_srgb, linear_from_srgb8};
+use crate::color::{BRIGHTEST, Rgb, linear_from_srgb, linear_from_srgb8};
 use crate::memory::{self, Held, Reservation, Shortage};
 use crate::sampling::PiecewiseBilinear2d;
 
@@ -56,6 +56,7 @@ pub struct Image {
     channels: usize,
     samples: Samples,
     transfer: Transfer,
+    not_finite: usize,
     /// The means of the linear and of the raw values, once they were needed.
     means: [OnceLock<Rgb>; 2],
     memory: Held,
@@ -66,24 +67,21 @@ impl Image {
     /// single such pixel would spoil every average, and a light that is chosen by it.
     pub fn new(width: u32, height: u32, channels: usize, mut samples: Samples, transfer: Transfer) -> Option<Self> {
         let wanted = (width as usize).checked_mul(height as usize)?.checked_mul(channels)?;
-        let is_whole = matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len();
-        match &mut samples {
-            Samples::U8(_) | Samples::U16(_) => {}
-            Samples::F16(samples) => samples
-                .iter_mut()
-                .filter(|sample| !sample.is_finite())
-                .for_each(|sample| *sample = f16::ZERO),
-            Samples::F32(samples) => samples
-                .iter_mut()
-                .filter(|sample| !sample.is_finite())
-                .for_each(|sample| *sample = 0.0),
+        if !(matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len()) {
+            return None;
         }
-        is_whole.then_some(Self {
+        let not_finite = match &mut samples {
+            Samples::U8(_) | Samples::U16(_) => 0,
+            Samples::F16(samples) => replace(samples, channels, |sample| (!sample.is_finite()).then_some(f16::ZERO)),
+            Samples::F32(samples) => replace(samples, channels, |sample| (!sample.is_finite()).then_some(0.0)),
+        };
+        Some(Self {
             width,
             height,
             channels,
             samples,
             transfer,
+            not_finite,
             means: Default::default(),
             memory: Held::default(),
         })
@@ -126,8 +124,24 @@ impl Image {
             channels: 1,
             samples: Samples::F32(vec![value]),
             transfer: Transfer::Linear,
+            not_finite: 0,
             means: Default::default(),
             memory: Held::default(),
+        }
+    }
+
+    /// The number of pixels that had a channel that was infinite or no number, which is 0 here.
+    pub fn not_finite(&self) -> usize {
+        self.not_finite
+    }
+
+    /// Brings what is above [`BRIGHTEST`], or below its negative, to that; the number of pixels that had such a channel.
+    pub fn limit(&mut self) -> usize {
+        let limited = |sample: f32| (sample.abs() > BRIGHTEST).then(|| BRIGHTEST.copysign(sample));
+        match &mut self.samples {
+            // None of their numbers is as large.
+            Samples::U8(_) | Samples::U16(_) | Samples::F16(_) => 0,
+            Samples::F32(samples) => replace(samples, self.channels, limited),
         }
     }
 
@@ -214,6 +228,21 @@ impl Image {
     }
 }
 
+/// Puts what `other` gives in the place of samples; the number of pixels in which it gives something.
+fn replace<T: Copy>(samples: &mut [T], channels: usize, other: impl Fn(T) -> Option<T>) -> usize {
+    let mut pixels = 0;
+    for pixel in samples.chunks_exact_mut(channels) {
+        let mut is_changed = false;
+        for sample in pixel {
+            if let Some(other) = other(*sample) {
+                (*sample, is_changed) = (other, true);
+            }
+        }
+        pixels += usize::from(is_changed);
+    }
+    pixels
+}
+
 /// They are too many to compute each time, and 16-bit pictures are not rare.
 static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| {
     (0..=u16::MAX)
@@ -260,8 +289,21 @@ mod tests {
         let image = Image::new(2, 1, 3, Samples::F32(samples), Transfer::Linear).unwrap();
         assert_eq!(image.pixel(0, 0), Rgb::new(0.0, 2.0, 0.0));
         assert_eq!(image.mean(false), Rgb::new(0.0, 3.0, 3.0));
+        assert_eq!(image.not_finite(), 2);
         let half = Image::new(1, 1, 1, Samples::F16(vec![f16::INFINITY]), Transfer::Linear);
         assert_eq!(half.unwrap().pixel(0, 0), Rgb::ZERO);
+    }
+
+    #[test]
+    fn what_is_too_large_is_limited() {
+        let samples = vec![3e38, 1.0, -1e20, 1e12, -1e12, 0.0];
+        let mut image = Image::new(2, 1, 3, Samples::F32(samples), Transfer::Linear).unwrap();
+        assert_eq!((image.not_finite(), image.limit()), (0, 1));
+        assert_eq!(image.pixel(0, 0), Rgb::new(BRIGHTEST, 1.0, -BRIGHTEST));
+        assert_eq!(
+            (image.pixel(1, 0), image.limit()),
+            (Rgb::new(BRIGHTEST, -BRIGHTEST, 0.0), 0)
+        );
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::workshop::{Workshop, sunroom};
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A scene with a camera, a light and `content`.
-fn write_scene(shop: &Workshop, name: &str, content: &str) -> PathBuf {
+pub fn write_scene(shop: &Workshop, name: &str, content: &str) -> PathBuf {
     let text = format!(
         "<scene version='3.0.0'>
   <sensor type='perspective'>
@@ -27,14 +27,14 @@ fn write_scene(shop: &Workshop, name: &str, content: &str) -> PathBuf {
     shop.write(name, text)
 }
 
-struct Outcome {
-    code: Option<i32>,
-    stderr: String,
+pub struct Outcome {
+    pub code: Option<i32>,
+    pub stderr: String,
 }
 
 /// Runs the program in `folder`. A run that does not end fails the test.
 #[track_caller]
-fn run(folder: &Path, arguments: &[&str]) -> Outcome {
+pub fn run(folder: &Path, arguments: &[&str]) -> Outcome {
     run_with(folder, arguments, &[])
 }
 
@@ -181,6 +181,10 @@ mod memory {
     use flate2::Compression;
     use flate2::write::ZlibEncoder;
     use std::io::Write;
+    use sunroom::color::Rgb;
+    use sunroom::files::ExrCompression;
+    use sunroom::render::image_io::exr::encode_exr;
+    use sunroom::render::layered_image::LayeredImage;
 
     /// A black picture of `side` x `side` bytes, which packs to a thousandth.
     fn png(side: u32) -> Vec<u8> {
@@ -218,12 +222,56 @@ mod memory {
         )
     }
 
+    /// A black picture of floats, which packs to less than a thousandth.
+    fn exr(side: u32) -> Vec<u8> {
+        let mut image = LayeredImage::new(side, side);
+        image.add_rgb("", &vec![Rgb::ZERO; (side * side) as usize]);
+        encode_exr(&image, ExrCompression::Zip).expect("memory can be written to")
+    }
+
+    /// A grid of one active tile, a cube of 4096 voxels along an edge.
+    fn vdb() -> Vec<u8> {
+        let sized = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
+        let mut file = 0x5644_4220u64.to_le_bytes().to_vec();
+        for number in [224u32, 12, 0] {
+            file.extend(number.to_le_bytes());
+        }
+        file.push(1);
+        file.extend([b'0'; 36]);
+        // No metadata, one grid.
+        file.extend([0u32.to_le_bytes(), 1u32.to_le_bytes()].concat());
+        file.extend([sized("density"), sized("Tree_float_5_4_3"), sized("")].concat());
+        let mut grid = [0u32.to_le_bytes(), 0u32.to_le_bytes()].concat();
+        grid.extend(sized("UniformScaleMap"));
+        grid.extend([1.0f64; 15].map(f64::to_le_bytes).concat());
+        // One buffer, the background, one tile and no children; the place of the tile, its value, and that it is active.
+        grid.extend(1u32.to_le_bytes());
+        grid.extend(0.0f32.to_le_bytes());
+        for number in [1u32, 0, 0, 0, 0] {
+            grid.extend(number.to_le_bytes());
+        }
+        grid.extend(1.0f32.to_le_bytes());
+        grid.push(1);
+        let at = file.len() as u64 + 24;
+        for place in [at, at, at + grid.len() as u64] {
+            file.extend(place.to_le_bytes());
+        }
+        file.extend(grid);
+        file
+    }
+
     #[test]
     fn files_that_unpack_to_more_than_the_budget_are_refused() {
         let shop = Workshop::new();
         let folder = shop.folder();
         shop.write("bomb.png", png(5000));
         shop.write("bomb.serialized", serialized(1_000_000));
+        let packed = exr(2000);
+        assert!(packed.len() < 200_000, "{}", packed.len());
+        shop.write("bomb.exr", packed);
+        shop.write("bomb.vdb", vdb());
+        let smoke = "<shape type='cube'><bsdf type='null'/><medium type='heterogeneous' name='interior'>
+            <volume type='vdbvolume' name='sigma_t'><string name='filename' value='bomb.vdb'/></volume></medium></shape>";
         let mesh = "<shape type='serialized'><string name='filename' value='bomb.serialized'/></shape>";
         for (content, found) in [
             (
@@ -235,6 +283,17 @@ mod memory {
                 [
                     "bomb.serialized: 1000000 vertices and 1 triangles need 36.0 MB",
                     "--memory SIZE",
+                ],
+            ),
+            (
+                texture("bomb.exr"),
+                ["bomb.exr: 2000 x 2000 pixels need", "the budget is 20.0 MB"],
+            ),
+            (
+                smoke.to_owned(),
+                [
+                    "bomb.vdb: the grid `density` has 4098 x 4098 x 4098 voxels, which need 275",
+                    "the budget is 20.0 MB",
                 ],
             ),
         ] {

@@ -13,6 +13,7 @@ mod killing;
 mod missing;
 #[cfg(feature = "window")]
 mod monkey;
+mod odd_numbers;
 mod pictures;
 mod sequences;
 mod shares;

@@ -356,6 +356,32 @@ fn the_sky_is_that_of_hosek_and_wilkie() {
     assert!((found / expected - 1.0).abs().max_element() < 3e-3, "{found}");
 }
 
+/// The model's fit has colours outside of Rec. 709: such light would be taken away from the picture.
+#[test]
+fn the_sky_is_nowhere_negative() {
+    for turbidity in [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0] {
+        for elevation in [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 45.0, 70.0, 90.0] {
+            for albedo in [Rgb::ZERO, Rgb::ONE, Rgb::new(1.0, 0.0, 0.0)] {
+                let scene = alone(sun_sky(Atmosphere {
+                    turbidity,
+                    albedo,
+                    ..atmosphere(elevation)
+                }));
+                for index in 0..400 {
+                    let (turn, up) = (index as f32 * 2.399_963, (index as f32 / 400.0).powi(2));
+                    let (sin, cos) = turn.sin_cos();
+                    let flat = (1.0 - up * up).sqrt();
+                    let found = radiance(&scene, Vec3::new(flat * cos, flat * sin, up));
+                    assert!(
+                        found.is_finite() && found.min_element() >= 0.0,
+                        "{turbidity} {elevation}: {found}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn the_sun_sends_the_same_whatever_its_disk_looks_like() {
     let power = |aperture: f32, limb_darkening| {

@@ -7,6 +7,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
+use crate::color::BRIGHTEST;
 use crate::files::{Access, FileError};
 use crate::memory;
 use crate::scene::{Bitmap, SceneAccess, TextureFilter, TextureWrap};
@@ -37,6 +38,31 @@ pub struct TextureMap {
     pub image: Arc<Image>,
     /// The number of pixels that have a channel below zero; as light these channels count as zero.
     pub negative_pixels: usize,
+    /// The number of pixels that had a channel that was infinite or no number, which is zero now.
+    pub not_finite: usize,
+    /// The number of pixels that had a channel above [`BRIGHTEST`], which is that now.
+    pub too_bright: usize,
+}
+
+impl TextureMap {
+    /// What counts as something else than the file says, in words; None if all is as it is there. Negative pixels matter to lights alone.
+    pub(crate) fn warning(&self, is_light: bool) -> Option<String> {
+        let too_bright = format!("too bright: what is above {BRIGHTEST:e} counts as that");
+        let found = [
+            (self.not_finite, "infinite or no number: what is counts as zero"),
+            (self.too_bright, too_bright.as_str()),
+            (
+                if is_light { self.negative_pixels } else { 0 },
+                "negative: as light that counts as zero",
+            ),
+        ];
+        let found = found.into_iter().filter(|(pixels, _)| *pixels > 0);
+        let said = found.map(|(pixels, what)| match pixels {
+            1 => format!("1 pixel is {what}"),
+            _ => format!("{pixels} pixels are {what}"),
+        });
+        said.reduce(|one, other| format!("{one}; {other}"))
+    }
 }
 
 /// Reads every kind of picture, which it recognises by the content.
@@ -77,9 +103,11 @@ impl AssetLoader for TextureMapLoader {
 /// A picture file of any kind, read from the disk if `access` permits.
 pub(crate) fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
     let bytes = memory::read_data(path, access)?;
-    let image = Arc::new(load_image(&bytes)?);
+    let mut image = load_image(&bytes)?;
     Ok(TextureMap {
         negative_pixels: image.negative_pixels(),
-        image,
+        not_finite: image.not_finite(),
+        too_bright: image.limit(),
+        image: Arc::new(image),
     })
 }
