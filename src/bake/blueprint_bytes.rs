@@ -148,10 +148,10 @@ fn read_place(bytes: &mut Reader, size: UVec2) -> Result<Vec2, Damaged> {
 fn read_probe(bytes: &mut Reader) -> Result<Probe, Damaged> {
     let name = text(bytes)?;
     let mut columns = [0.0; 12];
-    bytes.f32s(&mut columns)?;
+    bytes.finites(&mut columns)?;
     let world_from_box = Affine3A::from_cols_array(&columns);
     let size = world_from_box.matrix3.determinant();
-    if !world_from_box.is_finite() || !size.is_normal() {
+    if !size.is_normal() {
         return Err(Damaged);
     }
     let kind = match [bytes.u32()?, bytes.u32()?, bytes.u32()?, bytes.u32()?] {

@@ -120,10 +120,16 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a number for each place.
-    pub fn f32s(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
+    /// The next number, which is finite.
+    pub fn finite(&mut self) -> Result<f32, Damaged> {
+        self.f32()
+            .and_then(|number| if number.is_finite() { Ok(number) } else { Err(Damaged) })
+    }
+
+    /// Reads a finite number for each place.
+    pub fn finites(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
         places
             .iter_mut()
-            .try_for_each(|place| self.f32().map(|number| *place = number))
+            .try_for_each(|place| self.finite().map(|number| *place = number))
     }
 }

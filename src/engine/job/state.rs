@@ -107,16 +107,12 @@ fn read_region(from: &mut Reader) -> Result<Option<Rect>, Damaged> {
         return Ok(None);
     }
     let mut sides = [0.0; 4];
-    from.f32s(&mut sides)?;
+    from.finites(&mut sides)?;
     let [left, top, right, bottom] = sides;
-    let region = Rect {
+    Ok(Some(Rect {
         min: Vec2::new(left, top),
         max: Vec2::new(right, bottom),
-    };
-    match region.min.is_finite() && region.max.is_finite() {
-        true => Ok(Some(region)),
-        false => Err(Damaged),
-    }
+    }))
 }
 
 fn write_optional(number: Option<f32>, to: &mut Writer) {
@@ -125,7 +121,7 @@ fn write_optional(number: Option<f32>, to: &mut Writer) {
 }
 
 fn read_optional(from: &mut Reader) -> Result<Option<f32>, Damaged> {
-    let (is_there, number) = (from.flag()?, from.f32()?);
+    let (is_there, number) = (from.flag()?, from.finite()?);
     Ok(is_there.then_some(number))
 }
 

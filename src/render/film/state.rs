@@ -66,10 +66,10 @@ impl Film {
                 self.sums[index] = read_sum(from)?;
                 self.counts[index] = from.u32()?;
                 end = end.max(Some(self.counts[index]));
-                self.noted[index] = [from.f32()?, from.f32()?];
+                self.noted[index] = [from.finite()?, from.finite()?];
                 self.first_hits[index] = read_hit(from)?;
                 let (values, mattes) = (self.kept.values(), self.kept.matte_count());
-                from.f32s(&mut self.layers.values[index * values..][..values])?;
+                from.finites(&mut self.layers.values[index * values..][..values])?;
                 for matte in &mut self.layers.mattes[index * mattes..][..mattes] {
                     *matte = read_matte(from)?;
                 }
@@ -79,10 +79,10 @@ impl Film {
                 *error = BlockError {
                     noted: from.u32()?,
                     level: from.u32()?,
-                    difference: from.f32()?,
-                    difference_before: from.f32()?,
-                    spread: from.f32()?,
-                    luminance: from.f32()?,
+                    difference: read_estimate(from)?,
+                    difference_before: read_estimate(from)?,
+                    spread: read_estimate(from)?,
+                    luminance: read_estimate(from)?,
                 };
             }
             self.find_efficiency(self.tile_index(tile.x, tile.y));
@@ -178,7 +178,7 @@ fn read_chunk(tile: Tile, pixels: usize, kept: FilmLayers, from: &mut Reader) ->
         if has_hits {
             chunk.first_hits.push(read_hit(from)?);
         }
-        from.f32s(&mut chunk.layers.values[pixel * values..][..values])?;
+        from.finites(&mut chunk.layers.values[pixel * values..][..values])?;
         for matte in &mut chunk.layers.mattes[pixel * mattes..][..mattes] {
             *matte = read_matte(from)?;
         }
@@ -199,17 +199,24 @@ fn write_sum(sum: &PixelSum, to: &mut Writer) {
     to.f32(sum.rays);
 }
 
+/// Reads the sums of a pixel. As samples that are not finite count as black, sums are finite.
 fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
-    let mut values = [0.0; 12];
-    from.f32s(&mut values)?;
+    let mut values = [0.0; 10];
+    from.finites(&mut values)?;
     Ok(PixelSum {
         radiance: Rgb::from_slice(&values[..3]),
         albedo: Rgb::from_slice(&values[3..6]),
         normal: Vec3::from_slice(&values[6..9]),
         depth: values[9],
-        luminance_squared: values[10],
-        rays: values[11],
+        luminance_squared: read_estimate(from)?,
+        rays: from.finite()?,
     })
+}
+
+/// Reads a number made of squares of light, which may be beyond all numbers, but is one.
+fn read_estimate(from: &mut Reader) -> Result<f32, Damaged> {
+    from.f32()
+        .and_then(|number| if number.is_nan() { Err(Damaged) } else { Ok(number) })
 }
 
 fn write_hit(hit: Option<&FirstHit>, to: &mut Writer) {
@@ -228,7 +235,7 @@ fn read_hit(from: &mut Reader) -> Result<Option<FirstHit>, Damaged> {
     Ok(Some(FirstHit {
         instance: from.u32()?,
         material: MaterialId(from.u32()?),
-        uv: Vec2::new(from.f32()?, from.f32()?),
+        uv: Vec2::new(from.finite()?, from.finite()?),
     }))
 }
 

@@ -235,8 +235,9 @@ fn read_u32(file: &mut impl Read) -> Result<u32, PartError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::Rgb;
     use crate::render::part::{About, Crop, Origin};
-    use crate::render::tile::tiles;
+    use crate::render::tile::{PixelSum, TileSamples, tiles};
 
     /// The beginning of an EXR file.
     const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
@@ -276,6 +277,24 @@ mod tests {
         for (tiles, is_finished) in [(&tiles[..0], true), (&[tiles[0], tiles[0]], false)] {
             let result = read(tiles, is_finished);
             assert!(matches!(result, Err(PartError::Damaged(_))), "{tiles:?}");
+        }
+    }
+
+    #[test]
+    fn sums_that_are_no_numbers_are_refused() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("part.exr");
+        let tile = tiles(64, 32)[0];
+        for (light, is_good) in [(1.0, true), (f32::NAN, false), (f32::INFINITY, false)] {
+            let sum = PixelSum {
+                radiance: Rgb::splat(light),
+                ..PixelSum::default()
+            };
+            let mut film = Film::new(64, 32);
+            film.add(&TileSamples::of_pixels(tile, 0..1, vec![sum; 32 * 32]));
+            write_part(&path, EXR, &header(), &film, &[tile], &[]).expect("a writable folder");
+            let file = PartFile::open(&path).expect("a whole file");
+            assert_eq!(file.read_into(&mut Film::new(64, 32)).is_ok(), is_good, "{light}");
         }
     }
 
