@@ -5,14 +5,14 @@
 
 use std::io::{self, Write as _};
 use std::path::Path;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
-use glam::{Mat4, UVec3, Vec3};
+use glam::{Affine3A, Mat4, UVec3, Vec3};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use sunroom_core::bake::part::{decode as decode_part, encode as encode_part};
 use sunroom_core::document::revision::{Destination, revise};
 use sunroom_core::document::source::decode;
-use sunroom_core::document::spectrum::{Role, SampledSpectrum};
+use sunroom_core::document::spectrum::{Role, SampledSpectrum, SpectrumError};
 use sunroom_core::document::value::{
     format_float, parse_boolean, parse_float, parse_floats, parse_integer, parse_rgb, parse_srgb, parse_vec3,
     parse_vec3_or_splat,
@@ -24,21 +24,31 @@ use sunroom_core::geometry::attribute::{AttributeDomain, AttributeValues};
 use sunroom_core::geometry::mesh::MeshData;
 use sunroom_core::geometry::obj::load_obj;
 use sunroom_core::geometry::ply::load_ply;
+use sunroom_core::geometry::ply_write::binary_ply;
 use sunroom_core::geometry::serialized::SerializedFile;
 use sunroom_core::gltf::Gltf;
 use sunroom_core::gltf::files::take_apart;
 use sunroom_core::medium::vdb::VdbFile;
-use sunroom_core::medium::{read_vol, write_vol};
+use sunroom_core::medium::{
+    GridVolume, Medium, MediumSource, Mended, Phase, Volume, VolumeFilter, VolumeWrap, Way, read_vol, write_vol,
+};
+use sunroom_core::render::bytes::Writer;
+use sunroom_core::render::film::Film;
+use sunroom_core::render::part::{PartFile, PartHeader, write_part};
+use sunroom_core::render::tile::Tile;
+use sunroom_core::sampling::{Sampler, SequenceKind};
 use sunroom_core::texture::load_image;
 
 /// Reads bytes as one kind of file.
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 21] = [
+pub const ENTRIES: [(&str, Entry); 25] = [
     ("xml", xml),
     ("dialect", xml),
+    ("animation", animation),
     ("numbers", numbers),
+    ("spectra", spectra),
     ("transforms", transforms),
     ("obj", obj),
     ("mtl", mtl),
@@ -56,7 +66,9 @@ pub const ENTRIES: [(&str, Entry); 21] = [
     ("pfm", pfm),
     ("vdb", vdb),
     ("vol", vol),
+    ("media", media),
     ("bake", bake),
+    ("part", part),
 ];
 
 /// No file has this name, and none has a name relative to its folder.
@@ -131,6 +143,82 @@ pub fn without_spans(object: &Object) -> Object {
     }
 }
 
+/// A native scene with key frames: it survives being written at any moment, and then has the values of that moment.
+pub fn animation(bytes: &[u8]) {
+    let path = Path::new(NOWHERE);
+    let Ok(text) = decode(bytes.to_vec(), path) else { return };
+    let document = parse_str(text.as_str(), path, &[]);
+    if document.imported || document.diagnostics.has_errors() {
+        return;
+    }
+    let Some((first, last)) = document.animated_span() else {
+        return;
+    };
+    assert!(first <= last && first.is_finite() && last.is_finite());
+    for share in [-1.0, 0.0, 0.3, 0.5, 1.0, 2.0] {
+        let time = first + (last - first) * share;
+        let moment = document.at(time);
+        assert_eq!(moment.animated_span(), Some((first, last)));
+        let text = match to_xml(&moment) {
+            Ok(text) => text,
+            Err(WriteError::NotXml { .. }) => return,
+            Err(error) => panic!("at {time}: {error}"),
+        };
+        let again = parse_str(text.as_str(), path, &[]);
+        assert!(!again.diagnostics.has_errors(), "{}\n{text}", again.diagnostics);
+        assert_eq!(
+            without_spans(&again.at(time).root),
+            without_spans(&moment.root),
+            "at {time}: {text}"
+        );
+    }
+}
+
+/// A list of wavelengths with values, and a file of them. What is read is what a plain reading of the text finds, and its colours are those of the same
+/// spectrum given in another way.
+pub fn spectra(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let is_blank = |c: char| matches!(c, ' ' | ',' | '\t' | '\n' | '\r');
+    let pairs = text.split(is_blank).filter(|pair| !pair.is_empty());
+    let pairs = pairs.map(|pair| {
+        let colon = pair.find(':')?;
+        plain_pair(&pair[..colon], &pair[colon + 1..])
+    });
+    assert_is_spectrum(&SampledSpectrum::parse_list(&text), pairs.collect(), &text);
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+    let columns = lines.map(|line| line.split(is_blank).filter(|word| !word.is_empty()).collect::<Vec<_>>());
+    let pairs = columns.filter(|words| !words.is_empty()).map(|words| match words[..] {
+        [wavelength, value] => plain_pair(wavelength, value),
+        _ => None,
+    });
+    assert_is_spectrum(&SampledSpectrum::parse_file(&text), pairs.collect(), &text);
+}
+
+fn plain_pair(wavelength: &str, value: &str) -> Option<[f32; 2]> {
+    let number = |text: &str| text.trim().parse().ok().filter(|number: &f32| number.is_finite());
+    Some([number(wavelength)?, number(value)?])
+}
+
+/// `pairs` is what a plain reading has found, None if it is no spectrum.
+fn assert_is_spectrum(spectrum: &Result<SampledSpectrum, SpectrumError>, pairs: Option<Vec<[f32; 2]>>, text: &str) {
+    let increases = |pairs: &Vec<[f32; 2]>| pairs.len() >= 2 && pairs.windows(2).all(|two| two[0][0] < two[1][0]);
+    let pairs = pairs.filter(increases);
+    assert_eq!(spectrum.is_ok(), pairs.is_some(), "{text:?}");
+    let (Ok(spectrum), Some(pairs)) = (spectrum, pairs) else {
+        return;
+    };
+    let column = |place: usize| {
+        let numbers: Vec<String> = pairs.iter().map(|pair| format_float(pair[place])).collect();
+        numbers.join(" ")
+    };
+    let apart = SampledSpectrum::parse_irregular(&column(0), &column(1));
+    assert_eq!(apart.as_ref(), Ok(spectrum), "{text:?}");
+    for role in [Role::Emission, Role::Daylight, Role::Reflectance, Role::Unbounded] {
+        let (color, _) = spectrum.to_rgb(role);
+        assert!(color.is_finite() && color.min_element() >= 0.0, "{color} from {text:?}");
+    }
+}
+
 /// The text of an attribute as each type of value, and the bytes as numbers to be printed. What is read is finite, and a number that
 /// is printed reads back exactly.
 pub fn numbers(bytes: &[u8]) {
@@ -145,13 +233,6 @@ pub fn numbers(bytes: &[u8]) {
     }
     if let Ok(numbers) = parse_floats(&text) {
         numbers.into_iter().for_each(assert_reads_back);
-    }
-    let spectra = [SampledSpectrum::parse_list(&text), SampledSpectrum::parse_file(&text)];
-    for spectrum in spectra.into_iter().flatten() {
-        for role in [Role::Emission, Role::Reflectance, Role::Unbounded] {
-            let (color, _) = spectrum.to_rgb(role);
-            assert!(color.is_finite() && color.min_element() >= 0.0, "{color} from {text:?}");
-        }
     }
     let printed = bytes.as_chunks::<4>().0.iter().map(|four| f32::from_le_bytes(*four));
     printed.filter(|number| number.is_finite()).for_each(assert_reads_back);
@@ -291,8 +372,95 @@ pub fn vol(bytes: &[u8]) {
     }
     if let Some(bounds) = &file.bounds {
         let again = read_vol(&write_vol(&file.grid, bounds)).expect("it was written");
-        assert_eq!((again.grid.mended(), again.bounds), (0, file.bounds));
+        assert_eq!((again.grid.mended(), again.bounds), (Mended::default(), file.bounds));
         assert_eq!(again.grid.voxels(), file.grid.voxels());
+    }
+}
+
+/// A medium of a grid: the first bytes choose how dense it is, where it lies and by which ways light goes through it, and the rest is a `.vol` file. Light
+/// comes to an end, and what is left of it is no more than there was.
+pub fn media(bytes: &[u8]) {
+    let Some((chosen, file)) = bytes.split_first_chunk::<8>() else {
+        return;
+    };
+    let Ok(file) = read_vol(file) else { return };
+    let power = |byte: u8| 10.0f32.powi(i32::from(byte % 19) - 6);
+    let places = [chosen[1], chosen[2], chosen[3]].map(|byte| 2.0f32.powi(i32::from(byte % 13) - 6));
+    let [filter, wrap, shines] = [chosen[4] % 2, chosen[5] % 3, chosen[6] % 4];
+    let grid = |grid| {
+        Volume::Grid(GridVolume::new(
+            grid,
+            Affine3A::from_scale(places.into()),
+            if filter == 0 {
+                VolumeFilter::Nearest
+            } else {
+                VolumeFilter::Trilinear
+            },
+            [VolumeWrap::Clamp, VolumeWrap::Repeat, VolumeWrap::Mirror][usize::from(wrap)],
+        ))
+    };
+    let values = Arc::new(file.grid);
+    let uneven = Vec3::new(1.0, 0.25, 0.0);
+    let (sigma_t, emission) = match shines {
+        0 => (grid(values.clone()), grid(values)),
+        1 => (Volume::Constant(uneven), grid(values)),
+        _ => (grid(values), Volume::ZERO),
+    };
+    let medium = Medium::new(MediumSource {
+        sigma_t,
+        scale: power(chosen[0]),
+        albedo: Volume::Constant(if shines == 3 { Vec3::ZERO } else { Vec3::splat(0.5) }),
+        emission,
+        phase: Phase::Isotropic,
+    });
+    for index in 0..4 {
+        let sampler = Sampler::new(
+            SequenceKind::Independent,
+            glam::UVec2::new(chosen[7].into(), index),
+            index,
+            0,
+        );
+        let mut stream = sampler.stream(0);
+        let mut number = || stream.draw();
+        let (from, to) = (
+            Vec3::new(number(), number(), number()) * 2.0 - 0.5,
+            Vec3::new(number(), number(), number()),
+        );
+        let [from, to] = [from, to].map(|place| place * Vec3::from(places));
+        let Some(dir) = (to - from).try_normalize() else {
+            continue;
+        };
+        let length = if index % 2 == 0 {
+            f32::INFINITY
+        } else {
+            from.distance(to)
+        };
+        let way = Way {
+            origin: from,
+            dir,
+            length,
+        };
+        let mut throughput = Vec3::ONE;
+        let travel = medium.travel(&way, None, &mut throughput, glam::Vec2::new(0.3, 0.6), &mut stream);
+        assert!(
+            throughput.is_finite() && throughput.min_element() >= 0.0,
+            "{throughput}"
+        );
+        assert!(
+            travel.emitted.is_finite() && travel.emitted.min_element() >= 0.0,
+            "{travel:?}"
+        );
+        assert!((0.0..=1.001).contains(&travel.passed), "{travel:?}");
+        assert!(
+            travel.scattered_at.is_none_or(|at| (0.0..=length).contains(&at)),
+            "{travel:?}"
+        );
+        let mut carried = Vec3::ONE;
+        let (share, passed) = medium.transmit(&way, &mut carried, &mut stream);
+        assert!(share.is_finite() && share.min_element() >= 0.0, "{share}");
+        assert!((0.0..=1.001).contains(&passed), "{passed}");
+        let depth = medium.optical_depth(&way);
+        assert!(depth.min_element() >= 0.0 && !depth.is_nan(), "{depth}");
     }
 }
 
@@ -331,6 +499,23 @@ pub fn assert_sound(mesh: &MeshData) {
     for triangle in 0..mesh.triangles.len().min(64) {
         mesh.regular_corners(triangle);
     }
+    if vertices <= 1000 && mesh.triangles.len() <= 1000 {
+        assert_comes_back(mesh);
+    }
+}
+
+/// Writes the geometry as PLY and reads it again.
+fn assert_comes_back(mesh: &MeshData) {
+    let geometry = MeshData {
+        attributes: Vec::new(),
+        ..mesh.clone()
+    };
+    let again = load_ply(&binary_ply(&geometry)).expect("it was written").mesh;
+    assert_eq!(again.positions, mesh.positions);
+    assert_eq!(again.triangles, mesh.triangles);
+    assert_eq!(again.uvs, mesh.uvs);
+    let mut normals = again.normals.iter().zip(&mesh.normals);
+    assert!(normals.all(|(one, other)| one.distance(*other) < 1e-5));
 }
 
 /// A glTF file of either kind; what follows the first zero byte of a JSON one is every file that it names. Its meshes are sound, the
@@ -459,6 +644,61 @@ pub fn bake(bytes: &[u8]) {
     assert_eq!(baked.lightmaps.len(), blueprint.page_count());
     let mut pixels = baked.lightmaps.iter().flat_map(|lightmap| &lightmap.irradiance);
     assert!(pixels.all(|pixel| pixel.is_finite()));
+}
+
+/// A checkpoint or share of a picture, without the picture in front, and with the checksum and the length that it should have. What is read is the same after it
+/// was written and read again.
+pub fn part(bytes: &[u8]) {
+    const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+    let mut state = Writer(EXR.to_vec());
+    state.0.extend_from_slice(bytes);
+    let mut sum = flate2::Crc::new();
+    sum.update(bytes);
+    state.u32(sum.sum());
+    state.u64(bytes.len() as u64);
+    state.0.extend_from_slice(b"SUNROOM+");
+    let file = tempfile::NamedTempFile::new().expect("a temporary folder");
+    file.as_file().write_all(&state.0).expect("a temporary folder");
+    let Some((header, film, job)) = read_part(file.path()) else {
+        return;
+    };
+    // Sums of finite sums may be beyond all numbers, and such a file is refused.
+    let vectors = [film.radiance(), film.albedo(), film.normal()].concat();
+    if !vectors.iter().all(|vector| vector.is_finite()) || !film.depth().iter().all(|depth| depth.is_finite()) {
+        return;
+    }
+    let tiles: Vec<Tile> = header.crop.tiles(header.width, header.height).collect();
+    write_part(file.path(), &EXR, &header, &film, &tiles, &job).expect("a temporary folder");
+    let (header_again, film_again, job_again) = read_part(file.path()).expect("it was written");
+    assert_eq!((header_again, job_again), (header, job));
+    let content = |film: &Film| {
+        let mut content = Writer::default();
+        tiles.iter().for_each(|&tile| film.write_tile(tile, &mut content));
+        film.write_splats(&mut content);
+        content
+    };
+    assert!(content(&film) == content(&film_again), "the film is another one");
+}
+
+/// The header, the film and the job of a part that is small.
+fn read_part(path: &Path) -> Option<(PartHeader, Film, Vec<u8>)> {
+    let file = match PartFile::open(path) {
+        Ok(file) => file,
+        Err(error) => {
+            let _ = error.to_string();
+            return None;
+        }
+    };
+    let (header, kept) = (file.header().clone(), file.header().film_layers());
+    if Film::memory_bytes(header.width, header.height, kept) > 4 << 20 {
+        return None;
+    }
+    let mut film = Film::with_layers(header.width, header.height, kept);
+    if header.samples[0] > 0 {
+        film.keep_chunks();
+    }
+    let job = file.read_into(&mut film).ok()?;
+    Some((header, film, job))
 }
 
 /// The bytes with the first ones replaced, so that they are read as the format that begins so.

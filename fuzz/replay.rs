@@ -27,22 +27,33 @@ pub fn files(folder: &Path) -> Vec<Input> {
 }
 
 /// So many mutations of the inputs. The same seed always gives the same ones.
-pub fn mutations(inputs: &[Input], count: usize, seed: u64) -> Vec<Input> {
+pub fn mutations(inputs: Vec<Input>, count: usize, seed: u64) -> impl Iterator<Item = Input> + Send + 'static {
     let mut random = Random(seed);
-    (0..count)
-        .map(|number| {
-            let (name, bytes) = random.one_of(inputs);
-            let mut bytes = bytes.clone();
-            for _ in 0..1 + random.below(4) {
-                random.mutate(&mut bytes, inputs);
-            }
-            (format!("mutation {number} (seed {seed}) of {name}"), bytes)
-        })
-        .collect()
+    (0..count).map(move |number| {
+        let (name, bytes) = random.one_of(&inputs);
+        let mut bytes = bytes.clone();
+        for _ in 0..1 + random.below(4) {
+            random.mutate(&mut bytes, &inputs);
+        }
+        (format!("mutation {number} (seed {seed}) of {name}"), bytes)
+    })
+}
+
+/// The number that a variable holds, or else the usual one.
+pub fn number_of(variable: &str, usual: u64) -> u64 {
+    let given = std::env::var(variable).ok();
+    given.map_or(usual, |number| {
+        number.parse().unwrap_or_else(|_| panic!("{variable} is no number"))
+    })
+}
+
+/// Whether the variable `PARSER` names this entry, or none.
+pub fn is_wanted(name: &str) -> bool {
+    std::env::var("PARSER").map_or(true, |wanted| wanted == name)
 }
 
 /// Runs the entry on each input. Panics if one of them makes it panic, or runs for ever.
-pub fn run(entry: impl Fn(&[u8]) + Send + 'static, inputs: Vec<Input>) {
+pub fn run(entry: impl Fn(&[u8]) + Send + 'static, inputs: impl IntoIterator<Item = Input> + Send + 'static) {
     let (begin, begun) = channel();
     let worker = std::thread::spawn(move || {
         let mut broken = Vec::new();
