@@ -442,7 +442,7 @@ mod tests {
         );
         let mut source = of_voxels(size, 1, vec![1.0; 64 * 64 * 64], slanted);
         let majorants = MajorantGrid::new(&source);
-        assert!(majorants.cells.element_product() < 1 << 18, "{}", majorants.cells);
+        assert!(majorants.cells.element_product() < 1 << 17, "{}", majorants.cells);
         let largest = majorants.majorants.iter().copied().fold(0.0, f32::max);
         assert_eq!(largest, 3.0);
         if let Volume::Grid(grid) = &mut source.sigma_t {
