@@ -300,12 +300,26 @@ mod tests {
     fn the_content_of_a_folder_is_that_of_its_manifest() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         assert_eq!(Content::of_folder(folder.path()), None);
+        std::fs::write(folder.path().join(LEVEL), "").expect("a writable folder");
         for (text, expected) in [
             (
                 r#"{"format": "sunroom-lightmaps", "samples": 7, "reflection_probes": [{}], "irradiance_volumes": [{}, {}]}"#,
                 Some((7, 3)),
             ),
             (r#"{"format": "sunroom-lightmaps", "samples": -1}"#, None),
+            // The checksum is that of no bytes.
+            (
+                r#"{"format": "sunroom-lightmaps", "samples": 7, "crc32": {"level.glb": "00000000"}}"#,
+                Some((7, 0)),
+            ),
+            (
+                r#"{"format": "sunroom-lightmaps", "samples": 7, "crc32": {"level.glb": "00000001"}}"#,
+                None,
+            ),
+            (
+                r#"{"format": "sunroom-lightmaps", "samples": 7, "crc32": {"lightmap-0.exr": "00000000"}}"#,
+                None,
+            ),
             (r#"{"format": "another", "samples": 7}"#, None),
             ("[", None),
         ] {

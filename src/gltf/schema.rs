@@ -377,6 +377,7 @@ pub struct Image {
     pub name: Option<String>,
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
+    #[serde(default)]
     pub extras: Value,
 }
 
@@ -468,6 +469,7 @@ pub struct BufferView {
 pub struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+    #[serde(default)]
     pub extras: Value,
 }
 
