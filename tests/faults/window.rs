@@ -31,6 +31,10 @@ section! { "The window"
         "A script saves the picture where it cannot be written.",
         "`error: script.txt:2: cannot write absent/a.exr: there is no folder absent; the picture is kept in ….exr`, exit code 1.",
         "The picture as EXR in the folder for temporary files.";
+    script_saves_over_a_picture_of_the_scene:
+        "A script saves the picture to a picture that the scene shows.",
+        "`error: script.txt:2: a.png: the scene is made of this file; choose another name`, exit code 1.",
+        "The picture that the scene shows, and the other one as EXR in the folder for temporary files.";
     termination_with_edits:
         "SIGTERM while there are unsaved edits.",
         "`The unsaved edits are kept and will be offered when the scene is opened again`, exit code 130.",
@@ -108,6 +112,26 @@ fn script_cannot_save_the_picture(row: &Row) {
     let mut command = edit(&shop, &["--script", "script.txt", "--exit"]);
     display.show(&mut command, &shop.path("runtime"));
     row.holds(&Running::start(&mut command).end());
+    assert_eq!(shop.kept_picture().dimensions(), (64, 48));
+}
+
+fn script_saves_over_a_picture_of_the_scene(row: &Row) {
+    let Some(display) = Display::open() else { return };
+    let shop = Workshop::new();
+    assert_eq!(
+        shop.run(&[], &["render", "scene.xml", "-o", "a.png", "-q"])
+            .status
+            .code(),
+        Some(0)
+    );
+    let sky = r#"<emitter type="envmap"><string name="filename" value="a.png"/></emitter></scene>"#;
+    shop.write("scene.xml", SCENE.replace("</scene>", sky));
+    let before = std::fs::read(shop.path("a.png")).expect("it is there");
+    shop.write("script.txt", "wait 2\nsave-image-to a.png\n");
+    let mut command = edit(&shop, &["--script", "script.txt", "--exit"]);
+    display.show(&mut command, &shop.path("runtime"));
+    row.holds(&Running::start(&mut command).end());
+    assert!(std::fs::read(shop.path("a.png")).expect("it is there") == before);
     assert_eq!(shop.kept_picture().dimensions(), (64, 48));
 }
 

@@ -234,7 +234,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
 }
 
 /// Refuses to write a picture over a file of the scene.
-fn check_scene_stays(world: &World, path: &Path) -> Result<(), CommandError> {
+pub fn check_scene_stays(world: &World, path: &Path) -> Result<(), CommandError> {
     let is_of_scene = world
         .get_resource::<SceneWatch>()
         .is_some_and(|watch| watch.has_file(path));

@@ -38,6 +38,7 @@ pub fn is_smaller(world: &World) -> bool {
 
 /// Saves the picture, after tracing the full film if it has fewer pixels, and after denoising it if that is on.
 pub fn save_image(world: &mut World, path: PathBuf) -> Result<(), CommandError> {
+    super::files::check_scene_stays(world, &path)?;
     let is_idle = world.resource::<RenderStatus>().state == RenderState::Idle;
     if is_idle || !is_smaller(world) && !finished::owes_denoised(world) {
         return super::files::save_image(world, &path);
