@@ -2,7 +2,7 @@
 
 use rustix::process::{Resource, getrlimit};
 
-/// The smallest stack in bytes. The deepest scenes that are read take less than half of it.
+/// The smallest stack in bytes. The deepest scenes that are read fit into it.
 const LEAST_STACK: u64 = 1 << 20;
 
 /// The smallest address space in bytes, and what each thread has of it for its stack and its heap.
