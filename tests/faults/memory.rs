@@ -32,7 +32,7 @@ section! { "Memory"
         "Nothing new.";
     film_is_too_large_for_the_address_space:
         "`sunroom render` needs more memory for the film than the address space that the system allows has room for.",
-        "`error: rendering broke off: a film of 2000 x 2000 pixels needs … of memory, and of the budget of … other data take`, exit code 1.",
+        "`error: rendering broke off: a film of 2000 x 2000 pixels needs … of memory, and … budget`, exit code 1.",
         "Nothing new.";
     mesh_of_the_window_grows:
         "A mesh file of an open scene grows beyond the budget.",
