@@ -21,7 +21,7 @@ const READS_PER_VOXEL: u64 = 16;
 const MARGIN: f32 = 1e-3;
 /// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and another is not, a ray beside the dense one would
 /// be held up by null collisions without end. As no light passes such a cell's dense voxels in either case, their extinction counts as that much.
-pub(super) const MOST_TRIED: f32 = 4096.0;
+pub(super) const MOST_TRIED: f32 = 1024.0;
 
 /// Upper bounds of extinction in the cells of a box in world space.
 #[derive(Clone, Debug, PartialEq)]
@@ -426,7 +426,7 @@ mod tests {
             // A colour that passes is held up as well.
             assert_eq!(limited(3, dense, 0.0), (Some(found), limit));
         }
-        assert_eq!(limited(1, 700.0, 0.0), (None, 2100.0));
+        assert_eq!(limited(1, 150.0, 0.0), (None, 450.0));
         assert_eq!(limited(1, 1e6, 1e6), (None, 3e6));
     }
 

@@ -46,7 +46,7 @@ fn a_dense_voxel_ends_and_is_told_of() {
     let shop = Workshop::new();
     let limited = "medium \"smoke\": it is too dense beside what is thin";
     for (dense, told) in [
-        (100.0, None),
+        (50.0, None),
         (1e6, Some(limited)),
         (1e12, Some(limited)),
         (3e38, Some("voxel.vol: 1 value is above 1e12: it counts as that")),
