@@ -15,10 +15,10 @@
 //!
 //! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
 
+use super::Checker;
 use super::bsdf::PERFECT_MIRROR;
 use super::texture::TexturePacker;
-use super::{BRIGHTEST, Checker};
-use crate::color::Rgb;
+use crate::color::{BRIGHTEST, Rgb};
 use crate::geometry::mesh::MtlMaterial;
 use crate::geometry::mtl_map::MtlMap;
 use crate::geometry::mtl_model::MtlModel;

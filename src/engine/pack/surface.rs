@@ -14,7 +14,7 @@ use super::mtl::{emission, push_mtl};
 use super::texture::TexturePacker;
 use super::{LAMP_ID, STAND_IN_ID};
 use crate::accel::Primitive;
-use crate::color::{BRIGHTEST, Rgb};
+use crate::color::Rgb;
 use crate::engine::splice::{ListEdits, Piece, pieces};
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};

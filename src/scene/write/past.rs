@@ -51,7 +51,7 @@ impl GivenId {
 
 impl PastFile {
     /// None for what was not read from a scene file.
-    pub fn new(known: &AuthoredScene, base: &FileBase) -> Option<Self> {
+    pub(in crate::scene) fn new(known: &AuthoredScene, base: &FileBase) -> Option<Self> {
         let origin = known.origin.clone().filter(|origin| !origin.imported)?;
         let entities = base.entities.clone();
         Some(Self { origin, entities })

@@ -158,7 +158,7 @@ pub fn pose_of(world: &World, entity: Entity) -> Option<Affine3A> {
 }
 
 /// The pose that a thing had in a state, see [`pose_of`].
-pub fn pose_in(state: &ObjectState) -> Option<Affine3A> {
+pub(crate) fn pose_in(state: &ObjectState) -> Option<Affine3A> {
     let middle = state.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
     Some(state.to_world?.0 * Affine3A::from_translation(middle))
 }
