@@ -172,6 +172,7 @@ fn normal_map(scene: &mut SceneBuilder, nested: Material, normal: Vec3) -> Mater
     Material::NormalMap {
         nested: scene.material(nested),
         normals: Parameter::Constant(0.5 * (normal + 1.0)),
+        gltf_tangents: false,
         options: BumpOptions {
             flip_invalid_normals: true,
             use_shadowing_function: true,

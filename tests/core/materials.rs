@@ -283,6 +283,7 @@ fn materials_that_cannot_be_are_refused() {
         list.extend((0..count).map(|i| Material::NormalMap {
             nested: id(i),
             normals: Parameter::Constant(Rgb::new(0.6, 0.5, 0.9)),
+            gltf_tangents: false,
             options: BumpOptions {
                 flip_invalid_normals,
                 use_shadowing_function: true,
