@@ -415,7 +415,7 @@ mod tests {
             (majorants.limited(), majorants.majorants[0])
         };
         let limit = MOST_TRIED / 3.0f32.sqrt();
-        for dense in [1e6, 1e12, 3e38] {
+        for dense in [1e6_f32, 1e12, 3e38] {
             let densest = 3.0 * dense.min(1e12);
             let found = Limited {
                 cells: 1,
