@@ -1132,7 +1132,7 @@ fn the_page_about_the_format_has_every_bsdf_and_light_with_their_parameters() {
     let materials = Material::PLUGINS.into_iter().filter_map(Material::of_plugin);
     let materials = materials.map(|material| objects::material(&material, here));
     let emitters = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin);
-    let emitters = emitters.map(|emitter| lights::emitter(&emitter, &glam::Affine3A::IDENTITY, here));
+    let emitters = emitters.map(|emitter| lights::emitter(&emitter, &glam::Affine3A::IDENTITY, None, here));
     let mut count = 0;
     for object in materials.chain(emitters) {
         let parameters = object.properties.iter().map(|property| property.name.as_str());

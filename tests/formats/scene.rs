@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use sunroom::document::{self, Diagnostics, Severity, TransformOp};
+use sunroom::document::{self, Diagnostics, TransformOp};
 use sunroom::layer::{Layer, Layers};
 use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;

@@ -202,7 +202,7 @@ mod tests {
                 if !shown.is_open[place] {
                     continue;
                 }
-                let cover = question(&context, id, 200.0, id, is_entered);
+                let cover = question(&context, id, 200.0, id, |ui| is_entered(ui));
                 if cover.inner {
                     shown.said[place] = Some("entered");
                 } else if cover.should_close() {

@@ -268,7 +268,7 @@ mod tests {
     /// A frame with these events, and some more.
     fn frame(harness: &mut Harness<Shown>, modifiers: Modifiers, events: &[Event]) {
         let input = harness.input_mut();
-        input.modifiers = modifiers;
+        input.events.push(Event::ModifiersChanged(modifiers));
         input.events.extend_from_slice(events);
         harness.run_steps(4);
     }
