@@ -24,7 +24,9 @@ struct Window {
 
 fn described(path: &Path) -> SceneDescription {
     let mut document = sunroom::document::load(path, &[]).expect("a scene");
-    sunroom::scene::read::read(&mut document)
+    let scene = sunroom::scene::read::read(&mut document);
+    assert!(!document.diagnostics.has_errors(), "{}", document.diagnostics);
+    scene
 }
 
 impl Window {
@@ -242,7 +244,7 @@ fn what_has_a_place_of_its_own_is_moved_by_that() {
 
 #[test]
 fn what_has_a_transform_is_moved_by_that() {
-    let body = "  <shape type=\"sphere\" id=\"ball\"><point name=\"center\" x=\"1\"/>
+    let body = "  <shape type=\"sphere\" id=\"ball\"><point name=\"center\" x=\"1\" y=\"0\" z=\"0\"/>
     <transform name=\"to_world\"><translate x=\"1\"/></transform></shape>
   <shape type=\"sphere\" id=\"egg\"/>";
     let mut window = Window::on(body);
@@ -250,7 +252,8 @@ fn what_has_a_transform_is_moved_by_that() {
     window.say("set egg scale 1,2,1");
     let text = window.saved();
     assert!(
-        text.contains("<translate x=\"1\" z=\"5\"/>") && text.contains("<point name=\"center\" x=\"1\"/>"),
+        text.contains("<translate x=\"1\" z=\"5\"/>")
+            && text.contains("<point name=\"center\" x=\"1\" y=\"0\" z=\"0\"/>"),
         "{text}"
     );
     assert!(text.contains("<scale value=\"1, 2, 1\"/>"), "{text}");
@@ -261,7 +264,7 @@ fn what_has_a_transform_is_moved_by_that() {
 
 #[test]
 fn a_centre_that_the_file_moves_as_well_is_that_of_one_side() {
-    let body = "  <shape type=\"sphere\" id=\"ball\"><point name=\"center\" x=\"0\"/><float name=\"radius\" value=\"1\"/></shape>";
+    let body = "  <shape type=\"sphere\" id=\"ball\"><point name=\"center\" x=\"0\" y=\"0\" z=\"0\"/><float name=\"radius\" value=\"1\"/></shape>";
     let place = |window: &mut Window| {
         let (shape, pose) = window.shape("ball");
         pose.transform_point3(shape.middle()).x
