@@ -166,11 +166,9 @@ pub fn animation(bytes: &[u8]) {
         };
         let again = parse_str(text.as_str(), path, &[]);
         assert!(!again.diagnostics.has_errors(), "{}\n{text}", again.diagnostics);
-        assert_eq!(
-            without_spans(&again.at(time).root),
-            without_spans(&moment.root),
-            "at {time}: {text}"
-        );
+        // As text, in which a number that is none is the same as another: huge keys have such numbers between them, which the reader of scenes refuses.
+        let [found, expected] = [&again.at(time), &moment].map(|moment| format!("{:?}", without_spans(&moment.root)));
+        assert_eq!(found, expected, "at {time}: {text}");
     }
 }
 

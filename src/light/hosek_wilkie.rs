@@ -105,7 +105,9 @@ impl SkyModel {
         }
         model.radiance = atmosphere.sky_scale * interpolate(&TABLES.radiance, 1, 0, &atmosphere, elevation);
         let solid_angle = TAU * one_minus_cos(0.5 * atmosphere.sun_aperture);
-        model.sun_radiance = atmosphere.sun_scale * sun_irradiance(atmosphere.turbidity, elevation) / solid_angle;
+        let radiance = atmosphere.sun_scale * sun_irradiance(atmosphere.turbidity, elevation) / solid_angle;
+        // The red sun at the horizon lies outside of Rec. 709.
+        model.sun_radiance = radiance.max(Rgb::ZERO);
         model
     }
 

@@ -227,9 +227,9 @@ fn texture_coordinates_and_colours_that_are_not_finite_are_zero() {
         format!(r#", "TEXCOORD_0": {uvs}, "COLOR_0": {colors}"#)
     });
     assert_eq!(mesh.uvs, [Vec2::Y, Vec2::ZERO, Vec2::ZERO, Vec2::ONE]);
-    let [half, zero] = [[0.5; 3], [0.0; 3]];
-    let expected = AttributeValues::F32([half, zero, zero, half].concat());
-    assert_eq!(mesh.attributes[0].values, expected);
+    let mut expected = [0.5; 12];
+    (expected[3], expected[8]) = (0.0, 0.0);
+    assert_eq!(mesh.attributes[0].values, AttributeValues::F32(expected.to_vec()));
 }
 
 #[test]
