@@ -108,10 +108,10 @@ fn scenes_do_not_replace_what_they_include() {
     }
     // The mesh of the wall would be written here.
     assert_eq!(run(&shop, "convert scene.xml new.xml").status.code(), Some(0));
-    let meshes = content(shop.folder())
+    let mut meshes = content(shop.folder())
         .into_keys()
         .filter(|name| name.starts_with("new.") && name != "new.xml");
-    let mesh = meshes.last().expect("a mesh");
+    let mesh = meshes.next_back().expect("a mesh");
     std::fs::remove_file(shop.path("new.xml")).expect("it is there");
     std::fs::rename(shop.path("mesh.obj"), shop.path(&mesh)).expect("it can be renamed");
     shop.scene(&SCENE.replace("mesh.obj", &mesh));

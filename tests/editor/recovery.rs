@@ -300,7 +300,7 @@ fn saving_elsewhere_asks_only_about_what_is_there() {
     window.world.resource_mut::<SceneStatus>().path = None;
     apply(&mut window.world, Command::Save).expect("asked for a name");
     assert_eq!(
-        (window.asked(), window.world.resource::<Requests>().dialog.clone()),
+        (window.asked(), window.world.resource::<Requests>().dialog),
         (None, Some(FileDialogKind::SaveScene))
     );
 }
