@@ -143,7 +143,7 @@ fn slips_of_the_hand_are_errors() {
             "expected a field of view between 0 and 180 degrees, found 200",
         ),
         (camera("<Look_at x='1,5'/>"), "2:21", "expected a number, found `1,5`"),
-        (ball("<Radius value='big'/>"), "2:69", "expected a number, found `big`"),
+        (ball("<Radius value='big'/>"), "2:65", "expected a number, found `big`"),
     ] {
         let text = format!("<ItemContainer>\n{text}</ItemContainer>");
         let (_, diagnostics) = read_text(&text, Path::new("/tmp/a.xml"), &[]);

@@ -1096,7 +1096,7 @@ fn normal_maps_keep_their_side() {
               <boolean name="raw" value="true"/></texture>{more}<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></bsdf></bsdf>"#
         )
     };
-    let light = r#"<emitter type="directional"><vector name="direction" value="0.3, -1, -1"/><rgb name="irradiance" value="3"/></emitter>"#;
+    let light = r#"<emitter type="directional"><vector name="direction" value="0.3, -1, -1"/><rgb name="irradiance" value="6"/></emitter>"#;
     let pictures = |shape: &str, name: &str, tolerance: f32| {
         shop.put("scene.xml", scene(&format!("{CAMERA}{light}{shape}")));
         assert_eq!(shop.convert("scene.xml", "level.gltf"), [""; 0], "{name}");

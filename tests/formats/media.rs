@@ -280,7 +280,11 @@ fn what_is_wrong_is_said_with_its_place() {
             "bsdf `diffuse` has no effect in medium `homogeneous`",
         ),
     ] {
-        let found = fog(inside);
+        let mut found = fog(inside);
+        // A scene that is refused has its missing files named as well.
+        if found.iter().any(|it| it.contains(": error: ")) {
+            found.retain(|it| !it.contains("volume /somewhere/a.vol: no such file"));
+        }
         assert_eq!(found.len(), 1, "{inside}: {found:?}");
         assert!(found[0].contains(expected), "{inside}: {found:?}");
     }
@@ -900,7 +904,7 @@ fn what_is_wrong_with_a_volume_file_is_said_where_it_is_named() {
     };
     let missing = message(&[]);
     assert!(
-        missing.contains("scene.xml:3:42: volume ") && missing.ends_with("smoke.vol: no such file"),
+        missing.contains("scene.xml:3:42: volume ") && missing.contains("smoke.vol: no such file; looked for "),
         "{missing}"
     );
     let broken = message(&[("smoke.vol", b"VOL\x03")]);

@@ -679,11 +679,11 @@ fn a_colour_for_a_number_is_its_mean() {
         ),
         (
             "<bsdf type='roughconductor'><string name='alpha' value='rough'/></bsdf>",
-            "2: error: `alpha` should be a float, a colour or a texture, found string",
+            "2: error: `alpha` should be a float, a colour or a texture, found a string",
         ),
         (
             "<bsdf type='principled'><rgb name='specular' value='0.2, 0.4, 0.9'/></bsdf>",
-            "2: error: `specular` should be a float, found rgb",
+            "2: error: `specular` should be a float, found a colour",
         ),
     ] {
         let list = complaints(body);

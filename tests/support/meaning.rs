@@ -11,6 +11,7 @@ pub fn meaning(scene: &SceneDescription) -> SceneDescription {
     scene.sources.clear();
     scene.picture_places.clear();
     scene.volume_places.clear();
+    scene.missing.clear();
     scene.path = PathBuf::new();
     let sensors = scene.sensors.iter_mut().map(|item| &mut item.identity);
     let media = scene.media.iter_mut().map(|item| &mut item.identity);
