@@ -347,7 +347,7 @@ impl Group {
             }
             let indices = writer.add_triangles(&triangles, vertices.len())?;
             let material = match self.is_parted(sheet) {
-                true => old.material.map(|material| one_sided(writer, material)),
+                true => old.material.map(|material| one_sided(writer, material, sheet.is_back)),
                 false => old.material,
             };
             new.push(Primitive {
@@ -419,10 +419,15 @@ impl Group {
 }
 
 /// The material that is seen from one side alone.
-fn one_sided(writer: &mut GltfWriter, material: usize) -> usize {
-    let material = Material {
+fn one_sided(writer: &mut GltfWriter, material: usize, is_back: bool) -> usize {
+    let mut material = Material {
         double_sided: false,
         ..writer.material(material).clone()
     };
+    if is_back && material.shines_from_front {
+        material.emissive_factor = Default::default();
+        material.emissive_texture = None;
+        material.extensions.emissive_strength = None;
+    }
     writer.add_material(material)
 }

@@ -30,6 +30,9 @@ pub struct Material {
     /// Whether its back is seen as well.
     #[serde(skip_serializing_if = "is_usual")]
     pub double_sided: bool,
+    /// Whether the light that it sends out leaves the front alone, for which glTF has no word.
+    #[serde(skip)]
+    pub shines_from_front: bool,
     /// Further layers.
     #[serde(skip_serializing_if = "is_usual")]
     pub extensions: MaterialExtensions,

@@ -68,6 +68,8 @@ struct Prepared {
 /// The materials of an export.
 pub(super) struct Materials<'a> {
     scene: &'a SceneDescription,
+    /// Whether surfaces are parted into their sides later, so that the back of a lamp can be another material.
+    has_backs: bool,
     pub pictures: Pictures<'a>,
     /// The looks of surfaces; None for what light passes.
     prepared: HashMap<String, Option<Prepared>>,
@@ -76,9 +78,10 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(scene: &'a SceneDescription, access: &'a Access) -> Self {
+    pub fn new(scene: &'a SceneDescription, has_backs: bool, access: &'a Access) -> Self {
         Self {
             scene,
+            has_backs,
             pictures: Pictures::new(access),
             prepared: HashMap::new(),
             written: HashMap::new(),
@@ -204,7 +207,8 @@ impl<'a> Materials<'a> {
         if let Some(emission) = emission {
             material.emit(emission, &mut made);
             // Both sides of what is seen from both shine in glTF.
-            made.double_sided = shines_both_ways || made.double_sided && made.emissive_factor == [0.0; 3];
+            made.shines_from_front = !shines_both_ways && made.emissive_factor != [0.0; 3];
+            made.double_sided = shines_both_ways || made.double_sided && (self.has_backs || !made.shines_from_front);
         }
         if let Some(interior) = surface.interior.filter(|_| !is_inside_out) {
             self.fill(interior, &mut made, messages);

@@ -150,7 +150,7 @@ pub fn collect(
             false => stage.light(emitter),
         }
     }
-    let mut shapes = Shapes::new(scene, access);
+    let mut shapes = Shapes::new(scene, is_baked, access);
     for (index, shape) in scene.shapes.iter().enumerate() {
         if shape.shape.is_frame() || shape.member_of.is_some() {
             continue;

@@ -89,7 +89,7 @@ pub(super) struct Shapes<'a> {
 }
 
 impl<'a> Shapes<'a> {
-    pub fn new(scene: &'a SceneDescription, access: &'a Access) -> Self {
+    pub fn new(scene: &'a SceneDescription, is_baked: bool, access: &'a Access) -> Self {
         let mut members = vec![Vec::new(); scene.groups.len()];
         for (index, shape) in scene.shapes.iter().enumerate() {
             if let Some(group) = shape.member_of {
@@ -98,7 +98,7 @@ impl<'a> Shapes<'a> {
         }
         Self {
             scene,
-            materials: Materials::new(scene, access),
+            materials: Materials::new(scene, is_baked, access),
             forms: Forms::new(access),
             vertices: HashMap::new(),
             triangles: HashMap::new(),
