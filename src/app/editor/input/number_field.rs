@@ -2,12 +2,15 @@
 //! a length, and simple arithmetic. A text that is no number is kept in the field, marked, until it is one or Esc gives it up. What is wrong
 //! with a text is told in the status line as well.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::RangeInclusive;
 use std::rc::Rc;
 
 use bevy_egui::egui::emath::Numeric;
-use bevy_egui::egui::{Area, AsId, Context, DragValue, Frame, Id, Key, Order, Response, Slider, Ui, Visuals, Widget};
+use bevy_egui::egui::response::Flags;
+use bevy_egui::egui::{
+    Area, AsId, Context, DragValue, Event, Frame, Id, Key, Order, Response, Slider, Ui, Visuals, Widget,
+};
 
 use crate::app::editor::words::arithmetic::{self, plain};
 use crate::app::editor::words::figures::legible;
@@ -81,6 +84,8 @@ struct Field {
     meaning: Meaning,
     /// The value as the field shows it, which is not typed, and the value itself.
     shown: Rc<RefCell<(String, f64)>>,
+    /// Whether the text was read as a number in this frame.
+    is_read: Rc<Cell<bool>>,
 }
 
 impl Field {
@@ -91,6 +96,7 @@ impl Field {
             limits: (range.start().to_f64(), range.end().to_f64()),
             meaning,
             shown: Rc::default(),
+            is_read: Rc::default(),
         }
     }
 
@@ -133,6 +139,7 @@ impl Field {
                 } else {
                     self.context.data_mut(|data| data.remove::<Note>(note_id()));
                 }
+                self.is_read.set(true);
                 Some(number)
             }
             None => {
@@ -162,6 +169,10 @@ impl Field {
         if let Some(style) = before {
             ui.set_style(style);
         }
+        if !self.is_read.get() && is_only_typed(ui) {
+            // A letter has changed the text and not the number.
+            response.flags.remove(Flags::CHANGED);
+        }
         let left_by = |key| response.lost_focus() && ui.input(|input| input.key_pressed(key));
         if left_by(Key::Escape) {
             self.forget();
@@ -181,6 +192,20 @@ impl Field {
         }
         response
     }
+}
+
+/// Whether what happens in this frame may change a text, and nothing that changes a number without one: a drag, or an arrow key.
+fn is_only_typed(ui: &Ui) -> bool {
+    let arrows = [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];
+    ui.input(|input| {
+        let is_typed = input.events.iter().any(|event| {
+            matches!(
+                event,
+                Event::Text(_) | Event::Key { .. } | Event::Paste(_) | Event::Cut | Event::Ime(_)
+            )
+        });
+        is_typed && !input.pointer.any_down() && !arrows.into_iter().any(|key| input.key_pressed(key))
+    })
 }
 
 /// Colours of a field whose text is no number.
@@ -316,7 +341,7 @@ pub fn told(context: &Context) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use bevy_egui::egui::{self, Event};
+    use bevy_egui::egui;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 

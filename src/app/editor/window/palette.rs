@@ -273,7 +273,7 @@ mod tests {
     fn the_best_match_comes_first() {
         assert_eq!(
             found("undo")[..3],
-            ["Undo Ctrl+Z", "undo.xml open scene", "undone sphere mesh"]
+            ["Undo Ctrl+Z", "undo.xml open scene in there", "undone sphere mesh"]
         );
         assert_eq!(found("left wall")[0], "left wall mesh");
         assert_eq!(found("ctrl+d")[0], "Duplicate Ctrl+D");
