@@ -2,22 +2,15 @@
 
 use glam::Vec3;
 
-use super::material::{MeshValues, title};
+use super::lighting::Glow;
+use super::material::title;
+use super::mesh::MeshValues;
 use super::objects::{object, with, with_child, with_color};
 use super::picture::{Alpha, Made, Picture};
 use super::scene::Builder;
 use super::schema::Material;
 use crate::color::luminance;
 use crate::document::{Category, Object, Value};
-
-/// The light of a surface.
-#[derive(Clone)]
-pub(super) struct Glow {
-    /// The area emitter.
-    pub emitter: Object,
-    /// The luminance of its radiance, on average over the picture of it.
-    pub mean: f32,
-}
 
 impl Builder<'_> {
     /// The light of a primitive; None if it sends out none.

@@ -6,12 +6,9 @@ use glam::{Mat4, Quat, Vec3};
 
 use super::animation::rotation;
 use super::motion::Placement;
-use super::scene::Builder;
+use super::scene::{Builder, MOST_INSTANCES};
 use super::schema::Node;
 use super::{Gltf, GltfError};
-
-/// The most instances of all nodes together: each becomes a shape of its own.
-pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 impl Gltf {
     /// The poses of the instances of a node, local from instance; None if its mesh stands there once.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::material::MeshValues;
+use super::mesh::MeshValues;
 use super::scene::Builder;
 use super::schema::{Material, TextureInfo};
 use super::write::SHEEN_ROUGHNESS;

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::Gltf;
-use super::mesh::{VERTEX_ALPHA, VERTEX_COLOR};
+use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::objects::{object, with, with_child, with_color, with_float};
 use super::picture::{Alpha, Made};
 use super::scene::Builder;
@@ -18,15 +18,6 @@ use crate::document::{Category, Object, Value};
 const DEFAULT_IOR: f32 = 1.5;
 /// The alpha cutoff if the file does not give one.
 const CUTOFF: f32 = 0.5;
-
-/// The values of a mesh that its material uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct MeshValues {
-    /// Whether there are colours.
-    pub colors: bool,
-    /// Whether these have an alpha that counts.
-    pub alpha: bool,
-}
 
 impl TextureInfo {
     pub(super) fn set(&self) -> usize {

@@ -9,6 +9,15 @@ use crate::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
 use crate::geometry::mesh_file::{LoadedMesh, Warnings, complete_normals, replace_not_finite};
 use crate::geometry::vertex_normals::unit;
 
+/// The values of a mesh that its material uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct MeshValues {
+    /// Whether there are colours.
+    pub colors: bool,
+    /// Whether these have an alpha that counts.
+    pub alpha: bool,
+}
+
 /// The name of vertex colours among a mesh's attributes.
 pub const VERTEX_COLOR: &str = "vertex_color";
 /// The name of the alpha of vertex colours, which is there if the material lets it count.

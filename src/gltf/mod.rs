@@ -12,6 +12,7 @@ mod error;
 pub mod files;
 mod folders;
 mod instances;
+mod lighting;
 mod lights;
 mod limits;
 mod material;

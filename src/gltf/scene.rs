@@ -7,11 +7,8 @@ use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::emission::Glow;
-use super::instances::MOST_INSTANCES;
-use super::lights::Lighting;
-use super::material::MeshValues;
-use super::mesh::{VERTEX_ALPHA, VERTEX_COLOR};
+use super::lighting::{Glow, Lighting};
+use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::Picture;
@@ -33,6 +30,9 @@ pub trait References {
     /// The name of a file with these bytes, which is none of the pictures; `name` is a plain one.
     fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError>;
 }
+
+/// The most instances of all nodes together: each becomes a shape of its own.
+pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 /// A scene as it would stand in a file of the format.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::mesh_files::KnownFiles;
+use super::known_files::KnownFiles;
 use super::tree::Node;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Diagnostics, Object, Severity, Span};

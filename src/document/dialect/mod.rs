@@ -4,6 +4,7 @@
 //! plainly, it makes a choice and notes it. Messages have the places of the original file.
 
 mod import;
+mod known_files;
 mod lights;
 mod materials;
 mod mesh_files;
@@ -20,8 +21,8 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use self::import::Import;
+use self::known_files::KnownFiles;
 use self::materials::Materials;
-use self::mesh_files::KnownFiles;
 use self::tree::{Node, Tree};
 use super::value::quote;
 use super::{Category, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
