@@ -328,7 +328,10 @@ fn ply_without_normals_gets_smooth_ones_and_bad_normals_are_mended() {
     assert_eq!(loaded.mesh.uvs, [Vec2::new(0.25, 0.75), Vec2::ZERO, Vec2::ONE]);
     assert_eq!(
         loaded.warnings,
-        ["normals: a normal that is zero or not finite is computed from the triangles instead (and 1 times more)"]
+        [
+            "texture coordinates: a pair that is not finite counts as 0 0",
+            "normals: a normal that is zero or not finite is computed from the triangles instead (and 1 times more)"
+        ]
     );
 }
 
