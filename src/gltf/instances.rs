@@ -6,7 +6,8 @@ use glam::{Mat4, Quat, Vec3};
 
 use super::animation::rotation;
 use super::motion::Placement;
-use super::scene::{Builder, MOST_INSTANCES};
+use super::placed::MOST_INSTANCES;
+use super::scene::Builder;
 use super::schema::Node;
 use super::{Gltf, GltfError};
 

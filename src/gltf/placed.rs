@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
-use super::instances::MOST_INSTANCES;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
+
+/// The most instances of all nodes together: each becomes a shape of its own.
+pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 impl Gltf {
     /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read, points and lines, and flattened nodes are left

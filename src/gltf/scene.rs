@@ -12,6 +12,7 @@ use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::Picture;
+use super::placed::MOST_INSTANCES;
 use super::schema::{Node, Primitive};
 use super::{Gltf, GltfError, is_supported, studio};
 use crate::document::write::check_finite;
@@ -30,9 +31,6 @@ pub trait References {
     /// The name of a file with these bytes, which is none of the pictures; `name` is a plain one.
     fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError>;
 }
-
-/// The most instances of all nodes together: each becomes a shape of its own.
-pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 /// A scene as it would stand in a file of the format.
 #[derive(Debug)]

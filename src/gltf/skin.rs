@@ -80,8 +80,12 @@ impl Builder<'_> {
         };
         match list(&has_targets) {
             (0, _) => {}
-            (1, name) => self.warn(format!("morph targets are not read: {name} keeps its shape at rest")),
-            (_, names) => self.warn(format!("morph targets are not read: {names} keep their shape at rest")),
+            (1, name) => self.warn(format!(
+                "weights of morph targets do not move: {name} keeps its shape at rest"
+            )),
+            (_, names) => self.warn(format!(
+                "weights of morph targets do not move: {names} keep their shape at rest"
+            )),
         }
     }
 }

@@ -435,7 +435,14 @@ mod tests {
         // A click shows it for editing, and Esc brings the value back.
         type_text(&mut harness, "x");
         press(&mut harness, Key::Escape);
-        assert!(shows(&harness, "3.00"));
+        let seen = ["0;50", "0;50x", "x", "3.00", "x0;50", "3", "0;5", "0;x50", "0x;50"]
+            .map(|text| (text, shows(&harness, text)));
+        assert!(
+            shows(&harness, "3.00"),
+            "{seen:?} {:?} {:?}",
+            told(&harness.ctx),
+            harness.ctx.memory(|memory| memory.focused())
+        );
         assert_eq!(*harness.state(), (3.0, 0));
     }
 
