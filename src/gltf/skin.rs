@@ -74,18 +74,5 @@ impl Builder<'_> {
             (1, name) => self.warn(format!("skins are not read: {name} stays in its pose at rest")),
             (_, names) => self.warn(format!("skins are not read: {names} stay in their pose at rest")),
         }
-        let has_targets = |node: &Node| {
-            let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
-            mesh.is_some_and(|mesh| mesh.primitives.iter().any(|primitive| !primitive.targets.is_empty()))
-        };
-        match list(&has_targets) {
-            (0, _) => {}
-            (1, name) => self.warn(format!(
-                "weights of morph targets do not move: {name} keeps its shape at rest"
-            )),
-            (_, names) => self.warn(format!(
-                "weights of morph targets do not move: {names} keep their shape at rest"
-            )),
-        }
     }
 }

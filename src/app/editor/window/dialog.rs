@@ -77,14 +77,19 @@ enum Kind {
     LastingForm,
 }
 
+/// The time that a question takes to appear, seconds. On a slow machine it is hardly to be seen in its first frame.
+const FADE_IN: f64 = 0.2;
+
 /// How far a cover is on its way to be used.
 #[derive(Clone, Copy, Debug, Default)]
 struct Progress {
     /// The last pass that showed it.
     pass: u64,
-    /// Whether it has been seen. The first time it is only measured.
+    /// Whether it has been drawn. The first time it is only measured.
     is_drawn: bool,
-    /// Whether no key was held at some time since.
+    /// The time of that, seconds.
+    drawn_at: f64,
+    /// Whether no key was held at some time after it could be seen.
     were_keys_up: bool,
 }
 
@@ -130,8 +135,13 @@ fn show<R>(context: &Context, modal: Modal, kind: Kind, content: impl FnOnce(&mu
         context.input_mut(|input| input.events.extend(withheld));
     }
     progress.pass = pass;
-    progress.is_drawn |= !is_measured;
-    progress.were_keys_up |= progress.is_drawn && !are_keys_held(context);
+    let time = context.input(|input| input.time);
+    if !progress.is_drawn && !is_measured {
+        progress.is_drawn = true;
+        progress.drawn_at = time;
+    }
+    let is_seen = progress.is_drawn && time - progress.drawn_at >= FADE_IN;
+    progress.were_keys_up |= is_seen && !are_keys_held(context);
     context.data_mut(|data| data.insert_temp(id, progress));
     if !progress.were_keys_up {
         context.request_repaint();
