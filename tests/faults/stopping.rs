@@ -97,9 +97,14 @@ fn hang_up_under_nohup(row: &Row) {
     nothing_else_is_left(&shop);
 }
 
-/// In a white box without a way out paths end only at the longest length of all, 65,536 segments: a tile takes a thread seconds. `inside`: more
-/// shapes.
+/// In a white box without a way out paths end by Russian roulette alone, which begins late and waits at the many surfaces that are nothing: a tile takes a
+/// thread seconds. `inside`: more shapes.
 fn white_box(inside: &str) -> String {
+    let nothing = |number: u32| {
+        let radius = 1.0 + 0.03 * f64::from(number);
+        format!(r#"<shape type="sphere"><float name="radius" value="{radius}"/><bsdf type="null"/></shape>"#)
+    };
+    let nothing: String = (0..100).map(nothing).collect();
     format!(
         r#"<scene version="3.0.0">
   <integrator type="path"><integer name="max_depth" value="2000000"/><integer name="rr_depth" value="2000000"/></integrator>
@@ -109,6 +114,7 @@ fn white_box(inside: &str) -> String {
   <shape type="cube"><transform name="to_world"><scale value="5"/></transform>
     <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></bsdf></shape>
   <emitter type="constant"/>
+  {nothing}
   {inside}
 </scene>"#
     )
