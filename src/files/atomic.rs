@@ -55,7 +55,7 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
 /// A file to be replaced.
 #[derive(Debug)]
 pub(super) struct Target {
-    /// As links lead to it.
+    /// The path of the file itself, after all links.
     pub path: PathBuf,
 }
 

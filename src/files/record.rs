@@ -47,7 +47,7 @@ pub(super) fn is_kept(path: &Path) -> bool {
 pub struct SameFiles(HashSet<Identity>);
 
 impl SameFiles {
-    /// Those of the files that are there.
+    /// Collects the identities of the files. A file that does not exist has none.
     pub fn of(files: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         Self(
             files
@@ -57,7 +57,7 @@ impl SameFiles {
         )
     }
 
-    /// Whether the name is that of one of them.
+    /// Whether a path leads to one of the files.
     pub fn has(&self, path: &Path) -> bool {
         Identity::of(path).is_some_and(|identity| self.0.contains(&identity))
     }
@@ -81,12 +81,12 @@ impl Identity {
         }
     }
 
-    /// That of the file that a path leads to; None if there is none.
+    /// The identity of the file at a path, after all links; None if there is no file.
     pub fn of(path: &Path) -> Option<Self> {
         path.metadata().ok().map(|about| Self::new(&about))
     }
 
-    /// Whether it is that of an open file.
+    /// Whether an open file has this identity.
     pub fn is_of(&self, file: &File) -> bool {
         file.metadata().is_ok_and(|about| *self == Self::new(&about))
     }
@@ -94,12 +94,12 @@ impl Identity {
 
 #[cfg(not(unix))]
 impl Identity {
-    /// That of the file that a path leads to; None if there is none.
+    /// The identity of the file at a path, after all links; None if there is no file.
     pub fn of(path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(|path| Self { path })
     }
 
-    /// Whether it is that of an open file, as far as that can be known.
+    /// Whether an open file has this identity. It cannot be known here, and the answer is yes.
     pub fn is_of(&self, _: &File) -> bool {
         true
     }

@@ -97,7 +97,7 @@ impl FileSet {
         self.replace_until(usize::MAX)
     }
 
-    /// As [`Self::replace`], but stops after so many renames and removals, as if the program was killed.
+    /// Does what [`Self::replace`] does, and stops after `stop` renames and removals, as a killed program does.
     fn replace_until(mut self, stop: usize) -> Result<(), WriteError> {
         // The order of the others stays.
         self.files.sort_by_key(|(path, _)| *path == self.main);
@@ -152,7 +152,7 @@ impl Stamp {
         }
     }
 
-    /// That of a plain file; None if there is none. A link does not count as the file that it leads to.
+    /// The stamp of a plain file; None if the path has no plain file. A link does not count as the file that it leads to.
     fn of(path: &Path) -> Option<Self> {
         let about = fs::symlink_metadata(path).ok()?;
         about.is_file().then(|| Self::new(&about))

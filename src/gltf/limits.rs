@@ -1,4 +1,4 @@
-//! What of a material is not seen, because the models of the scene format cannot do it: a sentence for each, with the name of the material.
+//! Warns of properties of glTF materials that the models of the scene format do not have. Each sentence names the material.
 
 use glam::Vec3;
 

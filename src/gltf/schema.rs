@@ -160,7 +160,7 @@ pub struct Skin {
 pub struct Mesh {
     pub name: Option<String>,
     pub primitives: Vec<Primitive>,
-    /// Those of the morph targets at rest.
+    /// The weights of the morph targets at rest.
     #[serde(default)]
     pub weights: Vec<f32>,
 }

@@ -10,7 +10,7 @@ use crate::app::editor::words::times::{ago, changed_at, clock_of};
 /// The most scenes that a message names.
 const MOST_NAMED: usize = 4;
 
-/// Which scene it was, with the path of its file.
+/// Names the scene of a recovery copy by the path of its file.
 pub(crate) fn scene_of(offer: &Offer) -> String {
     match &offer.note.scene {
         Some(path) => path.display().to_string(),
