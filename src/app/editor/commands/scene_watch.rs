@@ -152,7 +152,7 @@ pub fn follow_files(
         toasts.forget(Topic::MissingFiles);
         if let Some(message) = missing(&troubles.missing) {
             let list = Command::Shell(ShellCommand::ShowSheet(Sheet::Missing));
-            toasts.warn_of(Topic::MissingFiles, message, "Find…", list);
+            toasts.keep_offering((Tone::Warning, Topic::MissingFiles), message, "Find…", list);
         }
     } else {
         // Those that are read at the moment are told of with the last one.

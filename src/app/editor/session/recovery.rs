@@ -46,8 +46,8 @@ pub struct Recovery {
     pub left: Vec<Offer>,
     /// The edits that the user is asked about.
     pub offer: Option<Offer>,
-    /// The message that names what was left.
-    told: Option<String>,
+    /// Whether a message has named what was left.
+    is_told: bool,
     /// There is no user: what was written aside is kept for the next start.
     is_unattended: bool,
     /// The edits that are being opened.
@@ -90,7 +90,7 @@ impl Recovery {
     fn look_again(&mut self, toasts: &mut Toasts) {
         let before = std::mem::take(&mut self.left);
         self.look();
-        if self.left != before && self.told.take().is_some_and(|told| toasts.withdraw(&told)) {
+        if self.left != before && std::mem::take(&mut self.is_told) && toasts.forget(Topic::Recovery) {
             self.tell(toasts);
         }
     }
@@ -102,8 +102,9 @@ impl Recovery {
         if !others.is_empty() {
             let text = summary(&others);
             let recover = Command::Shell(ShellCommand::ShowRecovery);
-            toasts.keep_offering(text.clone(), "Recover…", recover);
-            self.told = Some(text);
+            info!("{text}");
+            toasts.keep_offering((Tone::Note, Topic::Recovery), text, "Recover…", recover);
+            self.is_told = true;
         }
     }
 
@@ -174,7 +175,7 @@ pub fn follow_scene(
         recovery.tell(&mut toasts);
     }
     let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
-    let begins = recovery.told.is_none() && seen == (0, 0);
+    let begins = !recovery.is_told && seen == (0, 0);
     if seen.1 != status.failures {
         let is_it = |(offer, _): &mut (Offer, Aside)| status.asked == Some(offer.folder.join(SCENE));
         let returning = recovery.returning.take_if(is_it);

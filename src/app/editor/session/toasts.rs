@@ -26,6 +26,8 @@ pub enum Topic {
     Saving,
     /// Files of the scene are missing.
     MissingFiles,
+    /// There are edits that can be recovered.
+    Recovery,
     /// Messages about what is never repaired by itself.
     Other,
 }
@@ -80,29 +82,20 @@ impl Toasts {
         }
     }
 
-    /// Tells the same until it is dismissed or withdrawn.
-    pub(crate) fn keep_offering(&mut self, message: impl Into<String>, label: &'static str, command: Command) {
-        self.offer(message, label, command);
-        if let Some(toast) = self.0.last_mut() {
-            toast.stays = true;
-        }
-    }
-
-    /// Warns of something that a button helps with. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended.
-    pub(crate) fn warn_of(&mut self, topic: Topic, message: String, label: &'static str, command: Command) {
+    /// Tells of something that a button helps with. The message is shown until it is dismissed, or until [`Self::forget`] removes it.
+    pub(crate) fn keep_offering(
+        &mut self,
+        (tone, topic): (Tone, Topic),
+        message: String,
+        label: &'static str,
+        command: Command,
+    ) {
         self.forget(topic);
-        self.add(Tone::Warning, topic, message, None);
+        self.add(tone, topic, message, None);
         if let Some(toast) = self.0.last_mut() {
             toast.offer = Some((label, command));
             toast.stays = true;
         }
-    }
-
-    /// Takes a message away that is no longer true. False: it is not shown any more.
-    pub(crate) fn withdraw(&mut self, message: &str) -> bool {
-        let count = self.0.len();
-        self.0.retain(|toast| toast.text != message);
-        self.0.len() < count
     }
 
     /// Tells that something the user asked for cannot be done.
@@ -159,10 +152,12 @@ impl Toasts {
         }
     }
 
-    /// Removes the message about `topic` that would stay: it is mended.
-    pub fn forget(&mut self, topic: Topic) {
+    /// Removes the messages about `topic` that would stay: it is mended. False if none was shown.
+    pub fn forget(&mut self, topic: Topic) -> bool {
+        let count = self.0.len();
         let stays = |toast: &Toast| toast.tone == Tone::Error || toast.stays;
         self.0.retain(|toast| !stays(toast) || toast.topic != topic);
+        self.0.len() < count
     }
 
     /// The time until the next message fades or goes. None while none will.
