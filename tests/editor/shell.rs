@@ -287,12 +287,12 @@ fn recovery_is_offered_once() {
         harness.state().commands,
         [Command::Shell(ShellCommand::DiscardRecovery(offer()))]
     );
-    for later in [Key::Escape, Key::Enter] {
+    let recover = Command::Shell(ShellCommand::Recover(offer()));
+    for (key, expected) in [(Key::Escape, vec![]), (Key::Enter, vec![recover])] {
         let mut harness = ask();
-        press(&mut harness, later);
-        // Only Escape is an answer: what Enter would do is too easily done unread.
-        assert_eq!(harness.state().it.is_none(), later == Key::Escape);
-        assert_eq!(harness.state().commands, []);
+        press(&mut harness, key);
+        assert_eq!(harness.state().it, None, "{key:?}");
+        assert_eq!(harness.state().commands, expected, "{key:?}");
     }
 }
 
@@ -326,23 +326,31 @@ fn several_copies_are_listed_with_their_scenes_and_times() {
 fn newer_edits_are_asked_about_before_a_save() {
     let path = PathBuf::from("/there/box.xml");
     let save = Command::SaveChanged(path.clone(), OnChange::Refuse);
-    for (button, expected) in [
-        ("Recover", vec![Command::Shell(ShellCommand::Recover(offer()))]),
-        ("Save anyway", vec![save]),
-        ("Cancel", Vec::new()),
-    ] {
+    let recover = Command::Shell(ShellCommand::Recover(offer()));
+    let ask = || {
         let requests = Requests {
             save_question: Some(SaveQuestion::about_copy(offer(), &path)),
             ..Requests::default()
         };
-        let mut harness = show(requests, |egui, shown| {
+        show(requests, |egui, shown| {
             save_question::show(egui, &mut shown.it, &mut shown.commands);
-        });
+        })
+    };
+    for (button, expected) in [
+        ("Recover", vec![recover.clone()]),
+        ("Save anyway", vec![save]),
+        ("Cancel", Vec::new()),
+    ] {
+        let mut harness = ask();
         assert!(harness.query_by_label_contains("/there/box.xml").is_some());
         click(&mut harness, button);
         assert_eq!(harness.state().commands, expected, "{button}");
         assert_eq!(harness.state().it.save_question, None, "{button}");
     }
+    let mut harness = ask();
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().commands, [recover]);
+    assert_eq!(harness.state().it.save_question, None);
 }
 
 #[test]
@@ -420,11 +428,14 @@ fn a_large_film_is_rendered_when_the_user_says_so() {
         let commands = if expected { vec![confirmed] } else { Vec::new() };
         assert_eq!(harness.state().commands, commands);
     }
-    let mut harness = show(Some(question), |egui, shown| {
-        full_film::question(egui, &mut shown.it, &mut shown.commands);
-    });
-    press(&mut harness, Key::Escape);
-    assert_eq!((&harness.state().it, harness.state().commands.len()), (&None, 0));
+    let confirmed = Command::RenderFull(question.clone().confirmed());
+    for (key, expected) in [(Key::Escape, vec![]), (Key::Enter, vec![confirmed])] {
+        let mut harness = show(Some(question.clone()), |egui, shown| {
+            full_film::question(egui, &mut shown.it, &mut shown.commands);
+        });
+        press(&mut harness, key);
+        assert_eq!((&harness.state().it, &harness.state().commands), (&None, &expected));
+    }
 }
 
 #[test]

@@ -153,12 +153,12 @@ impl BakeQuestion {
             dialog::consequence(ui, "Discard", "nothing is written, and the window closes.");
             dialog::consequence(ui, "Cancel", "the bake goes on.");
             let (lose, stop) = (look::danger(ui, "Discard"), look::primary(ui, "Stop"));
-            let (mut loses, mut stops, mut cancels) = (false, false, false);
+            let (mut loses, mut stops, mut cancels) = (false, can_stop && dialog::is_entered(ui), false);
             dialog::answers(
                 ui,
                 |ui| loses = ui.add(lose).clicked(),
                 |ui| {
-                    stops = can_stop && ui.add(stop).clicked();
+                    stops |= can_stop && ui.add(stop).on_hover_text("Enter").clicked();
                     cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
                 },
             );

@@ -27,12 +27,12 @@ pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, c
         );
         dialog::consequence(ui, "Cancel", "the picture keeps the pixels that the window shows.");
         let render = look::primary(ui, RENDER);
-        let mut answer = None;
+        let mut answer = dialog::is_entered(ui).then_some(true);
         dialog::answers(
             ui,
             |_| {},
             |ui| {
-                if ui.add(render).clicked() {
+                if ui.add(render).on_hover_text("Enter").clicked() {
                     answer = Some(true);
                 }
                 if ui.button("Cancel").on_hover_text("Esc").clicked() {

@@ -40,12 +40,12 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
         dialog::consequence(ui, "Discard", "the copy is deleted, and the edits are lost.");
         let discard = look::danger(ui, "Discard");
         let recover = look::primary(ui, &recover_text(clock.as_deref()));
-        let (mut discards, mut recovers) = (false, false);
+        let (mut discards, mut recovers) = (false, dialog::is_entered(ui));
         dialog::answers(
             ui,
             |ui| discards = ui.add(discard).clicked(),
             |ui| {
-                recovers = ui.add(recover).clicked();
+                recovers |= ui.add(recover).on_hover_text("Enter").clicked();
                 if ui.button("Later").on_hover_text("Esc").clicked() {
                     ui.close();
                 }

@@ -94,13 +94,14 @@ fn ask_about_copy(context: &egui::Context, question: &SaveQuestion, copy: Offer)
         dialog::consequence(ui, SAVE_ANYWAY, "the scene is saved as it is here. The copy stays.");
         let save_as = "the scene is saved under another name; the file and the copy stay.";
         dialog::consequence(ui, "Save as", save_as);
-        let (mut recovers, mut saves, mut renames, mut cancels) = (false, false, false, false);
+        let (mut saves, mut renames, mut cancels) = (false, false, false);
+        let mut recovers = dialog::is_entered(ui);
         let (primary, save) = (look::primary(ui, "Recover"), look::danger(ui, SAVE_ANYWAY));
         dialog::answers(
             ui,
             |ui| saves = ui.add(save).clicked(),
             |ui| {
-                recovers = ui.add(primary).clicked();
+                recovers |= ui.add(primary).on_hover_text("Enter").clicked();
                 renames = ui.button("Save as...").clicked();
                 cancels = ui.button("Cancel").on_hover_text("Save nothing (Esc)").clicked();
             },
