@@ -5,7 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::words::files::folders_apart;
-use crate::app::editor::words::times::{ago, changed_at, clock_of};
+use crate::app::editor::words::times::{ago, changed_at, clock_of, exact_clock_of};
 
 /// The most scenes that a message names.
 const MOST_NAMED: usize = 4;
@@ -57,14 +57,32 @@ pub(crate) fn time_of(note: &Note) -> Option<String> {
     clock_of(note.time)
 }
 
-/// When a copy was written, with its age. A copy of the future was written by another clock.
+/// When each copy was written, with seconds where copies of one scene are of the same minute.
+pub(crate) fn times_of(offers: &[Offer]) -> Vec<Option<String>> {
+    let time = |offer: &Offer| {
+        let clock = time_of(&offer.note);
+        let is_like_it = |other: &&Offer| other.note.scene == offer.note.scene && time_of(&other.note) == clock;
+        match offers.iter().filter(is_like_it).count() {
+            0 | 1 => clock,
+            _ => exact_clock_of(offer.note.time),
+        }
+    };
+    offers.iter().map(time).collect()
+}
+
+/// When a copy was written, with its age.
 pub(crate) fn time_and_age(note: &Note) -> String {
+    with_age(time_of(note), note)
+}
+
+/// A time, as of [`times_of`], with the age of the copy. A copy of the future was written by another clock.
+pub(crate) fn with_age(time: Option<String>, note: &Note) -> String {
     let age = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .ok()
         .and_then(|now| now.as_secs().checked_sub(note.time))
         .map(ago);
-    match (time_of(note), age) {
+    match (time, age) {
         (Some(clock), Some(age)) => format!("at {clock}, {age}"),
         (Some(clock), None) => format!("at {clock}, by a clock that was ahead"),
         (None, Some(age)) => age,
@@ -72,25 +90,30 @@ pub(crate) fn time_and_age(note: &Note) -> String {
     }
 }
 
-/// How many scenes there are to recover, such as `1 scene has unsaved edits`.
+/// How many scenes there are to recover, such as `1 scene has unsaved edits`, and how many copies of them if there are several of one.
 pub(crate) fn count_of(offers: &[Offer]) -> String {
-    let mut scenes: Vec<_> = offers
+    // What was never saved is a scene of its own in each copy.
+    let mut scenes: Vec<&Path> = offers
         .iter()
-        .map(|offer| (&offer.note.scene, offer.note.scene.is_none().then_some(&offer.folder)))
+        .map(|offer| offer.note.scene.as_ref().unwrap_or(&offer.folder).as_path())
         .collect();
     scenes.sort_unstable();
     scenes.dedup();
-    match scenes.len() {
+    let count = match scenes.len() {
         1 => "1 scene has unsaved edits".to_owned(),
         count => format!("{count} scenes have unsaved edits"),
+    };
+    match offers.len() {
+        copies if copies > scenes.len() => format!("{count}, in {copies} copies"),
+        _ => count,
     }
 }
 
 /// What there is to recover, in a sentence.
 pub(crate) fn summary(offers: &[Offer]) -> String {
-    let named = short_names(offers).into_iter().zip(offers).take(MOST_NAMED);
+    let named = short_names(offers).into_iter().zip(times_of(offers)).take(MOST_NAMED);
     let mut named: Vec<String> = named
-        .map(|(name, offer)| match time_of(&offer.note) {
+        .map(|(name, time)| match time {
             Some(clock) => format!("{name} of {clock}"),
             None => name,
         })
@@ -163,12 +186,31 @@ mod tests {
             offer(None, 0),
         ];
         let expected = format!(
-            "5 scenes have unsaved edits: a/box.xml of {}, b/box.xml of {}, a scene that was never saved of {}, a/box.xml, and 2 more.",
+            "5 scenes have unsaved edits, in 6 copies: a/box.xml of {}, b/box.xml of {}, a scene that was never saved of {}, a/box.xml, and 2 more.",
             time(5000),
             time(4000),
             time(3000)
         );
         assert_eq!(summary(&several), expected);
+    }
+
+    #[test]
+    fn copies_of_one_scene_and_one_minute_are_told_apart() {
+        let exact = |seconds| exact_clock_of(seconds).expect("a time");
+        // Whole minutes are so in every time zone of these days.
+        let minute = 60 * 20_000_000;
+        let copies = [
+            offer(Some("/a/box.xml"), minute + 40),
+            offer(Some("/a/box.xml"), minute + 7),
+            offer(Some("/b/room.xml"), minute + 7),
+        ];
+        let (late, early, other) = (exact(minute + 40), exact(minute + 7), clock_of(minute).expect("a time"));
+        assert!(late.ends_with(":40") && early.ends_with(":07"), "{late}, {early}");
+        let expected = format!(
+            "2 scenes have unsaved edits, in 3 copies: box.xml of {late}, box.xml of {early}, room.xml of {other}."
+        );
+        assert_eq!(summary(&copies), expected);
+        assert_eq!(count_of(&copies[..2]), "1 scene has unsaved edits, in 2 copies");
     }
 
     #[test]

@@ -7,7 +7,9 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::panels::look;
-use crate::app::editor::session::recovery_words::{about_file, count_of, scene_of, short_names, time_and_age, time_of};
+use crate::app::editor::session::recovery_words::{
+    about_file, count_of, scene_of, short_names, time_and_age, time_of, times_of, with_age,
+};
 
 /// Asks what to do with the edits; `offer` is None once that is answered. True if the user put it off.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) -> bool {
@@ -80,9 +82,9 @@ pub fn list(context: &egui::Context, left: &[Offer], commands: &mut Vec<Command>
         }
         let height = ui.ctx().content_rect().height() - 160.0;
         ScrollArea::vertical().max_height(height).show(ui, |ui| {
-            for offer in left {
+            for (offer, time) in left.iter().zip(times_of(left)) {
                 ui.separator();
-                row(ui, offer, commands);
+                row(ui, offer, time, commands);
             }
         });
         ui.add_space(8.0);
@@ -95,13 +97,13 @@ pub fn list(context: &egui::Context, left: &[Offer], commands: &mut Vec<Command>
     commands.len() == before && !modal.should_close()
 }
 
-fn row(ui: &mut Ui, offer: &Offer, commands: &mut Vec<Command>) {
+fn row(ui: &mut Ui, offer: &Offer, time: Option<String>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ask_button(ui, Button::new("Recover…"), offer, commands);
             ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
                 ui.add(egui::Label::new(RichText::new(scene_of(offer)).strong()).wrap());
-                ui.label(format!("Written {}", time_and_age(&offer.note)));
+                ui.label(format!("Written {}", with_age(time, &offer.note)));
                 if let Some(file) = about_file(offer) {
                     ui.add(egui::Label::new(RichText::new(file).weak()).wrap());
                 }
@@ -126,11 +128,12 @@ pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Comm
     }
     let color = ui.visuals().warn_fg_color;
     ui.label(RichText::new(count_of(left)).strong().color(color));
-    for (name, offer) in short_names(left).into_iter().zip(left).take(MOST_SHOWN) {
+    let named = short_names(left).into_iter().zip(times_of(left)).zip(left);
+    for ((name, time), offer) in named.take(MOST_SHOWN) {
         let mut button = Button::new(format!("Recover {name}"))
             .truncate()
             .min_size(egui::vec2(ui.available_width(), 26.0));
-        if let Some(clock) = time_of(&offer.note) {
+        if let Some(clock) = time {
             button = button.right_text(RichText::new(format!("of {clock}")).weak());
         }
         ask_button(ui, button, offer, commands);

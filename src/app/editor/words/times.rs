@@ -8,13 +8,25 @@ use jiff::tz::TimeZone;
 
 /// The time of day in the zone of the system, with the date if it is not today. `seconds` count from 1970. None if the time is not known.
 pub fn clock_of(seconds: u64) -> Option<String> {
+    clock(seconds, false)
+}
+
+/// The same with seconds, which tell times within a minute apart.
+pub(crate) fn exact_clock_of(seconds: u64) -> Option<String> {
+    clock(seconds, true)
+}
+
+fn clock(seconds: u64, is_exact: bool) -> Option<String> {
     let time = Timestamp::from_second(i64::try_from(seconds).ok()?).ok()?;
     let zone = TimeZone::system();
     let (then, now) = (
         time.to_zoned_datetime(zone.clone()),
         Timestamp::now().to_zoned_datetime(zone),
     );
-    let clock = format!("{:02}:{:02}", then.hour(), then.minute());
+    let mut clock = format!("{:02}:{:02}", then.hour(), then.minute());
+    if is_exact {
+        clock.push_str(&format!(":{:02}", then.second()));
+    }
     Some(match then.date() == now.date() {
         true => clock,
         false => format!("{} {clock}", then.date()),
