@@ -6,7 +6,7 @@ use bevy_egui::egui::text::{CCursor, CCursorRange};
 use bevy_egui::egui::{self, Align, ComboBox, Id, Layout, TextEdit, Ui};
 
 use super::listing::{Entry, changed_text};
-use super::{FileDialog, NAME, Outcome, Purpose, in_format, is_entered};
+use super::{FileDialog, NAME, Outcome, Purpose, in_format, is_entered, select};
 use crate::app::editor::panels::look;
 use crate::app::editor::words::files::{extension, size_text};
 
@@ -75,10 +75,8 @@ impl FileDialog {
             // The name without its extension is selected, to be typed over.
             let stem = Path::new(&self.name).file_stem().unwrap_or_default();
             let letters = stem.to_string_lossy().chars().count();
-            let mut state = egui::text_edit::TextEditState::load(ui.ctx(), id).unwrap_or_default();
             let range = CCursorRange::two(CCursor::new(0), CCursor::new(letters));
-            state.cursor.set_char_range(Some(range));
-            state.store(ui.ctx(), id);
+            select(ui.ctx(), id, range);
         }
         if formats.len() > 1 {
             let now = extension(Path::new(&self.name));

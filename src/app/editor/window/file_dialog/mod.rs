@@ -9,6 +9,8 @@ mod tests;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
+use bevy_egui::egui::text::{CCursor, CCursorRange};
+use bevy_egui::egui::text_edit::TextEditState;
 use bevy_egui::egui::{self, Button, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
@@ -82,7 +84,8 @@ const SIZE: egui::Vec2 = egui::vec2(820.0, 480.0);
 const PLACES: f32 = 150.0;
 /// So long a frame waits for a folder: most are read by then, and the list does not flicker.
 const SOON: Duration = Duration::from_millis(50);
-/// The fields for the name of the file to write and for the search.
+/// The fields for the path, for the name of the file to write, and for the search.
+const PATH: &str = "path of the folder";
 const NAME: &str = "name of the file";
 const SEARCH: &str = "search for a file";
 
@@ -232,7 +235,7 @@ impl FileDialog {
             let search = 170.0;
             let mut path = self.path.clone().unwrap_or_else(|| self.folder.display().to_string());
             let width = (ui.available_width() - search - ui.spacing().item_spacing.x).max(80.0);
-            let field = ui.add(TextEdit::singleline(&mut path).desired_width(width));
+            let field = ui.add(TextEdit::singleline(&mut path).id(Id::new(PATH)).desired_width(width));
             if field.changed() {
                 self.path = Some(path);
             }
@@ -253,6 +256,9 @@ impl FileDialog {
             if search.changed() {
                 // The field shows what was typed in the next frame.
                 ui.ctx().request_repaint();
+                if is_path(&self.filter.part) {
+                    self.take_path(ui.ctx());
+                }
                 // The first that is found is what Enter opens.
                 self.update_shown();
                 let first = self.shown.first().filter(|_| !self.filter.part.is_empty());
@@ -260,6 +266,19 @@ impl FileDialog {
             }
         });
         went
+    }
+
+    /// Goes on with a path that was begun in the search: it is the file to write, else a place to go to.
+    fn take_path(&mut self, context: &egui::Context) {
+        let typed = std::mem::take(&mut self.filter.part);
+        let end = CCursor::new(typed.chars().count());
+        let field = Id::new(if self.saves() { NAME } else { PATH });
+        match self.saves() {
+            true => self.name = typed,
+            false => self.path = Some(typed),
+        }
+        context.memory_mut(|memory| memory.request_focus(field));
+        select(context, field, CCursorRange::one(end));
     }
 
     /// Chooses and orders anew what is shown, where that has changed.
@@ -423,6 +442,19 @@ impl FileDialog {
         let written = std::iter::once(path.to_path_buf()).chain((self.second)(path));
         written.filter(|path| path.exists()).collect()
     }
+}
+
+/// Whether a text is a path, and not a part of a name: names have no separators.
+fn is_path(text: &str) -> bool {
+    let is_drive = matches!(Path::new(text).components().next(), Some(Component::Prefix(_)));
+    is_drive || text.contains(std::path::is_separator)
+}
+
+/// Selects letters of a text field.
+fn select(context: &egui::Context, field: Id, letters: CCursorRange) {
+    let mut state = TextEditState::load(context, field).unwrap_or_default();
+    state.cursor.set_char_range(Some(letters));
+    state.store(context, field);
 }
 
 /// Whether Enter was pressed. Nothing else gets it then.

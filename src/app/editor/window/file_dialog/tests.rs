@@ -144,6 +144,52 @@ fn enter_in_the_search_opens_what_is_found() {
 }
 
 #[test]
+fn a_path_in_the_search_is_a_path() {
+    let folder = folder();
+    std::fs::write(folder.path().join("inner/deep.xml"), "<scene/>").expect("a file");
+    let other = self::folder();
+    let deep = folder.path().join("inner/deep.xml");
+    // All at once, as it is pasted, and letter by letter, from the folder.
+    for (shown_in, typed) in [
+        (other.path(), vec![deep.display().to_string()]),
+        (
+            folder.path(),
+            ["inner", "/", "deep", ".xml"].map(str::to_owned).to_vec(),
+        ),
+    ] {
+        let mut harness = shown(Purpose::Open(SCENES), shown_in);
+        for part in &typed {
+            harness.event(egui::Event::Text(part.clone()));
+            harness.run_steps(3);
+        }
+        let dialog = &harness.state().0;
+        assert_eq!((dialog.filter.part.as_str(), &dialog.path), ("", &Some(typed.concat())));
+        press(&mut harness, Key::Enter);
+        assert_eq!(harness.state().1, Some(Outcome::Picked(deep.clone())));
+    }
+    let mut harness = shown(Purpose::Open(SCENES), other.path());
+    harness.event(egui::Event::Text(format!("{}/", folder.path().display())));
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    assert_eq!(
+        (harness.state().0.folder.as_path(), &harness.state().1),
+        (folder.path(), &None)
+    );
+    // Where a file is written it is the name.
+    let mut harness = saving("new.png", other.path());
+    let mut fields = harness.get_all_by_role(egui::accesskit::Role::TextInput);
+    fields.nth(1).expect("the search").click();
+    drop(fields);
+    harness.run_steps(3);
+    let new = folder.path().join("inner/new.exr");
+    harness.event(egui::Event::Text(new.display().to_string()));
+    harness.run_steps(3);
+    assert_eq!(harness.state().0.name, new.display().to_string());
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().1, Some(Outcome::Picked(new)));
+}
+
+#[test]
 fn the_question_before_replacing_is_for_the_file_that_was_named() {
     let folder = folder();
     std::fs::write(folder.path().join("other.png"), "").expect("a file");
