@@ -95,6 +95,29 @@ impl EulerAngles {
         let turned = Turned::of(matrix, before.map(|angles| angles.0))?;
         (turned.degrees != Vec3::ZERO).then_some(Self(turned.degrees))
     }
+
+    /// The same rotation by angles above -180 and up to 180 degrees, each of which is as it was where it is there already.
+    pub(crate) fn within_half_turns(self) -> Self {
+        let within = |angle: f32| match turns_away(f64::from(angle)) {
+            0.0 => angle,
+            turns => as_meant(f64::from(angle) - 360.0 * turns) as f32,
+        };
+        Self(Vec3::from(self.0.to_array().map(within)))
+    }
+}
+
+/// The full turns by which an angle is beyond half a turn; half a turn is a positive one.
+fn turns_away(degrees: f64) -> f64 {
+    (degrees / 360.0 - 0.5).ceil()
+}
+
+/// A computed angle without the error of arithmetic.
+fn as_meant(degrees: f64) -> f64 {
+    let multiple = (degrees / UNIT).round() * UNIT;
+    match (degrees - multiple).abs() < ROUNDING {
+        true => multiple,
+        false => degrees,
+    }
 }
 
 /// The matrix whose computed angles are those that it was meant to have, so that errors of arithmetic do not add up from turn to turn.
@@ -167,17 +190,11 @@ fn nearest_angles(rotation: &DMat3, near: DVec3) -> Vec3 {
         let z = first.y.atan2(first.x).to_degrees();
         [DVec3::new(x, y, z), DVec3::new(x + 180.0, 180.0 - y, z + 180.0)]
     };
-    // The turns nearest to those before; half a turn is a positive one.
+    // The turns nearest to those before.
     let round = |angle: f64, near: f64| {
-        let multiple = (angle / UNIT).round() * UNIT;
-        let angle = if (angle - multiple).abs() < ROUNDING {
-            multiple
-        } else {
-            angle
-        };
-        let turns = ((angle - near) / 360.0 - 0.5).ceil();
+        let angle = as_meant(angle);
         // Adding zero turns -0 into 0.
-        angle - 360.0 * turns + 0.0
+        angle - 360.0 * turns_away(angle - near) + 0.0
     };
     let [one, other] = candidates.map(|angles| {
         let rounded = DVec3::new(
@@ -300,6 +317,18 @@ mod tests {
         };
         let expected = Mat3A::from_cols(Vec3::NEG_Z.into(), Vec3::NEG_X.into(), Vec3::Y.into());
         assert_eq!(turned.matrix(), expected * Mat3A::from_diagonal(turned.scale));
+    }
+
+    #[test]
+    fn whole_turns_are_left_out() {
+        for (degrees, expected) in [
+            ([0.0, 360.0, -180.0], [0.0, 0.0, 180.0]),
+            ([180.0, 190.0, -190.0], [180.0, -170.0, 170.0]),
+            ([12.345678, 370.123, -720.0], [12.345678, 10.123, 0.0]),
+        ] {
+            let found = EulerAngles(Vec3::from(degrees)).within_half_turns();
+            assert_eq!(found.0.to_array(), expected);
+        }
     }
 
     #[test]

@@ -136,7 +136,7 @@ fn typed_angles_are_saved_and_come_back() {
 }
 
 #[test]
-fn turns_without_typed_angles_have_the_nearest_or_the_smallest() {
+fn turns_without_typed_angles_have_the_smallest() {
     let mut window = Window::on(
         "  <shape type=\"cube\" id=\"box\"/>\n  <shape type=\"cube\" id=\"other\"><transform name=\"to_world\"><rotate y=\"1\" angle=\"170\"/></transform></shape>",
     );
@@ -144,17 +144,25 @@ fn turns_without_typed_angles_have_the_nearest_or_the_smallest() {
     window.say("rotate other 0,1,0 20");
     assert_eq!(
         (window.angles("box"), window.angles("other")),
-        ([0.0, 180.0, 0.0], [0.0, 190.0, 0.0])
+        ([0.0, 180.0, 0.0], [0.0, -170.0, 0.0])
     );
     let text = window.saved();
     assert!(
-        text.contains("angle=\"180\"") && text.contains("<rotate y=\"1\" angle=\"190\"/>"),
+        text.contains("angle=\"180\"") && text.contains("<rotate y=\"1\" angle=\"-170\"/>"),
         "{text}"
     );
     for _ in 0..24 {
         window.say("rotate other 0,1,0 15");
     }
-    assert_eq!(window.angles("other"), [0.0, 550.0, 0.0]);
+    assert_eq!(window.angles("other"), [0.0, -170.0, 0.0]);
+    // Two half turns are none.
+    window.say("rotate box 0,1,0 180");
+    assert_eq!(window.angles("box"), [0.0, 0.0, 0.0]);
+    let text = window.saved();
+    assert!(
+        !text.contains("angle=\"180\"") && !text.contains("angle=\"360\""),
+        "{text}"
+    );
 }
 
 #[test]

@@ -180,7 +180,11 @@ pub fn set_pose(edit: &mut Edit, entity: Entity, pose: Affine3A) {
     let before = edit.world.get::<ToWorld>(entity).map(|before| before.0.matrix3);
     let has_angles = known.is_some() || edit.world.get::<Shape>(entity).is_some();
     if has_angles && before != Some(pose.matrix3) {
-        set_angles(edit, entity, EulerAngles::following(known, &pose.matrix3));
+        let nearest = EulerAngles::following(known, &pose.matrix3);
+        // Between key frames a thing turns from angle to angle.
+        let goes_on = nearest == known || has_track(edit.world, entity);
+        let shortest = || nearest.map(EulerAngles::within_half_turns);
+        set_angles(edit, entity, if goes_on { nearest } else { shortest() });
     }
     let to_world = match middle_of(edit.world, entity) {
         Vec3::ZERO => pose,
@@ -207,13 +211,17 @@ fn moved_by_itself(world: &World, entity: Entity, pose: &Affine3A) -> Option<Sha
             .any(|property| property.name == "to_world"),
         None => world.get::<ToWorld>(entity)?.0 != Affine3A::IDENTITY,
     };
-    let moves = world
-        .get::<Keys>(entity)
-        .is_some_and(|keys| keys.track(&KeyPath::new("to_world")).is_some());
-    if has_transform || moves || pose.matrix3 != Mat3A::IDENTITY {
+    if has_transform || has_track(world, entity) || pose.matrix3 != Mat3A::IDENTITY {
         return None;
     }
     world.get::<Shape>(entity)?.moved_to(pose.translation.into())
+}
+
+/// Whether the pose has key frames.
+fn has_track(world: &World, entity: Entity) -> bool {
+    world
+        .get::<Keys>(entity)
+        .is_some_and(|keys| keys.track(&KeyPath::new("to_world")).is_some())
 }
 
 /// Sets poses, see [`pose_of`], as one edit. The error is a sentence for the user; poses before the refused one are set then, and the caller abandons the
