@@ -319,7 +319,7 @@ pub(crate) fn gather_viewport(
         .and_then(texture_target);
     let media = inspected.map_or(&[][..], |inspected| &inspected.media);
     seen.volume_boxes = media.iter().flat_map(|entry| entry.boxes.iter().copied()).collect();
-    seen.placeholder = placeholder(&sources.status, &sources.preferences.keys);
+    seen.placeholder = placeholder(&sources.status, model.0.status.paused, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let is_denoised = matches!(model.0.status.denoiser, DenoiserState::Shown { .. });
     seen.compared = match sources.picture.compared() {
@@ -348,15 +348,37 @@ fn texture_target(inspected: &Inspected) -> Option<TextureTarget> {
     })
 }
 
-fn placeholder(status: &SceneStatus, bound: &KeyBindings) -> String {
+fn placeholder(status: &SceneStatus, paused: bool, bound: &KeyBindings) -> String {
     let file = status.subject().map_or(String::new(), |path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     });
     match status.state {
         SceneState::Empty => hint("Open a scene with File, Open", "open", bound),
         SceneState::Loading => format!("Loading {file}"),
+        // It would be prepared for ever.
+        SceneState::Ready if paused => "Paused".to_owned(),
         SceneState::Ready if file.is_empty() => "Preparing the scene".to_owned(),
         SceneState::Ready => format!("Preparing {file}"),
         SceneState::Failed => format!("{file} could not be read; see Messages at the right"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::editor::command::key_bindings::NO_BINDINGS;
+
+    #[test]
+    fn nothing_is_prepared_while_paused() {
+        let mut status = SceneStatus {
+            path: Some("/rooms/flat.xml".into()),
+            state: SceneState::Ready,
+            ..SceneStatus::default()
+        };
+        let text = |status: &SceneStatus, paused| placeholder(status, paused, &NO_BINDINGS);
+        assert_eq!(text(&status, false), "Preparing flat.xml");
+        assert_eq!(text(&status, true), "Paused");
+        status.state = SceneState::Loading;
+        assert_eq!(text(&status, true), "Loading flat.xml");
     }
 }
