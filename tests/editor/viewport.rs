@@ -21,6 +21,7 @@ use sunroom::app::editor::viewport::icons::{Icon, IconKind};
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
+use sunroom::engine::Outdated;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
 
@@ -40,6 +41,8 @@ pub struct Window {
     preset: NavigationPreset,
     /// Whether the scene has no shapes.
     is_empty: bool,
+    /// Whether the picture is paused and older than the scene.
+    is_paused: bool,
 }
 
 pub const SIZE: egui::Vec2 = vec2(800.0, 600.0);
@@ -76,6 +79,7 @@ pub fn window() -> Harness<'static, Window> {
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
         preset: NavigationPreset::default(),
         is_empty: false,
+        is_paused: false,
     };
     let lamp = Icon {
         entity: entity(7),
@@ -99,9 +103,11 @@ pub fn window() -> Harness<'static, Window> {
                 },
                 preset: window.preset,
                 is_empty: window.is_empty,
+                outdated: window.is_paused.then_some(Outdated::Scene),
                 keys: ActionContext {
                     gizmo: window.gizmo,
                     tool: window.tool,
+                    paused: window.is_paused,
                     ..empty.keys
                 },
                 ..empty
@@ -233,6 +239,48 @@ fn control_rounds_and_escape_puts_back() {
         commands.iter().all(|command| matches!(command, Command::Transform(_))),
         "{commands:?}"
     );
+}
+
+#[test]
+fn the_bar_of_a_paused_picture_leaves_the_handles_free() {
+    const WORDS: &str = "Paused: the picture is older than the scene";
+    let mut harness = window();
+    harness.state_mut().is_paused = true;
+    for height in [-4.0, -2.0, 1.0, 2.0, 3.0, 4.0, 0.0] {
+        let place = Vec3::Y * height;
+        let target = &mut harness.state_mut().target;
+        target.to_world = Affine3A::from_translation(place);
+        target.bounds = Some(Aabb {
+            min: place - 1.0,
+            max: place + 1.0,
+        });
+        harness.run_steps(2);
+        let words = harness.get_by_label(WORDS).rect();
+        let middle = at(&harness, place);
+        assert!(!words.expand(90.0).contains(middle), "{words:?} {middle:?}");
+    }
+    // A drag goes over it.
+    let words = harness.get_by_label(WORDS).rect();
+    let tip = at(&harness, Vec3::ZERO) - vec2(0.0, 60.0);
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        tip,
+        words.center(),
+        Modifiers::NONE,
+        false,
+    );
+    assert!(moved_to(&harness).y > 0.0);
+    assert!(harness.query_by_label(WORDS).is_none());
+    button(
+        &mut harness,
+        PointerButton::Primary,
+        words.center(),
+        false,
+        Modifiers::NONE,
+    );
+    harness.run_steps(2);
+    assert!(harness.query_by_label(WORDS).is_some());
 }
 
 #[test]

@@ -52,7 +52,7 @@ use crate::engine::fit;
 use crate::math::Aabb;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
-use gizmo::interaction::Rest;
+use gizmo::interaction::{Rest, place_of_handles};
 use icons::IconKind;
 use marks::{Tags, tag, thin_frame};
 use material_drop::{Takers, drop_target};
@@ -124,7 +124,12 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
             texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
         }
     }
-    paused::bar(ui, picture, model, commands);
+    if !state.gizmo.is_dragging() {
+        let handles = screen
+            .as_ref()
+            .and_then(|screen| place_of_handles(screen, &model.gizmo));
+        paused::bar(ui, panel, picture, handles, model, commands);
+    }
     if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
     }

@@ -10,7 +10,9 @@ use crate::engine::Outdated;
 
 /// The size of the bar, in points.
 const SIZE: bevy_egui::egui::Vec2 = vec2(380.0, 30.0);
-/// The distance of the bar from the foot of the picture, above the bars of tools and the captions.
+/// The distance of the bar from the top of the panel, below the toolbar and the hint about a tool, and from the foot of the picture, above the bars of
+/// tools and the captions.
+const TOP: f32 = 68.0;
 const FOOT: f32 = 84.0;
 
 /// What is told of the picture; nothing if it is the one of the scene.
@@ -23,11 +25,28 @@ fn words(model: &ViewportModel) -> Option<&'static str> {
     })
 }
 
-pub(super) fn bar(ui: &mut Ui, picture: Rect, model: &ViewportModel, commands: &mut Vec<Command>) {
-    let Some(words) = words(model) else { return };
+/// The place of the bar: at the top of the picture, and at its foot where handles are at the top, which it would hide.
+fn place(panel: Rect, picture: Rect, handles: Option<Rect>) -> Rect {
     let size = SIZE.min(vec2(picture.width(), SIZE.y));
-    let foot = pos2(picture.center().x, picture.bottom() - FOOT);
-    let place = Rect::from_min_size(pos2(foot.x - 0.5 * size.x, foot.y - size.y), size);
+    let at = |top: f32| Rect::from_min_size(pos2(picture.center().x - 0.5 * size.x, top), size);
+    let top = at((panel.top() + TOP).max(picture.top() + 8.0));
+    match handles.is_some_and(|handles| handles.intersects(top)) {
+        true => at(picture.bottom() - FOOT - size.y),
+        false => top,
+    }
+}
+
+/// Shows the bar. `handles`: where handles are.
+pub(super) fn bar(
+    ui: &mut Ui,
+    panel: Rect,
+    picture: Rect,
+    handles: Option<Rect>,
+    model: &ViewportModel,
+    commands: &mut Vec<Command>,
+) {
+    let Some(words) = words(model) else { return };
+    let place = place(panel, picture, handles);
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("paused").max_rect(place).layout(layout));
     bar_frame(&bar, Margin::symmetric(8, 4)).show(&mut bar, |ui| {

@@ -15,6 +15,8 @@ pub const SIZE: f32 = 90.0;
 /// The radius of the rings around the axes, and of that around the view axis.
 pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
+/// The distance from the middle within which all handles can be taken.
+pub(crate) const SPAN: f32 = VIEW_RING + REACH;
 /// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of the parts in the middle and
 /// at the tips.
 const AXIS_START: f32 = 18.0;

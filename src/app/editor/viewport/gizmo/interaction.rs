@@ -5,7 +5,7 @@
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
-use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Response, Ui, Vec2};
+use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 
 use super::super::marks::tag;
 use super::super::over_picture::is_over;
@@ -412,6 +412,16 @@ fn shown(screen: &Screen, model: &GizmoModel) -> Vec<Handle> {
     frame.map_or(Vec::new(), |frame| {
         handles::handles(&frame, model.settings.mode, screen)
     })
+}
+
+/// The square around all handles; None without any.
+pub(crate) fn place_of_handles(screen: &Screen, model: &GizmoModel) -> Option<Rect> {
+    if model.settings.is_hidden {
+        return None;
+    }
+    let frame = frame(model.targets, &model.settings, ahead(screen, model))?;
+    let middle = screen.project(frame.origin)?;
+    Some(Rect::from_center_size(middle, Vec2::splat(2.0 * handles::SPAN)))
 }
 
 /// The point about which something without a place is turned: in the middle of the picture.
