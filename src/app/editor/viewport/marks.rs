@@ -38,7 +38,13 @@ fn tag_at(painter: &egui::Painter, text: &str, place: impl FnOnce(Vec2) -> Rect)
     rect
 }
 
-/// Tags beside things in the picture, none over another.
+/// The rectangle moved into another one, as far as it fits.
+fn inside(rect: Rect, room: Rect) -> Rect {
+    let shift = (room.max - rect.max).min(Vec2::ZERO).max(room.min - rect.min);
+    rect.translate(shift)
+}
+
+/// Tags beside things in the picture, none over another. Those that are partly in the picture are brought into it.
 #[derive(Debug, Default)]
 pub(crate) struct Tags {
     taken: Vec<Rect>,
@@ -50,15 +56,26 @@ const BETWEEN: f32 = 2.0;
 impl Tags {
     /// A text with its middle as near to this place as there is room above or below.
     pub(crate) fn tag(&mut self, painter: &egui::Painter, middle: Pos2, text: &str) {
-        let rect = tag_at(painter, text, |size| self.free(Rect::from_center_size(middle, size)));
+        let room = painter.clip_rect();
+        let rect = tag_at(painter, text, |size| {
+            self.free(Rect::from_center_size(middle, size), room)
+        });
         self.taken.push(rect);
     }
 
-    /// The nearest place for a rectangle above or below its own where there is no tag yet.
-    fn free(&self, wanted: Rect) -> Rect {
+    /// The nearest place in the picture for a rectangle above or below its own where there is no tag yet.
+    fn free(&self, wanted: Rect, picture: Rect) -> Rect {
+        // What is out of sight stays there.
+        let room = match picture.intersects(wanted) {
+            true => picture,
+            false => Rect::EVERYTHING,
+        };
+        let wanted = inside(wanted, room);
         let column = wanted.expand2(egui::vec2(BETWEEN, f32::INFINITY));
         let beside = || self.taken.iter().filter(|taken| taken.intersects(column));
-        let is_free = |place: &Rect| beside().all(|taken| !taken.expand(0.5 * BETWEEN).intersects(*place));
+        let is_free = |place: &Rect| {
+            room.contains_rect(*place) && beside().all(|taken| !taken.expand(0.5 * BETWEEN).intersects(*place))
+        };
         let at = |top: f32| wanted.translate(egui::vec2(0.0, top - wanted.top()));
         let next_to = beside().flat_map(|taken| [taken.top() - BETWEEN - wanted.height(), taken.bottom() + BETWEEN]);
         let places = std::iter::once(wanted).chain(next_to.map(at)).filter(is_free);
@@ -87,7 +104,7 @@ mod tests {
         ];
         for (x, y) in wanted {
             let wanted = Rect::from_center_size(Pos2::new(x, y), size);
-            let place = tags.free(wanted);
+            let place = tags.free(wanted, Rect::EVERYTHING);
             assert!(tags.taken.iter().all(|taken| !taken.intersects(place)), "{place:?}");
             assert_eq!(place.center().x, x);
             assert!((place.center().y - y).abs() <= 2.0 * (size.y + BETWEEN), "{place:?}");
@@ -97,5 +114,32 @@ mod tests {
         assert_eq!(tags.taken[4].center(), Pos2::new(300.0, 100.0), "nothing is there");
         // It goes to the side that is nearer.
         assert!(tags.taken[1].center().y > 104.0 && tags.taken[2].center().y < 97.0);
+    }
+
+    #[test]
+    fn tags_are_brought_into_the_picture() {
+        let picture = Rect::from_min_size(Pos2::new(100.0, 50.0), egui::vec2(400.0, 300.0));
+        let size = egui::vec2(60.0, 20.0);
+        let mut tags = Tags::default();
+        for (x, y) in [
+            (105.0, 200.0),
+            (495.0, 55.0),
+            (300.0, 345.0),
+            (300.0, 349.0),
+            (310.0, 348.0),
+        ] {
+            let place = tags.free(Rect::from_center_size(Pos2::new(x, y), size), picture);
+            assert!(picture.contains_rect(place), "{place:?}");
+            assert!(tags.taken.iter().all(|taken| !taken.intersects(place)), "{place:?}");
+            tags.taken.push(place);
+        }
+        let wide = Rect::from_center_size(Pos2::new(300.0, 200.0), egui::vec2(600.0, 20.0));
+        assert_eq!(
+            tags.free(wide, picture).left(),
+            picture.left(),
+            "it begins in the picture"
+        );
+        let beyond = Rect::from_center_size(Pos2::new(300.0, 900.0), size);
+        assert_eq!(tags.free(beyond, picture), beyond);
     }
 }

@@ -47,7 +47,7 @@ impl StandIn {
 pub(super) fn paint_names(painter: &Painter, screen: &Screen, stand_ins: &[StandIn], tags: &mut Tags) {
     let seen = stand_ins.iter().filter_map(|it| Some((it, place(screen, &it.icon)?)));
     for (stand_in, at) in seen.take(MOST_NAMES) {
-        let below = at + bevy_egui::egui::vec2(0.0, 20.0);
+        let below = painter.clip_rect().clamp(at + bevy_egui::egui::vec2(0.0, 20.0));
         tags.tag(painter, below, &format!("{} has no mesh", stand_in.name));
     }
 }
