@@ -5,18 +5,18 @@ use std::path::Path;
 use bevy_egui::egui::{self, Rect, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::preferences::Preferences;
 use sunroom::app::editor::command::recovery_offer::{Note, Offer};
 use sunroom::app::editor::command::samples::SAMPLES;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
+use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::session::tutorial::{LESSONS, Tutorial};
 use sunroom::app::editor::window::{start_page, tutorial};
 use sunroom::document;
 use sunroom::scene::read::read;
 
-use crate::support::context;
+use crate::support::{context, presses};
 
 struct Page {
     preferences: Preferences,
@@ -50,6 +50,7 @@ fn page_with(size: egui::Vec2, recent: &[&str], left: Vec<Offer>) -> Harness<'st
                     &page.preferences,
                     &page.left,
                     &context,
+                    &presses(ui),
                     &mut page.commands,
                 );
             }
@@ -112,6 +113,25 @@ fn the_page_names_the_scenes_that_can_be_recovered() {
     assert!(harness.query_by_label_contains("Recover 5.xml").is_none());
     click(&mut harness, "All 6…");
     assert_eq!(harness.state().commands, [Command::Shell(ShellCommand::ShowRecovery)]);
+}
+
+#[test]
+fn keys_of_what_the_page_offers_count_on_it() {
+    for (key, command) in [
+        (egui::Key::N, Command::NewScene),
+        (egui::Key::O, Command::ShowDialog(FileDialogKind::OpenScene)),
+    ] {
+        let mut harness = page(egui::vec2(1000.0, 700.0));
+        harness.key_press(key);
+        harness.run_steps(3);
+        assert!(harness.state().commands.is_empty() && harness.state().is_open);
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, key);
+        harness.run_steps(3);
+        assert_eq!(
+            (&harness.state().commands[..], harness.state().is_open),
+            (&[command][..], false)
+        );
+    }
 }
 
 #[test]

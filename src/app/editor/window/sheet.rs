@@ -90,7 +90,14 @@ pub fn show(
         }
         Sheet::Bake => widgets.bake.sheet(context, &model.bake, commands),
         Sheet::Recovery => recovery_question::list(context, shown.left, commands),
-        Sheet::Start => start_page::show(context, shown.preferences, shown.left, &shown.actions, commands),
+        Sheet::Start => start_page::show(
+            context,
+            shown.preferences,
+            shown.left,
+            &shown.actions,
+            shown.presses,
+            commands,
+        ),
     };
     if !stays {
         *sheet = None;

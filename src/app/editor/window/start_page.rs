@@ -13,6 +13,7 @@ use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::{self, ActionContext};
+use crate::app::editor::input::press::Press;
 use crate::app::editor::panels::look;
 use crate::app::editor::words::files::folders_apart;
 
@@ -23,12 +24,13 @@ const GAP: f32 = 8.0;
 const RECENT_WIDTH: f32 = 260.0;
 const MOST_RECENT: usize = 8;
 
-/// Shows the page; false when it is to be closed.
+/// Shows the page; false when it is to be closed. `presses`: the keys that went down in this frame.
 pub fn show(
     context: &egui::Context,
     preferences: &Preferences,
     left: &[Offer],
     actions: &ActionContext,
+    presses: &[Press],
     commands: &mut Vec<Command>,
 ) -> bool {
     let before = commands.len();
@@ -60,7 +62,8 @@ pub fn show(
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
                 recovery_question::on_start_page(ui, left, commands);
-                closes |= begin(ui, actions, preferences.recent_files.is_empty(), commands);
+                let is_new = preferences.recent_files.is_empty();
+                closes |= begin(ui, actions, is_new, presses, commands);
                 mouse(ui, preferences.navigation, commands);
                 recent(ui, &preferences.recent_files, commands);
             });
@@ -156,8 +159,8 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.add_space(GAP);
 }
 
-/// The ways to begin; true if one was chosen. `is_new`: nothing was opened before.
-fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, commands: &mut Vec<Command>) -> bool {
+/// The ways to begin, by buttons and by their keys; true if one was chosen. `is_new`: nothing was opened before.
+fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, presses: &[Press], commands: &mut Vec<Command>) -> bool {
     ui.label(RichText::new("Begin").strong());
     let mut is_chosen = false;
     for (name, help) in [
@@ -171,7 +174,9 @@ fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, commands: &mut Vec<
         let Some(action) = actions::find(name) else { continue };
         let first = if is_new { "tutorial" } else { "new" };
         let button = look::primary_if(ui, name == first, action.label).min_size(egui::vec2(ui.available_width(), 26.0));
-        if ui.add(button).on_hover_text(help).clicked() {
+        let button = ui.add(button).on_hover_text(actions::hint(help, name, context.bound));
+        let is_pressed = presses.iter().any(|press| action.is_pressed(press, context.bound));
+        if button.clicked() || is_pressed && !is_chosen {
             commands.extend((action.command)(context));
             is_chosen = true;
         }
