@@ -11,6 +11,8 @@ pub struct StoredView {
     pub pose: Affine3A,
     /// Whether the view has no perspective.
     pub orthographic: bool,
+    /// Whether walls between the camera and a room are left out, without which a view from above shows a roof.
+    pub hides_walls: bool,
 }
 
 /// The views by their number less one.
@@ -23,6 +25,8 @@ struct Written {
     world_from_camera: [[f32; 3]; 4],
     #[serde(default)]
     orthographic: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    hides_walls: bool,
 }
 
 impl From<StoredView> for Written {
@@ -32,6 +36,7 @@ impl From<StoredView> for Written {
         Self {
             world_from_camera: columns.map(|column| column.to_array()),
             orthographic: view.orthographic,
+            hides_walls: view.hides_walls,
         }
     }
 }
@@ -45,6 +50,7 @@ impl From<Written> for StoredView {
                 translation: place,
             },
             orthographic: written.orthographic,
+            hides_walls: written.hides_walls,
         }
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
+use super::seeing::note_other_view;
 use super::view::look_through_first;
 use super::world::{control, set_resource};
 use crate::app::checkpoint::Piece;
@@ -171,7 +172,11 @@ fn shown(world: &mut World) -> Shown {
     let control = world.resource::<RenderControl>();
     Shown {
         camera: cameras.iter().position(|camera| Some(*camera) == active).unwrap_or(0),
-        view: view.map(|pose| StoredView { pose, orthographic }),
+        view: view.map(|pose| StoredView {
+            pose,
+            orthographic,
+            hides_walls: false,
+        }),
         time: shown_time(world),
         samples: control.target_samples,
         seconds: control.time_limit,
@@ -185,6 +190,8 @@ fn shown(world: &mut World) -> Shown {
 /// Shows the scene as it was shown then, up to the size of the picture.
 fn show(world: &mut World, shown: &Shown) {
     world.resource_mut::<ViewSettings>().playback.stop();
+    // A kept picture is of all of the scene.
+    note_other_view(world);
     if shown.time != shown_time(world) {
         show_moment(world, shown.time);
     }

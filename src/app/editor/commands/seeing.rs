@@ -14,8 +14,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::seeing::{CutOpen, Seeing, Walls};
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{PackedScene, SightControl};
-use crate::render::sight::CutPlane;
+use crate::engine::PackedScene;
 use crate::scene::{InstanceOf, MemberOf, Shape};
 
 pub fn set(world: &mut World, seeing: Seeing) {
@@ -87,8 +86,22 @@ pub fn note_axis_view(world: &mut World) {
     let is_wanted = world
         .get_resource::<Preferences>()
         .is_none_or(|known| known.axis_views_hide_walls);
+    if is_wanted {
+        hide_walls_for_view(world);
+    }
+}
+
+/// Hides or shows walls as they were when a view was stored; those that the user has hidden stay hidden.
+pub fn note_stored_view(world: &mut World, hides_walls: bool) {
+    match hides_walls {
+        true => hide_walls_for_view(world),
+        false => note_other_view(world),
+    }
+}
+
+fn hide_walls_for_view(world: &mut World) {
     let seeing = world.resource::<ViewSettings>().seeing;
-    if is_wanted && seeing.walls == Walls::Shown {
+    if seeing.walls == Walls::Shown {
         let walls = Walls::HiddenForAxis;
         set(world, Seeing { walls, ..seeing });
     }
@@ -115,18 +128,6 @@ pub fn keep_what_is_there(world: &mut World, is_there: impl Fn(&World, Entity) -
 }
 
 fn tell_renderer(world: &mut World) {
-    let settings = world.resource::<ViewSettings>();
-    let cut = settings.seeing.cut.map(|cut| {
-        let side = if cut.above { 1.0 } else { -1.0 };
-        CutPlane {
-            normal: side * Vec3::AXES[cut.axis],
-            offset: side * cut.at,
-        }
-    });
-    let sight = SightControl {
-        passes_backs: settings.seeing.walls != Walls::Shown,
-        cut,
-        only: settings.isolated.clone(),
-    };
+    let sight = world.resource::<ViewSettings>().sight();
     control(world, |control| control.sight = sight);
 }

@@ -114,8 +114,14 @@ pub fn look_along(world: &mut World, axis: AxisView) {
 
 pub fn store(world: &mut World, number: usize) {
     let orthographic = pose::is_orthographic(world);
-    let view = view_pose(world).map(|pose| StoredView { pose, orthographic });
+    let pose = view_pose(world);
     let mut settings = world.resource_mut::<ViewSettings>();
+    let hides_walls = settings.hides_walls();
+    let view = pose.map(|pose| StoredView {
+        pose,
+        orthographic,
+        hides_walls,
+    });
     let place = number.checked_sub(1);
     if let Some(place) = place.and_then(|place| settings.bookmarks.get_mut(place)) {
         *place = view;
@@ -128,7 +134,7 @@ pub fn recall(world: &mut World, number: usize) -> Result<(), CommandError> {
     let stored = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
     let view = stored.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?;
     if world.resource::<ActiveSensor>().0.is_some() {
-        seeing::note_other_view(world);
+        seeing::note_stored_view(world, view.hides_walls);
         let from = view_pose(world);
         let end = FreeView {
             pose: Some(view.pose),

@@ -7,7 +7,9 @@ use super::view_settings::ViewSettings;
 use super::views_file::{ViewsFile, canonical};
 use crate::app::editor::command::baking::BakePlan;
 use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::seeing::Walls;
 use crate::app::editor::command::stored_view::{StoredView, StoredViews};
+use crate::engine::RenderControl;
 use crate::scene::{ActiveSensor, FreeView, Lens, SceneState, SceneStatus, Sensor, ToWorld};
 
 /// Reads the views of a scene that has been opened, and writes those that are stored.
@@ -72,6 +74,8 @@ pub fn follow_views(
 pub fn return_to_view(
     mut file: ResMut<ViewsFile>,
     mut free_view: ResMut<FreeView>,
+    mut settings: ResMut<ViewSettings>,
+    mut control: ResMut<RenderControl>,
     mut toasts: ResMut<Toasts>,
     preferences: Res<Preferences>,
     status: Res<SceneStatus>,
@@ -89,6 +93,10 @@ pub fn return_to_view(
     let view = file.last;
     let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
     if let (Some(view), Some(sensor), true) = (view, sensor, returns && preferences.returns_to_views) {
+        if view.hides_walls {
+            settings.seeing.walls = Walls::HiddenForAxis;
+            control.sight = settings.sight();
+        }
         free_view.pose = Some(view.pose);
         free_view.lens = sensor.lens.for_projection(view.orthographic);
         toasts.info("The view is where it was left; View > Cameras has that of the file");
@@ -101,6 +109,7 @@ pub fn return_to_view(
 pub fn note_view(
     mut file: ResMut<ViewsFile>,
     free_view: Res<FreeView>,
+    settings: Res<ViewSettings>,
     active: Res<ActiveSensor>,
     sensors: Query<(&Sensor, &ToWorld)>,
     mut exits: MessageReader<AppExit>,
@@ -115,6 +124,7 @@ pub fn note_view(
             .map(|(sensor, pose)| StoredView {
                 pose: free_view.pose.unwrap_or(pose.0),
                 orthographic: free_view.lens.unwrap_or(sensor.lens) == Lens::Orthographic,
+                hides_walls: settings.hides_walls(),
             });
     }
     if exits.read().next().is_some()
@@ -200,6 +210,8 @@ mod tests {
             ..Preferences::default()
         });
         world.init_resource::<FreeView>();
+        world.init_resource::<ViewSettings>();
+        world.init_resource::<RenderControl>();
         world.init_resource::<Toasts>();
         world.init_resource::<Messages<AppExit>>();
         world.run_system_cached(return_to_view).expect("runs");
@@ -211,6 +223,11 @@ mod tests {
         for (returns, prefers) in [(true, true), (false, true), (true, false)] {
             let mut world = opened(returns, prefers);
             let view = views(60.0)[2].expect("stored");
+            assert!(view.hides_walls);
+            // The walls that it was seen without are hidden again.
+            let hides_walls = world.resource::<ViewSettings>().hides_walls();
+            let passes_backs = world.resource::<RenderControl>().sight.passes_backs;
+            assert_eq!((hides_walls, passes_backs), (returns && prefers, returns && prefers));
             let free = *world.resource::<FreeView>();
             if returns && prefers {
                 assert_eq!((free.pose, free.lens), (Some(view.pose), Some(Lens::Orthographic)));
@@ -236,7 +253,6 @@ mod tests {
     #[test]
     fn a_scene_that_is_opened_does_not_play() {
         let mut world = opened(true, true);
-        world.init_resource::<ViewSettings>();
         world.resource_mut::<ViewSettings>().playback.start(0.0);
         let mut plays = |fresh_load: bool| {
             let mut status = world.resource_mut::<SceneStatus>();
@@ -260,7 +276,6 @@ mod tests {
             last_written: last,
             ..ViewsFile::default()
         });
-        world.init_resource::<ViewSettings>();
         let mut status = world.resource_mut::<SceneStatus>();
         status.path = Some("/b.xml".into());
         status.fresh_load = false;

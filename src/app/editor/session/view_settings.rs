@@ -1,6 +1,6 @@
 //! The settings of the view and of the tools. None of them is part of the scene.
 
-use bevy::prelude::{Entity, Resource};
+use bevy::prelude::{Entity, Resource, Vec3};
 
 use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
@@ -9,11 +9,13 @@ use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
-use crate::app::editor::command::seeing::Seeing;
+use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::stored_view::StoredViews;
 use crate::app::editor::command::timeline::Timeline;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::session::playback::Playback;
+use crate::engine::SightControl;
+use crate::render::sight::CutPlane;
 
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]
@@ -66,6 +68,27 @@ impl ViewSettings {
         let steps = &self.gizmo.steps;
         let kept = self.building_step.filter(|_| steps.length.is_none());
         kept.unwrap_or_else(|| steps.length_in(self.navigation.scene_size))
+    }
+
+    /// Whether walls between the camera and a room are left out.
+    pub(crate) fn hides_walls(&self) -> bool {
+        self.seeing.walls != Walls::Shown
+    }
+
+    /// What the renderer leaves out.
+    pub(crate) fn sight(&self) -> SightControl {
+        let cut = self.seeing.cut.map(|cut| {
+            let side = if cut.above { 1.0 } else { -1.0 };
+            CutPlane {
+                normal: side * Vec3::AXES[cut.axis],
+                offset: side * cut.at,
+            }
+        });
+        SightControl {
+            passes_backs: self.hides_walls(),
+            cut,
+            only: self.isolated.clone(),
+        }
     }
 }
 

@@ -172,6 +172,7 @@ pub(super) mod tests {
         views[2] = Some(StoredView {
             pose: Affine3A::from_rotation_y(0.3) * Affine3A::from_translation(Vec3::new(x, 1e-7, -3.5)),
             orthographic: x > 50.0,
+            hides_walls: x > 50.0,
         });
         views
     }

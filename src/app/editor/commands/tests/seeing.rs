@@ -51,6 +51,19 @@ fn views_along_an_axis_hide_walls_until_another_view() {
 }
 
 #[test]
+fn a_stored_view_hides_the_walls_that_it_was_stored_without() {
+    let (mut world, camera) = with_camera();
+    say(&mut world, Command::StoreView(1));
+    say(&mut world, Command::LookAlong(AxisView::Top));
+    say(&mut world, Command::StoreView(2));
+    say(&mut world, Command::LookThrough(camera));
+    say(&mut world, Command::RecallView(2));
+    assert!(sight(&world).passes_backs && walls(&world) == Walls::HiddenForAxis);
+    say(&mut world, Command::RecallView(1));
+    assert!(!sight(&world).passes_backs && walls(&world) == Walls::Shown);
+}
+
+#[test]
 fn views_along_an_axis_are_about_the_point_that_the_view_was_turned_about() {
     let (mut world, _) = with_camera();
     let looked_at = |world: &World, distance: f32| {
