@@ -15,8 +15,8 @@ use crate::light::WeightedSource;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, ExteriorMedium, Film, FirstNested, FreeView,
     GridFile, Hidden, InMedium, InstanceOf, IntegratorSettings, InteriorMedium, InteriorOf, Material, Medium, MemberOf,
-    MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup,
-    TextureMap, ToWorld, TriangleMesh, UsesMaterial, VolumeMap, Volumes,
+    MeshHandle, Pictures, Placements, SamplerSettings, SceneFile, SceneId, SceneStatus, SecondNested, Sensor, Shape,
+    ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial, VolumeMap, VolumeParameter, Volumes,
 };
 use crate::shading::DielectricModel;
 
@@ -149,6 +149,7 @@ pub(super) struct Authored<'w, 's> {
     pub volume_maps: Res<'w, Assets<VolumeMap>>,
     pub asset_server: Option<Res<'w, AssetServer>>,
     pub status: Res<'w, SceneStatus>,
+    file: Option<Res<'w, SceneFile>>,
 }
 
 impl Authored<'_, '_> {
@@ -197,12 +198,24 @@ impl Authored<'_, '_> {
             .filter(|(.., shapes)| !shapes.is_some_and(|shapes| self.are_hidden(shapes)))
             .map(|(entity, order, id, medium, _)| AuthoredMedium {
                 entity,
-                name: name_of("medium", *order, id),
+                name: match id {
+                    Some(_) => name_of("medium", *order, id),
+                    None => format!("medium of type {}", medium.plugin()),
+                },
                 medium,
             })
             .collect();
         let volumes = |file: &GridFile| self.volume_maps.get(self.volumes.get(&file.asset_path())?);
         pack_media(&authored, &volumes, errors)
+    }
+
+    /// Where the scene file names the grid of a medium's density; None for one without a file.
+    pub fn place_of_density(&self, medium: Entity) -> Option<String> {
+        let (_, _, _, medium, _) = self.media.get(medium).ok()?;
+        match medium.coefficients.sigma_t_and_albedo().0 {
+            VolumeParameter::Grid(grid) => self.file.as_ref()?.place_of_volume(&grid.asset_path()),
+            VolumeParameter::Constant(_) | VolumeParameter::Box { .. } => None,
+        }
     }
 
     /// Packs the lights that are no surfaces in the order of the file and adds them to `lights`.

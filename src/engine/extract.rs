@@ -337,10 +337,14 @@ impl Extracted {
         if self.packed_media.sources != packed.sources {
             self.scene.media = Arc::new(self.scene.media.with(packed.sources.clone()));
         }
-        for (name, medium) in packed.names.iter().zip(self.scene.media.iter()) {
-            if let Some(limited) = medium.limited() {
-                self.errors.media.push(format!("{name}: {limited}"));
-            }
+        for (place, (name, medium)) in packed.names.iter().zip(self.scene.media.iter()).enumerate() {
+            let Some(limited) = medium.limited() else { continue };
+            let entity = packed.ids.iter().find(|(_, id)| id.0 as usize == place);
+            let message = match entity.and_then(|(entity, _)| authored.place_of_density(*entity)) {
+                Some(named) => format!("{name} ({named}): {limited}"),
+                None => format!("{name}: {limited}"),
+            };
+            self.errors.media.push(message);
         }
         self.packed_media = packed;
     }

@@ -88,6 +88,12 @@ impl SceneFile {
         FileProblem::of_missing(kind, path, span, self.missing.get(path), &self.good_diagnostics)
     }
 
+    /// Where the scene file names a volume first, whose asset has this path: file, line and column.
+    pub(crate) fn place_of_volume(&self, asset: &Path) -> Option<String> {
+        let (file, line, column) = self.good_diagnostics.locate(*self.volume_places.get(asset)?)?;
+        Some(format!("{}:{line}:{column}", file.display()))
+    }
+
     /// A problem with the file of a volume, whose asset has this path, at the place where it is named first.
     pub(super) fn volume_problem(&self, asset: &Path, what: &str) -> FileProblem {
         let (path, _) = VolumeFormat::of_asset(asset);

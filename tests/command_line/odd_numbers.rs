@@ -44,7 +44,7 @@ fn smoke(file: &str, emission: &str) -> String {
 #[test]
 fn a_dense_voxel_ends_and_is_told_of() {
     let shop = Workshop::new();
-    let limited = "medium \"smoke\": it is too dense beside what is thin";
+    let limited = "): it is too dense beside what is thin";
     for (dense, told) in [
         (50.0, None),
         (1e6, Some(limited)),
@@ -68,6 +68,17 @@ fn a_dense_voxel_ends_and_is_told_of() {
             for arguments in [&render[..], &["check", "scene.xml"]] {
                 let outcome = run(shop.folder(), arguments);
                 assert_eq!(outcome.code, Some(0), "{dense}: {}", outcome.stderr);
+                if told == Some(limited) {
+                    let line = outcome
+                        .stderr
+                        .lines()
+                        .find(|line| line.contains(limited))
+                        .expect("told");
+                    assert!(
+                        line.contains("medium \"smoke\" (") && line.contains("scene.xml:"),
+                        "{line}"
+                    );
+                }
                 match told {
                     Some(told) => assert!(outcome.stderr.contains(told), "{dense}: {}", outcome.stderr),
                     None => assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr),
@@ -82,6 +93,36 @@ fn a_dense_voxel_ends_and_is_told_of() {
             }
         }
     }
+}
+
+/// A medium without an id is known by its type and its place.
+#[test]
+fn a_dense_medium_without_a_name_is_found_in_the_file() {
+    let shop = Workshop::new();
+    let mut values = vec![0.0; 64];
+    values[21] = 1e6;
+    shop.write("voxel.vol", vol([4, 4, 4], 1, &values));
+    let text = smoke("voxel.vol", "").replace(" id='smoke'>", ">");
+    let (medium, shape) = text.split_once("<shape").expect("a shape");
+    let medium = medium
+        .replace("<integrator type='volpath'/>", "")
+        .replace("<medium ", "<medium name='interior' ");
+    let shape = shape.replace("<ref name='interior' id='smoke'/>", &medium);
+    let scene = write_scene(
+        &shop,
+        "scene.xml",
+        &format!("<integrator type='volpath'/><shape{shape}"),
+    );
+    let text = std::fs::read_to_string(scene).expect("it was written");
+    let before = &text[..text.find("voxel.vol").expect("it is named")];
+    let line = before.lines().count();
+    let outcome = run(shop.folder(), &["check", "scene.xml"]);
+    let place = format!("scene.xml:{line}:");
+    let told = outcome
+        .stderr
+        .lines()
+        .find(|line| line.contains("medium of type heterogeneous ("));
+    assert!(told.is_some_and(|told| told.contains(&place)), "{}", outcome.stderr);
 }
 
 /// A colour that nothing absorbs, in fog with a fire in it: light that leaves the fire and meets nothing more has no end of its way.
