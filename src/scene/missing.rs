@@ -65,6 +65,11 @@ impl MissingFile {
 /// What is wrong with a file that is missing.
 pub(super) const NOT_THERE: &str = "no such file";
 
+/// What is wrong with a picture in whose place the scene has grey.
+pub(super) fn with_grey(what: &str) -> String {
+    format!("{what}; grey takes its place")
+}
+
 /// The sentence about a file of this kind.
 pub(super) fn sentence(kind: FileKind, path: &Path, what: &str) -> String {
     format!("{kind} {}: {what}", path.display())

@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use super::assets::{cause, is_missing, is_refused_picture};
 use super::changes::Changes;
 use super::files_in_use::FilesInUse;
+use super::missing::with_grey;
 use super::scene_file::SceneFile;
 use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
 
@@ -107,7 +108,8 @@ pub(super) fn report_pictures(
             }
             LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
                 true => damaged.push(say(cause(&error))),
-                false => missing.push(say(cause(&error))),
+                false if assets.contains(handle) => missing.push(say(cause(&error))),
+                false => missing.push(say(with_grey(&cause(&error)))),
             },
             LoadState::Loaded => {}
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),

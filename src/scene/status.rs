@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::missing::{NOT_THERE, sentence};
+use super::missing::{NOT_THERE, sentence, with_grey};
 use super::{FileKind, Lens, MissingFile};
 use crate::document::{Diagnostics, Severity, Span};
 
@@ -81,6 +81,10 @@ impl FileProblem {
         diagnostics: &Diagnostics,
     ) -> Self {
         let what = noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what);
+        let what = match kind {
+            FileKind::Picture => with_grey(&what),
+            FileKind::Mesh | FileKind::Volume => what,
+        };
         Self {
             help: noted.and_then(|noted| noted.help.clone()),
             missing: Some(kind),

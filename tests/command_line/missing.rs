@@ -212,7 +212,10 @@ fn a_sky_whose_picture_is_missing_is_grey() {
     shop.scene(&SCENE.replace(r#"<emitter type="constant" id="white"/>"#, sky));
     let output = run(&shop, &["render", "scene.xml", "-o", "a.exr", "-q"]);
     let said = assert_code(&output, 0);
-    assert!(said.contains("no-sky.exr: no such file"), "{said}");
+    assert!(
+        said.contains("no-sky.exr: no such file; grey takes its place"),
+        "{said}"
+    );
     // The ball covers a twentieth and scatters half of the light.
     let mean = mean(&shop.path("a.exr"));
     assert!((mean - 0.49).abs() < 0.02, "{mean}");
