@@ -108,7 +108,8 @@ fn config_and_camera_give_the_film_and_the_view() {
 fn slips_of_the_hand_are_errors() {
     let config = |inside: &str| format!("<Config>{inside}</Config><Camera/><Lights><Sun/></Lights><Objects/>");
     let camera = |inside: &str| format!("<Camera>{inside}</Camera><Lights><Sun/></Lights><Objects/>");
-    let ball = |inside: &str| format!("<Camera/><Lights><Sun/></Lights><Objects><Sphere>{inside}</Sphere></Objects>");
+    let objects = |inside: &str| format!("<Camera/><Lights><Sun/></Lights><Objects>{inside}</Objects>");
+    let ball = |inside: &str| objects(&format!("<Sphere>{inside}</Sphere>"));
     for (text, place, expected) in [
         (
             config("<Width value='wide'/>"),
@@ -144,6 +145,16 @@ fn slips_of_the_hand_are_errors() {
         ),
         (camera("<Look_at x='1,5'/>"), "2:21", "expected a number, found `1,5`"),
         (ball("<Radius value='big'/>"), "2:65", "expected a number, found `big`"),
+        (
+            objects("<Triangle><V0/><V1 x='1'/><V2 y='high'/></Triangle>"),
+            "2:75",
+            "expected a number, found `high`",
+        ),
+        (
+            objects("<Quad><U x='wide'/></Quad>"),
+            "2:54",
+            "expected a number, found `wide`",
+        ),
     ] {
         let text = format!("<ItemContainer>\n{text}</ItemContainer>");
         let (_, diagnostics) = read_text(&text, Path::new("/tmp/a.xml"), &[]);
@@ -153,6 +164,8 @@ fn slips_of_the_hand_are_errors() {
             said.contains(&format!("a.xml:{place}: error: {expected}")),
             "{place} {expected}: {said}"
         );
+        // Nothing is said of what follows from it.
+        assert!(!said.contains("is left out") && !said.contains("is none"), "{said}");
     }
 }
 

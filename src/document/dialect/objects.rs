@@ -134,10 +134,12 @@ impl Import<'_> {
                 "V0", "V1", "V2", "Vertex0", "Vertex1", "Vertex2", "Position", "Scale", "Rotation", "Material",
             ],
         );
-        let corners = [["V0", "Vertex0"], ["V1", "Vertex1"], ["V2", "Vertex2"]];
-        let corners = corners.map(|names| self.triple(node, &names));
+        let names = [["V0", "Vertex0"], ["V1", "Vertex1"], ["V2", "Vertex2"]];
+        let corners = names.map(|names| self.triple(node, &names));
         let [Some(a), Some(b), Some(c)] = corners else {
-            self.warn(node.span(), "a triangle without three corners is left out");
+            if names.iter().any(|names| node.child(names).is_none()) {
+                self.warn(node.span(), "a triangle without three corners is left out");
+            }
             return None;
         };
         if (b - a).cross(c - a).try_normalize().is_none() {

@@ -46,18 +46,16 @@ impl Import<'_> {
                 self.warn(span, format!("<{}> is empty; {default} takes its place", child.name()));
                 return default;
             }
-            let errors = self.diagnostics.error_count();
             match self.number(child, "value") {
                 Some(number) if number >= least => number,
-                // Text that is no number has been reported.
-                Some(number) if self.diagnostics.error_count() == errors => {
+                Some(number) => {
                     self.error(
                         span,
                         format!("expected {least} or more for <{}>, found {number}", child.name()),
                     );
                     default
                 }
-                _ => default,
+                None => default,
             }
         };
         // Whole numbers are cut off, not rounded.
@@ -108,16 +106,15 @@ impl Import<'_> {
                 target = self.triple(camera, &["Look_at", "LookAt"]).unwrap_or(target);
                 up = self.triple(camera, &["Up"]).unwrap_or(up);
                 if let Some(angle) = camera.child(&["FOV"]) {
-                    let errors = self.diagnostics.error_count();
                     let given = self.number(angle, "angle").or_else(|| self.number(angle, "value"));
                     match given {
                         Some(degrees) if degrees > 0.0 && degrees < 180.0 => fov = degrees,
-                        Some(degrees) if self.diagnostics.error_count() == errors => {
+                        Some(degrees) => {
                             let message =
                                 format!("expected a field of view between 0 and 180 degrees, found {degrees}");
                             self.error(angle.span(), message);
                         }
-                        _ => {}
+                        None => {}
                     }
                 }
             }
