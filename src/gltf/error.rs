@@ -1,9 +1,27 @@
 //! The errors of reading glTF files, and the function by which files are read.
 
+use std::fmt;
+
 use crate::memory::Shortage;
 
 /// Reads a file by its name, relative to the glTF file.
 pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
+
+/// The names of files that are not there, each once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingParts {
+    /// The files of buffers, without which nothing can be read.
+    pub buffers: Vec<String>,
+    /// The files of images.
+    pub images: Vec<String>,
+}
+
+impl fmt::Display for MissingParts {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        let all = [self.buffers.as_slice(), &self.images].concat();
+        write!(out, "{}: no such file", all.join(", "))
+    }
+}
 
 /// The reason why a file could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -59,6 +77,8 @@ pub enum GltfError {
     Memory(Shortage),
     #[error("{name}: {source}")]
     File { name: String, source: std::io::Error },
+    #[error("{0}")]
+    Missing(MissingParts),
     /// A part that cannot be written.
     #[error("{name} cannot be kept: {source}")]
     Keep { name: String, source: std::io::Error },

@@ -35,7 +35,7 @@ mod zeros;
 
 use std::borrow::Cow;
 
-pub use self::error::{GltfError, ReadFile};
+pub use self::error::{GltfError, MissingParts, ReadFile};
 use self::schema::{Material, Root};
 use crate::memory::{self, Held};
 
@@ -110,7 +110,10 @@ impl Gltf {
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let content = match (&buffer.uri, binary) {
-                (Some(uri), _) => uri::content(uri, read)?,
+                (Some(uri), _) => match uri::content(uri, read) {
+                    Err(error) if error.is_missing() => return Err(GltfError::Missing(root.missing_parts(read))),
+                    content => content?,
+                },
                 (None, Some(binary)) if index == 0 => binary.to_vec(),
                 (None, _) => Vec::new(),
             };

@@ -1,6 +1,10 @@
 //! The content of the URIs of a glTF file: data in the URI itself, or a file beside the file.
 
-use super::error::{GltfError, ReadFile};
+use std::collections::BTreeSet;
+use std::io::ErrorKind;
+
+use super::error::{GltfError, MissingParts, ReadFile};
+use super::schema::Root;
 
 /// The content of a URI (RFC 2397 for `data:`). `read` gets a relative path with its escapes resolved.
 pub fn content(uri: &str, read: &mut ReadFile) -> Result<Vec<u8>, GltfError> {
@@ -17,6 +21,36 @@ pub fn content(uri: &str, read: &mut ReadFile) -> Result<Vec<u8>, GltfError> {
     }
     let name = String::from_utf8(unescaped(uri)).map_err(|_| bad(uri, "is not text"))?;
     read(&name).map_err(|source| GltfError::File { name, source })
+}
+
+impl GltfError {
+    /// Whether a file that is named is not there.
+    pub(super) fn is_missing(&self) -> bool {
+        matches!(self, Self::File { source, .. } if source.kind() == ErrorKind::NotFound)
+    }
+}
+
+impl Root {
+    /// All files of buffers and images that are not there.
+    pub(super) fn missing_parts(&self, read: &mut ReadFile) -> MissingParts {
+        let mut missing = |uris: BTreeSet<&str>| {
+            let names = uris.into_iter().filter_map(|uri| match content(uri, read) {
+                Err(GltfError::File { name, source }) if source.kind() == ErrorKind::NotFound => Some(name),
+                _ => None,
+            });
+            names.collect::<Vec<String>>()
+        };
+        MissingParts {
+            buffers: missing(files(self.buffers.iter().map(|buffer| &buffer.uri))),
+            images: missing(files(self.images.iter().map(|image| &image.uri))),
+        }
+    }
+}
+
+/// The URIs that name files.
+fn files<'a>(uris: impl Iterator<Item = &'a Option<String>>) -> BTreeSet<&'a str> {
+    let uris = uris.filter_map(|uri| uri.as_deref());
+    uris.filter(|uri| !uri.starts_with("data:")).collect()
 }
 
 fn bad(uri: &str, what: &'static str) -> GltfError {

@@ -212,6 +212,28 @@ fn what_is_wrong_is_one_error_with_the_name_of_the_file() {
 }
 
 #[test]
+fn all_files_that_are_missing_are_named_at_once() {
+    let shop = Workshop::new();
+    shop.put("here.bin", [0; 8]);
+    shop.put(
+        "model.gltf",
+        r#"{"asset": {"version": "2.0"},
+            "buffers": [{"uri": "gone.bin", "byteLength": 4}, {"uri": "here.bin", "byteLength": 8},
+                {"uri": "data:,1234", "byteLength": 4}, {"uri": "more%20gone.bin", "byteLength": 4},
+                {"uri": "gone.bin", "byteLength": 4}],
+            "images": [{"uri": "gone.png"}, {"bufferView": 0}]}"#,
+    );
+    let output = shop.sunroom(&["check", "model.gltf"]);
+    let said = String::from_utf8_lossy(&output.stderr).replace('\n', " ");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("2 errors, 1 warning"), "{said}");
+    for name in ["gone.bin", "more gone.bin", "gone.png"] {
+        assert!(said.contains(&format!("{name}: no such file")), "{name}: {said}");
+    }
+    assert!(!said.contains("here.bin"), "{said}");
+}
+
+#[test]
 fn it_is_saved_under_another_name_with_its_parts_beside_it() {
     let shop = Workshop::new();
     let path = shop.put("model.glb", squares(0.5).binary(REST));

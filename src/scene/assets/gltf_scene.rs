@@ -16,6 +16,7 @@ use crate::geometry::mesh::MeshData;
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
+use crate::scene::missing::NOT_THERE;
 
 /// The most bytes of a glTF file, and of each file that it names: the length in the binary container has 32 bits.
 const MAX_GLTF_BYTES: u64 = 4 << 30;
@@ -90,6 +91,16 @@ fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[Pat
                 diagnostics.push(Severity::Warning, None, warning, None);
             }
             (imported.root, imported.stand_in)
+        }
+        Err(GltfError::Missing(missing)) => {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let buffers = missing.buffers.iter().map(|name| (Severity::Error, "buffer", name));
+            let pictures = missing.images.iter().map(|name| (Severity::Warning, "picture", name));
+            for (severity, kind, name) in buffers.chain(pictures) {
+                let message = format!("{kind} {}: {NOT_THERE}", folder.join(name).display());
+                diagnostics.push(severity, None, message, None);
+            }
+            (Object::new(Category::Scene, ""), None)
         }
         Err(error) => {
             diagnostics.push(Severity::Error, None, error.to_string(), None);
