@@ -11,62 +11,15 @@ use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
 use super::motion::{Motion, placed};
-use super::poses::{Folders, pose_of};
+use super::placing::{Placing, Side, is_mirrored, key_of, pose_or_baked};
+use super::poses::Folders;
 use super::tangents;
 use crate::files::Access;
-use crate::gltf::write::model::{Attributes, Mesh, Node, Pose, Primitive};
+use crate::gltf::write::model::{Attributes, Mesh, Node, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter};
 use crate::math::is_invertible;
 use crate::scene::description::{SceneDescription, ShapeDescription};
 use crate::scene::{AreaLight, ShapeKind};
-
-/// How the vertices of a form are written.
-#[derive(Clone, Copy)]
-struct Placing {
-    /// A map that they go through.
-    baked: Option<Affine3A>,
-    /// Whether normals are turned around.
-    is_turned: bool,
-    /// Whether the pose of the node mirrors them.
-    is_mirrored: bool,
-}
-
-impl Placing {
-    /// Whether corners are written the other way around. What was mirrored by hand runs the other way.
-    fn runs_backwards(&self) -> bool {
-        self.is_turned ^ self.baked.is_some_and(|map| is_mirrored(&map))
-    }
-}
-
-/// The triangles of a form that are written together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    All,
-    /// Those on which pictures are seen as they are.
-    Upright,
-    /// Those on which they lie mirrored.
-    Mirrored,
-}
-
-impl Side {
-    fn is_mirrored(self) -> bool {
-        self == Self::Mirrored
-    }
-
-    fn turned(self) -> Self {
-        match self {
-            Self::All => Self::All,
-            Self::Upright => Self::Mirrored,
-            Self::Mirrored => Self::Upright,
-        }
-    }
-}
-
-/// What the vertices of a form are made from.
-fn key_of(form: &Form, placing: &Placing, is_unwelded: bool) -> String {
-    let Placing { baked, is_turned, .. } = placing;
-    format!("{} {} {is_turned} {is_unwelded} {baked:?}", form.key, form.is_flat)
-}
 
 /// Writes shapes.
 pub(super) struct Shapes<'a> {
@@ -524,17 +477,5 @@ impl<'a> Shapes<'a> {
             return None;
         }
         Some((attribute, scale))
-    }
-}
-
-fn is_mirrored(map: &Affine3A) -> bool {
-    map.matrix3.determinant() < 0.0
-}
-
-/// The pose of a node; or, if it shears, none, and the map that its vertices have to go through instead.
-fn pose_or_baked(local: &Affine3A) -> (Pose, Option<Affine3A>) {
-    match pose_of(local) {
-        Some(pose) => (pose, None),
-        None => (Pose::default(), Some(*local)),
     }
 }
