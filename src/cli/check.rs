@@ -10,7 +10,7 @@ use sunroom::app::headless::render_only;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
-use super::args::{DefineArgs, MemoryArgs, TrustArgs};
+use super::args::{DefineArgs, MemoryArgs, MissingArgs, TrustArgs};
 use super::report::{self, counted};
 
 #[derive(Args)]
@@ -24,6 +24,8 @@ pub struct CheckArgs {
     memory: MemoryArgs,
     #[command(flatten)]
     trust: TrustArgs,
+    #[command(flatten)]
+    missing: MissingArgs,
     /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
@@ -57,6 +59,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
         Some(1),
     );
     app.insert_resource(trust);
+    args.missing.apply(&mut app);
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
     let faults = probe_faults(app.world_mut());

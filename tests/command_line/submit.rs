@@ -481,3 +481,35 @@ fn what_cannot_be_a_job_is_refused() {
     assert!(text.contains("absolute name"), "{text}");
     assert!(!shop.path("job").exists());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_scene_without_all_of_its_files_is_submitted_when_the_user_says_so() {
+    let shop = shop();
+    std::fs::remove_file(shop.path("meshes/triangle.ply")).expect("removed");
+    let submit = [
+        "submit",
+        "scenes/still life.xml",
+        "--to",
+        "slurm",
+        "-o",
+        "job",
+        "--shares",
+        "1",
+    ];
+    let refused = run(&shop, &submit);
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("triangle.ply: no such file") && said.contains("--allow-missing"),
+        "{said}"
+    );
+    assert!(!shop.path("job").exists());
+    let allowed = run(&shop, &[&submit[..], &["--allow-missing"]].concat());
+    succeeds(&allowed);
+    assert!(String::from_utf8_lossy(&allowed.stderr).contains("triangle.ply: no such file"));
+    let job = shop.path("job");
+    script(&job, "task", &["0", "--threads", "1"]);
+    script(&job, "merge", &["0"]);
+    assert!(job.join("pictures/still_life.exr").is_file());
+}

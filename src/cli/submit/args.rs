@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::args::{MemoryArgs, SceneArgs};
+use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs};
 use crate::cli::parse;
 use crate::cli::sequence::frames;
 
@@ -49,6 +49,8 @@ pub struct SubmitArgs {
     pub dry_run: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
+    #[command(flatten)]
+    pub missing: MissingArgs,
     /// Further options of `sunroom render` or `sunroom bake` for each task, such as -- --width 1920 --aov all
     #[arg(last = true, value_name = "OPTIONS")]
     pub options: Vec<String>,

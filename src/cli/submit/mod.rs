@@ -28,7 +28,7 @@ use self::args::System;
 use self::plan::{Plan, Whole};
 use self::work::Work;
 use super::bake::BAKES_WITHOUT;
-use super::check::report_scene;
+use super::check::{report_refusal, report_scene};
 use super::outputs;
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser, counted};
 
@@ -171,8 +171,11 @@ fn gather(args: &SubmitArgs, work: &Work) -> Result<Option<Job>, Failure> {
         Some(1),
     );
     app.insert_resource(Trust::Everything);
+    args.missing.apply(&mut app);
     let loaded = load_to_completion(&mut app, &Limits::default());
-    if !report_scene(app.world().resource::<SceneStatus>(), false) {
+    let status = app.world().resource::<SceneStatus>();
+    if !report_scene(status, false) {
+        report_refusal(status, &args.scene.scene);
         return Ok(None);
     }
     loaded?;
@@ -320,5 +323,6 @@ fn is_complete(args: &SubmitArgs, scene: &Path) -> Result<bool, Failure> {
     for (name, value) in &args.scene.defines.defines {
         check.arg("-D").arg(format!("{name}={value}"));
     }
+    check.args(args.missing.allow_missing.then_some("--allow-missing"));
     Ok(check.status()?.success())
 }

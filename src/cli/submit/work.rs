@@ -102,7 +102,8 @@ impl Work {
 pub fn options(args: &SubmitArgs) -> Vec<String> {
     let defines = args.scene.defines.defines.iter();
     let defines = defines.flat_map(|(name, value)| ["-D".to_owned(), format!("{name}={value}")]);
-    defines.chain(args.options.iter().cloned()).collect()
+    let missing = args.missing.allow_missing.then(|| "--allow-missing".to_owned());
+    defines.chain(missing).chain(args.options.iter().cloned()).collect()
 }
 
 fn parse<T: clap::Args>(words: Vec<OsString>) -> Result<T, Failure> {
