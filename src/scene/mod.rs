@@ -84,7 +84,7 @@ pub use film_storage::{ComponentFormat, FilmStorage, PictureFormat, PixelFormat}
 pub(crate) use framing::FrameWhenLoaded;
 pub use framing::world_bounds;
 pub use group::Placements;
-pub(crate) use group::{InstanceOf, MemberOf, ShapeGroup};
+pub(crate) use group::{InstanceOf, Instances, MemberOf, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
 pub use keep_source::KeepSource;
 pub(crate) use key_edits::{edit_keys, integrator_keys_after, keys_after, place_path};

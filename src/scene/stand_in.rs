@@ -4,9 +4,13 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use bevy::ecs::system::SystemParam;
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{MeshFile, MeshHandle, SceneStatus, Shape, ShapeKind, ToWorld, TriangleMesh};
+use super::{
+    Hidden, InstanceOf, Instances, MemberOf, MeshFile, MeshHandle, Placements, SceneStatus, Shape, ShapeKind, ToWorld,
+    TriangleMesh,
+};
 use crate::math::Aabb;
 
 /// The most meshes whose bounds are remembered.
@@ -57,7 +61,16 @@ pub struct StandIns<'w, 's> {
     known: Res<'w, KnownBounds>,
     meshes: Res<'w, Assets<TriangleMesh>>,
     shapes: Query<'w, 's, (Entity, &'static Shape, &'static ToWorld, &'static MeshHandle)>,
+    members: Query<'w, 's, &'static MemberOf>,
+    groups: Query<'w, 's, &'static Instances>,
+    instances: Query<'w, 's, &'static ToWorld, SeenInstance>,
 }
+
+/// Crowds have no boxes: they would hide the picture.
+type SeenInstance = (With<InstanceOf>, Without<Hidden>, Without<Placements>);
+
+/// The most places of a member of a group that have a box.
+const MOST_PLACES: usize = 1000;
 
 impl StandIns<'_, '_> {
     /// Whether the list of [`Self::shapes`] may be another one than in the last frame. Shapes may change beside it.
@@ -88,6 +101,24 @@ impl StandIns<'_, '_> {
                     .is_none()
         });
         shapes.map(|(entity, ..)| entity).collect()
+    }
+
+    /// Where such a shape would be seen, world from its own space, and what a click there selects: the shape, or an instance of the group that it belongs to.
+    pub fn places(&self, entity: Entity) -> Vec<(Entity, Affine3A)> {
+        let Ok((_, _, to_world, _)) = self.shapes.get(entity) else {
+            return Vec::new();
+        };
+        let Ok(MemberOf(group)) = self.members.get(entity) else {
+            return vec![(entity, to_world.0)];
+        };
+        let instances = self
+            .groups
+            .get(*group)
+            .into_iter()
+            .flat_map(|instances| instances.iter());
+        let places =
+            instances.filter_map(|instance| Some((instance, self.instances.get(instance).ok()?.0 * to_world.0)));
+        places.take(MOST_PLACES).collect()
     }
 
     /// The box of such a shape, in its own space.

@@ -182,6 +182,40 @@ impl Window {
 }
 
 #[test]
+fn a_missing_member_of_a_group_has_a_box_at_each_of_its_places() {
+    let mut window = Window::new();
+    let scene = "<scene version='3.0.0'>
+  <sensor type='perspective' id='eye'/>
+  <shape type='shapegroup' id='seats'>
+    <shape type='obj' id='chair'><string name='filename' value='models/chair.obj'/>
+      <transform name='to_world'><translate y='1'/></transform></shape>
+  </shape>
+  <shape type='instance' id='left'><ref id='seats'/><transform name='to_world'><translate x='-5'/></transform></shape>
+  <shape type='instance' id='right'><ref id='seats'/><transform name='to_world'><translate x='5'/></transform></shape>
+</scene>
+";
+    window.write("level/scene.xml", scene);
+    window.open("level/scene.xml");
+    let world = window.app.world_mut();
+    let mut state = bevy::ecs::system::SystemState::<StandIns>::new(world);
+    let stand_ins = state.get(world).expect("its parameters");
+    let [chair] = stand_ins.shapes()[..] else {
+        panic!("one mesh is missing")
+    };
+    let places = stand_ins.places(chair);
+    let mut found: Vec<(String, Vec3)> = places
+        .iter()
+        .map(|(instance, pose)| {
+            let id = world.get::<SceneId>(*instance).expect("an id").0.clone();
+            (id, pose.translation.into())
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    let expected = [("left", -5.0), ("right", 5.0)].map(|(id, x)| (id.to_owned(), Vec3::new(x, 1.0, 0.0)));
+    assert_eq!(found, expected);
+}
+
+#[test]
 fn a_scene_opens_without_its_files_and_they_are_told_of_once() {
     let mut window = Window::new();
     window.open("level/scene.xml");

@@ -172,10 +172,8 @@ pub struct Sources<'w, 's> {
     newly_locked: Query<'w, 's, (), Added<Locked>>,
     unlocked: RemovedComponents<'w, 's, Locked>,
     stand_ins: StandIns<'w, 's>,
-    lacking: Query<'w, 's, Lacking, (Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
+    lacking: Query<'w, 's, Option<&'static Name>, (Without<Hidden>, Without<Placements>)>,
 }
-
-type Lacking = (&'static ToWorld, Option<&'static Name>);
 
 type Movable = (
     &'static ToWorld,
@@ -238,13 +236,15 @@ impl Sources<'_, '_> {
         found
     }
 
-    /// The boxes of these shapes, as far as they are in sight.
+    /// The boxes of these shapes, as far as they are in sight; those of members of a group at each of its places.
     fn boxes_of(&self, lacking: &[Entity]) -> Vec<StandIn> {
-        let boxes = lacking.iter().filter_map(|&entity| {
-            let (to_world, name) = self.lacking.get(entity).ok()?;
-            let name = name.map_or_else(|| "mesh".to_owned(), |name| name.as_str().to_owned());
-            let local = self.stand_ins.bounds(entity)?;
-            Some(StandIn::new(entity, name, &local, &to_world.0))
+        let seen = lacking.iter().filter_map(|&entity| {
+            let name = self.lacking.get(entity).ok()?.map_or("mesh", Name::as_str);
+            Some((entity, name, self.stand_ins.bounds(entity)?))
+        });
+        let boxes = seen.flat_map(|(entity, name, local)| {
+            let places = self.stand_ins.places(entity).into_iter();
+            places.map(move |(shown, to_world)| StandIn::new(shown, name.to_owned(), &local, &to_world))
         });
         boxes.collect()
     }
