@@ -45,7 +45,9 @@ pub(super) fn dispatch_job(
         || demand.scene_status.volumes_loading > 0
         || demand.cache.builds_running() > 0
         || demand.scene_status.state == SceneState::Loading;
-    renderer.waiting = incomplete && !control.interactive;
+    // A picture of the scene before would be taken for one of the scene that is being opened.
+    let is_of_another = demand.extracted.is_of_another(&demand.scene_status);
+    renderer.waiting = incomplete && !control.interactive || is_of_another;
     if control.paused || renderer.waiting {
         if control.paused {
             let job = renderer.job();

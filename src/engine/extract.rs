@@ -44,7 +44,7 @@ use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::{Integrator, View};
-use crate::scene::{AccelMethod, DocumentOrder, Film};
+use crate::scene::{AccelMethod, DocumentOrder, Film, SceneStatus};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
@@ -182,6 +182,11 @@ impl Default for Extracted {
 }
 
 impl Extracted {
+    /// Whether the tables still are those of the scene before: that of the status is being opened, or its shapes are being packed.
+    pub fn is_of_another(&self, status: &SceneStatus) -> bool {
+        status.is_opening || status.fresh_load && self.packs_revision != self.packed_revision
+    }
+
     /// What the film asks for.
     pub fn film_limits(&self) -> FilmLimits {
         FilmLimits {
@@ -260,7 +265,7 @@ pub(super) fn extract_scene(
         news = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
     }
     // The camera of a scene that was just opened waits for its shapes.
-    let is_new_scene = authored.status.fresh_load && extracted.packs_revision != extracted.packed_revision;
+    let is_new_scene = extracted.is_of_another(&authored.status);
     if news.is_none() && (is_new_scene || !dirty.view) {
         return;
     }

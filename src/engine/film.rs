@@ -106,7 +106,7 @@ impl RenderFilm {
     }
 
     /// Whether there is no picture.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.film.width() == 0
     }
 

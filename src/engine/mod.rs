@@ -64,6 +64,8 @@ pub use shutter::{OpenShutter, open_shutter};
 pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, Outdated, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 
+use crate::scene::SceneSystems;
+
 /// The steps of a frame, in this order, in `PostUpdate`.
 ///
 /// What shows the picture runs after `Collect`; what edits the scene runs before `Detect`. Results come first, so that a change that
@@ -114,6 +116,11 @@ impl Plugin for EnginePlugin {
                     .chain()
                     // A mesh that arrived in this frame is noticed in this frame.
                     .after(AssetEventSystems),
+            )
+            // What shows the scene in this frame finds no picture of the one before.
+            .add_systems(
+                PreUpdate,
+                scene_change::clear_for_other_scene.after(SceneSystems::Apply),
             )
             .add_systems(
                 PostUpdate,

@@ -8,7 +8,8 @@ use super::renderer::Renderer;
 use super::status::RenderStatus;
 use crate::scene::SceneStatus;
 
-/// Clears the film as soon as the entities are those of another scene. A scene that is read again keeps its picture until the next one has come.
+/// Clears the film as soon as the entities are those of another scene. A scene that is read again keeps its picture until the next one has come. Runs after
+/// scenes have been read and after commands, which make new ones.
 pub(super) fn clear_for_other_scene(
     scene: Res<SceneStatus>,
     mut renderer: ResMut<Renderer>,

@@ -8,11 +8,11 @@ use bevy::asset::AssetPlugin;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::color::Rgb;
-use sunroom::engine::{EnginePlugin, PackedScene, RenderControl};
+use sunroom::engine::{EnginePlugin, PackedScene, RenderControl, RenderFilm};
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Film, Hidden, Material, ScenePlugin, Sensor, Shape, ShapeKind,
-    ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Film, Hidden, Material, ScenePlugin, SceneStatus, Sensor,
+    Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
 use crate::split_mix::Random;
@@ -257,6 +257,44 @@ fn edits_while_many_shapes_are_packed_are_packed_afterwards() {
     assert!(Arc::ptr_eq(&edited.surfaces, &anew.surfaces));
     assert!(Arc::ptr_eq(&edited.materials, &anew.materials));
     assert!(Arc::ptr_eq(&edited.lights, &anew.lights));
+}
+
+#[test]
+fn nothing_of_the_scene_before_is_rendered_while_many_shapes_are_packed() {
+    let mut field = Field::new(10);
+    let mut control = field.app.world_mut().resource_mut::<RenderControl>();
+    (control.interactive, control.paused) = (true, false);
+    let width = |field: &Field| field.app.world().resource::<RenderFilm>().film.width();
+    let begin = Instant::now();
+    let update = |field: &mut Field| {
+        field.app.update();
+        std::thread::sleep(Duration::from_millis(2));
+        assert!(begin.elapsed() < Duration::from_secs(600), "it takes too long");
+    };
+    while width(&field) == 0 {
+        update(&mut field);
+    }
+    // Another scene.
+    for _ in 0..MANY_SHAPES {
+        field.add();
+    }
+    let world = field.app.world_mut();
+    world.resource_mut::<AccelMethod>().set_changed();
+    let mut status = world.resource_mut::<SceneStatus>();
+    (status.revision, status.fresh_load) = (status.revision + 1, true);
+    let mut frames = 0;
+    loop {
+        update(&mut field);
+        if field.packed().entity_of_instance.len() > 10 {
+            break;
+        }
+        assert_eq!(width(&field), 0, "frame {frames}");
+        frames += 1;
+    }
+    assert!(frames > 0, "one frame does not pack so many");
+    while width(&field) == 0 {
+        update(&mut field);
+    }
 }
 
 /// Most of an edited hierarchy is the same memory.

@@ -10,8 +10,8 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::engine::{
-    EnginePlugin, Limits, Outcome, Outdated, PackedScene, RenderControl, RenderError, RenderFilm, RenderState,
-    RenderStatus, WakeUp, render_to_completion,
+    EnginePlugin, EngineSystems, Limits, Outcome, Outdated, PackedScene, RenderControl, RenderError, RenderFilm,
+    RenderState, RenderStatus, WakeUp, render_to_completion,
 };
 use sunroom::geometry::mesh::{MeshData, MtlMaterial};
 use sunroom::geometry::primitives::unit_cube;
@@ -912,9 +912,17 @@ fn a_moving_camera_restarts_once_per_preview_and_is_timed() {
 
 #[test]
 fn another_scene_begins_without_the_picture_of_the_last() {
+    #[derive(Resource, Default)]
+    struct Shown(u32);
     let mut room = room();
+    // What shows the scene runs before results are collected.
+    let show = |film: Res<RenderFilm>, mut shown: ResMut<Shown>| shown.0 = film.film.width();
+    room.app
+        .init_resource::<Shown>()
+        .add_systems(PostUpdate, show.before(EngineSystems::Collect));
     room.finish();
     let width = |room: &Room| room.app.world().resource::<RenderFilm>().film.width();
+    let shown = |room: &Room| room.app.world().resource::<Shown>().0;
     let loaded = |room: &mut Room, fresh_load: bool| {
         let mut status = room.app.world_mut().resource_mut::<SceneStatus>();
         (status.revision, status.fresh_load) = (status.revision + 1, fresh_load);
@@ -923,9 +931,11 @@ fn another_scene_begins_without_the_picture_of_the_last() {
     let job = room.job();
     loaded(&mut room, false);
     assert_eq!((width(&room), room.job()), (70, job), "it was only read again");
+    assert_eq!(shown(&room), 70);
     room.control().paused = true;
     loaded(&mut room, true);
     assert_eq!((width(&room), room.job()), (0, job + 1));
+    assert_eq!(shown(&room), 0, "in the frame in which the scene comes");
     assert_eq!(room.status().outdated, Some(Outdated::Scene));
     room.control().paused = false;
     room.finish();

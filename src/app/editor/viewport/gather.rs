@@ -37,7 +37,7 @@ use crate::app::editor::picture::overlay::{self, BoxList};
 use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::PackedScene;
+use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
@@ -160,6 +160,7 @@ pub struct Sources<'w, 's> {
     free_view: Res<'w, FreeView>,
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
+    film: Res<'w, RenderFilm>,
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     named: Query<'w, 's, (Entity, &'static Name), With<ToWorld>>,
     newly_named: Query<'w, 's, (), Or<(Changed<Name>, Changed<Shape>)>>,
@@ -329,7 +330,8 @@ pub(crate) fn gather_viewport(
     let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
     let is_of_other_scene = model.0.render.comparison.is_of_other_scene;
     seen.captions = captions(is_split, seen.compared, is_of_other_scene);
-    seen.picture = sources.picture.texture();
+    // The film is cleared before the texture when another scene is opened.
+    seen.picture = sources.picture.texture().filter(|_| !sources.film.is_empty());
     // The picture stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());
     let proportions = film.map(Film::window).map(|window| [window.width, window.height]);
