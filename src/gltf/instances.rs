@@ -6,15 +6,31 @@ use glam::{Mat4, Quat, Vec3};
 
 use super::animation::rotation;
 use super::motion::Placement;
-use super::placed::MOST_INSTANCES;
 use super::scene::Builder;
 use super::schema::Node;
 use super::{Gltf, GltfError};
 
+/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each becomes a shape.
+pub(super) const MOST_INSTANCES: usize = 1 << 16;
+
+/// The instances of a node.
+pub(super) struct Instances {
+    /// Local from instance.
+    pub poses: Vec<Mat4>,
+    /// Whether these are all that the file has.
+    pub are_all: bool,
+}
+
 impl Gltf {
-    /// The poses of the instances of a node, local from instance; None if its mesh stands there once.
-    pub(super) fn instance_poses(&self, node: &Node) -> Result<Option<Vec<Mat4>>, GltfError> {
-        let Some(instancing) = &node.extensions.instancing else {
+    /// The number of shapes that a mesh becomes, and at least 1.
+    pub(super) fn pieces(&self, mesh: usize) -> usize {
+        let mesh = self.root.meshes.get(mesh);
+        mesh.map_or(1, |mesh| mesh.primitives.len().max(1))
+    }
+
+    /// The instances of a node, of which `left` may still be placed; None if its mesh stands there once.
+    pub(super) fn instances(&self, node: &Node, left: &mut usize) -> Result<Option<Instances>, GltfError> {
+        let (Some(instancing), Some(mesh)) = (&node.extensions.instancing, node.mesh) else {
             return Ok(None);
         };
         let attributes: &HashMap<String, usize> = &instancing.attributes;
@@ -27,6 +43,17 @@ impl Gltf {
             let index = accessors.into_iter().flatten().next().unwrap_or(0);
             let what = format!("has {count} instances: all attributes need as many, and at most {MOST_INSTANCES}");
             return Err(GltfError::Accessor { index, what });
+        }
+        let pieces = self.pieces(mesh);
+        let possible = count.min(*left / pieces);
+        let are_all = possible == count;
+        *left = if are_all { *left - count * pieces } else { 0 };
+        // Many nodes may name the same long accessors, which are not read for nothing.
+        if possible == 0 {
+            return Ok(Some(Instances {
+                poses: Vec::new(),
+                are_all,
+            }));
         }
         let [translations, rotations, scales] = accessors;
         let vectors = |index: Option<usize>, usual: Vec3| match index {
@@ -47,9 +74,12 @@ impl Gltf {
                 .collect(),
             None => vec![Quat::IDENTITY; count],
         };
-        let poses = translations.into_iter().zip(rotations).zip(scales);
+        let poses = translations.into_iter().zip(rotations).zip(scales).take(possible);
         let pose = |((by, turn), scale)| Mat4::from_scale_rotation_translation(scale, turn, by);
-        Ok(Some(poses.map(pose).collect()))
+        Ok(Some(Instances {
+            poses: poses.map(pose).collect(),
+            are_all,
+        }))
     }
 }
 
@@ -57,20 +87,18 @@ impl Builder<'_> {
     /// The poses of the instances of a node, as far as there may be more of them; None if its mesh stands there once, also (reported) if they cannot be
     /// read.
     pub(super) fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<Mat4>> {
-        let title = self.gltf.node_title(index);
-        match self.gltf.instance_poses(node) {
-            Ok(poses) => {
-                let mut poses = poses?;
-                if poses.len() > self.instances_left {
+        match self.gltf.instances(node, &mut self.instances_left) {
+            Ok(instances) => {
+                let instances = instances?;
+                if !instances.are_all {
                     self.warn(format!(
-                        "the file has more than {MOST_INSTANCES} instances: the last of {title} and later ones are left out"
+                        "the file has more than {MOST_INSTANCES} instances of primitives: the last ones are left out"
                     ));
-                    poses.truncate(self.instances_left);
                 }
-                self.instances_left -= poses.len();
-                Some(poses)
+                Some(instances.poses)
             }
             Err(error) => {
+                let title = self.gltf.node_title(index);
                 self.warn(format!("the instances of {title} are left out: {error}"));
                 None
             }

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::morph::MOST_MOVES;
 use super::schema::{Material, Mesh, Primitive};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
@@ -75,6 +76,11 @@ impl Gltf {
         let index = number as usize;
         let bad = |what: String| GltfError::Primitive { index, what };
         let mut warnings = Vec::new();
+        if self.leaves_targets_out(primitive, weights) {
+            warnings.push(format!(
+                "the morph targets of the file have more than {MOST_MOVES} vectors, and do not count"
+            ));
+        }
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let place = attribute("POSITION").ok_or_else(|| bad("has no positions".into()))?;
         let vertices = self.accessor(place)?.count;
@@ -157,30 +163,6 @@ impl Gltf {
         Ok(LoadedMesh { mesh, warnings })
     }
 
-    /// Moves values of vertices by the morph targets at rest, of a mesh with so many vertices of which some are used.
-    fn morph(
-        &self,
-        name: &str,
-        primitive: &Primitive,
-        weights: &[f32],
-        (vertices, used): (usize, Option<&[u32]>),
-        values: &mut [Vec3],
-    ) -> Result<(), GltfError> {
-        let targets = primitive.targets.iter().zip(weights);
-        for (target, weight) in targets.filter(|(_, weight)| **weight != 0.0 && weight.is_finite()) {
-            let Some(accessor) = target.get(name).copied().filter(|_| !values.is_empty()) else {
-                continue;
-            };
-            if self.accessor(accessor)?.count == vertices {
-                let moved: Vec<Vec3> = into_vectors(self.vectors::<3>(accessor, "VEC3", used)?);
-                for (value, by) in values.iter_mut().zip(moved) {
-                    *value += *weight * by;
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Adds the linear colours of vertices, and their alpha if it counts.
     fn add_colors(
         &self,
@@ -253,7 +235,7 @@ impl Gltf {
     }
 }
 
-fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
+pub(super) fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
     numbers.into_iter().map(V::from).collect()
 }
 

@@ -1,8 +1,8 @@
 //! Reads glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
 //!
 //! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
-//! format how they belong together. Nothing here draws or knows entities. Animations of nodes become key frames; skins and morph targets are not
-//! read: meshes have their shape at rest, skinned ones at the place where their bones hold them then.
+//! format how they belong together. Nothing here draws or knows entities. Animations of nodes become key frames; those of skins
+//! and morph targets are not read: meshes have their shape at rest, skinned ones at the place where their bones hold them then.
 
 mod accessor;
 mod animation;
@@ -17,6 +17,7 @@ mod lights;
 mod limits;
 mod material;
 mod mesh;
+mod morph;
 mod motion;
 mod nodes;
 mod objects;
@@ -71,6 +72,8 @@ pub struct Gltf {
     buffers: Vec<Vec<u8>>,
     /// The number of elements of meshes that no buffer holds.
     zeros: usize,
+    /// The number of vectors in the morph targets that shape meshes at rest.
+    moves: usize,
     /// The memory reserved for the buffers and the mesh that is being made of them.
     _memory: Held,
 }
@@ -133,6 +136,7 @@ impl Gltf {
             buffers.push(content);
         }
         Ok(Self {
+            moves: morph::count_moves(&root),
             root,
             buffers,
             zeros,

@@ -12,7 +12,7 @@ use crate::document::animation::affine_between;
 use crate::document::{Interpolation, Key, Property, Span, Track, Value};
 use crate::math::is_invertible;
 
-/// The most poses of nodes that are computed for the key frames of a file. It bounds their number, and the time for nodes deep in a tree.
+/// The most poses of nodes that are computed and kept for the key frames of a file. It bounds their number, and the time for nodes deep in a tree.
 const MOST_POSES: usize = 1 << 24;
 
 /// The distance of interpolated poses from the true ones: relative to the size of things, and to the way between two keys of the file.
@@ -79,7 +79,7 @@ struct Motion<'a> {
     chain: Vec<(usize, Option<&'a Curves>)>,
 }
 
-/// The poses that may still be computed.
+/// The poses that may still be computed and kept.
 pub(super) struct Allowance(usize);
 
 impl Default for Allowance {
@@ -89,7 +89,7 @@ impl Default for Allowance {
 }
 
 impl Allowance {
-    fn spend(&mut self, poses: usize) -> Result<(), GltfError> {
+    pub fn spend(&mut self, poses: usize) -> Result<(), GltfError> {
         self.0 = self.0.checked_sub(poses).ok_or(GltfError::Poses(MOST_POSES))?;
         Ok(())
     }

@@ -174,9 +174,11 @@ fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImag
         Made::Light { color, of, alpha } => {
             let shares = image.to_rgba32f();
             let colors = shining.to_rgb32f();
+            // The size of one of both, for which there is memory: the greater width of one and the greater height of the other may be far too many pixels.
+            let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
             let (width, height) = match of {
-                Some(_) => (shares.width().max(colors.width()), shares.height().max(colors.height())),
-                None => shares.dimensions(),
+                Some(_) if pixels(colors.dimensions()) > pixels(shares.dimensions()) => colors.dimensions(),
+                _ => shares.dimensions(),
             };
             // The texel of a picture of another size at the same place.
             let place = |at: u32, of: u32, size: u32| (u64::from(at) * u64::from(size) / u64::from(of.max(1))) as u32;

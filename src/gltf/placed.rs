@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
+use super::instances::MOST_INSTANCES;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
-
-/// The most instances of all nodes together: each becomes a shape of its own.
-pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 impl Gltf {
     /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read, points and lines, and flattened nodes are left
@@ -19,6 +17,7 @@ impl Gltf {
         let first = self.first_primitives();
         let mut known: BTreeMap<u32, Option<Arc<MeshData>>> = BTreeMap::new();
         let mut placed = Vec::new();
+        let mut instances_left = MOST_INSTANCES;
         let nodes = self.placed_nodes(&self.animations())?;
         let rest = self.rest_poses(&nodes);
         for place in nodes.nodes {
@@ -28,15 +27,15 @@ impl Gltf {
                 continue;
             };
             let about = self.get("mesh", &self.root.meshes, mesh)?;
-            let poses = self.instance_poses(node).ok().flatten().filter(|_| node.skin.is_none());
-            let poses: Vec<Affine3A> = match poses {
-                Some(inner) => {
-                    let left = MOST_INSTANCES.saturating_sub(placed.len());
-                    let inner = inner.into_iter().take(left);
-                    inner
-                        .map(|inner| pose * Affine3A::from_mat4(inner))
-                        .filter(is_invertible)
-                        .collect()
+            let instances = match node.skin {
+                None => self.instances(node, &mut instances_left).ok().flatten(),
+                Some(_) => None,
+            };
+            let poses: Vec<Affine3A> = match instances {
+                Some(instances) => {
+                    let poses = instances.poses.into_iter();
+                    let poses = poses.map(|inner| pose * Affine3A::from_mat4(inner));
+                    poses.filter(is_invertible).collect()
                 }
                 None => vec![pose],
             };

@@ -7,12 +7,12 @@ use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
+use super::instances::MOST_INSTANCES;
 use super::lighting::{Glow, Lighting};
 use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::Picture;
-use super::placed::MOST_INSTANCES;
 use super::schema::{Node, Primitive};
 use super::{Gltf, GltfError, is_supported, studio};
 use crate::document::write::check_finite;
@@ -80,6 +80,8 @@ pub(super) struct Builder<'a> {
     pub(super) bounds: Aabb,
     /// The number of instances that may still be placed.
     pub(super) instances_left: usize,
+    /// The key frames that there may still be.
+    allowance: Allowance,
 }
 
 /// The properties of a mesh that do not depend on where it is placed.
@@ -119,6 +121,7 @@ impl Gltf {
             lighting: Lighting::default(),
             bounds: Aabb::EMPTY,
             instances_left: MOST_INSTANCES,
+            allowance: Allowance::default(),
         };
         for name in self.root.extensions_used.iter().filter(|name| !is_supported(name)) {
             builder.warn(format!("the extension {name} is not read"));
@@ -131,11 +134,10 @@ impl Gltf {
         builder.warn_of_deformation(&placed);
         let folders = builder.folders(&placed)?;
         let rest = self.rest_poses(&placed);
-        let mut allowance = Allowance::default();
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;
             if about.places_something() {
-                let placement = self.placement(&placed, &animations, place, &mut allowance)?;
+                let placement = self.placement(&placed, &animations, place, &mut builder.allowance)?;
                 builder.folder = folders[place].path.clone();
                 let of_mesh = self
                     .pose_of_skin(about, &rest)
@@ -225,7 +227,11 @@ impl Builder<'_> {
             return Ok(());
         };
         if let Some(mesh) = mesh {
-            match self.instances(index, node) {
+            let instances = self.instances(index, node);
+            // Each shape has key frames of its own.
+            let shapes = gltf.pieces(mesh) * instances.as_ref().map_or(1, Vec::len);
+            self.allowance.spend(shapes.saturating_mul(placement.keys.len()))?;
+            match instances {
                 None => self.mesh(node, mesh, &placement)?,
                 Some(poses) => {
                     for pose in poses {

@@ -9,10 +9,13 @@ pub const MOST_ZEROS: usize = 1 << 26;
 /// Bytes of memory for such an element, in the mesh and in its file.
 const ZERO_BYTES: u64 = 64;
 
-/// The number of zeros in the meshes and animations of a file, without the accessors that exceed the limit by themselves.
+/// The number of zeros in the meshes, morph targets and animations of a file, without the accessors that exceed the limit by themselves.
 pub fn count_zeros(root: &Root) -> usize {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let attributes = primitives.flat_map(|primitive| primitive.attributes.values());
+    let attributes = primitives.flat_map(|primitive| {
+        let targets = primitive.targets.iter().flat_map(|target| target.values());
+        primitive.attributes.values().chain(targets)
+    });
     let samplers = root.animations.iter().flat_map(|animation| &animation.samplers);
     let curves = samplers.flat_map(|sampler| [&sampler.input, &sampler.output]);
     let zeros = attributes

@@ -55,6 +55,7 @@ mod fuzz_corpus;
 mod generated_meshes;
 mod gltf;
 mod gltf_animation;
+mod gltf_limits;
 mod gltf_meshes;
 mod guide;
 mod inspect;

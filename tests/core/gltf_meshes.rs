@@ -202,6 +202,21 @@ fn elements_without_bytes_have_a_limit_for_all_together() {
     assert!(error.contains("without a buffer"), "{error}");
 }
 
+#[test]
+fn morph_targets_without_bytes_count_as_well() {
+    let targets = |count: usize| {
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "accessors": [{{"componentType": 5126, "type": "VEC3", "count": 30000}}],
+                "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "targets": [{}]}}]}}]}}"#,
+            vec![r#"{"POSITION": 0}"#; count].join(",")
+        );
+        open(&text).expect("opens").mesh(0)
+    };
+    targets(10).expect("few enough");
+    let error = targets(2236).expect_err("too many").to_string();
+    assert!(error.contains("without a buffer"), "{error}");
+}
+
 /// The pages are never touched: only what is promised is tested.
 #[test]
 fn one_file_that_is_many_buffers_is_refused_before_they_are_all_read() {
