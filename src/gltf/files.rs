@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::Vec3;
 
 use super::objects::{object, with};
-use super::picture::Picture;
+use super::picture::{Picture, PictureFile};
 use super::scene::{Imported, References};
 use super::{Gltf, GltfError, ReadFile};
 use crate::document::{Category, Object, Value};
@@ -22,6 +22,7 @@ pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Resu
         gltf,
         keep,
         read,
+        last: None,
         replaced: BTreeSet::new(),
     };
     let mut imported = gltf.scene(&mut parts)?;
@@ -36,6 +37,8 @@ struct Parts<'a, 'k, 'r> {
     gltf: &'a Gltf,
     keep: &'a mut KeepFile<'k>,
     read: &'a mut ReadFile<'r>,
+    /// The picture that was made last, whose mean may be asked for next.
+    last: Option<(Picture, PictureFile)>,
     /// The images whose files are not those that were written with the glTF file.
     replaced: BTreeSet<usize>,
 }
@@ -57,11 +60,16 @@ impl References for Parts<'_, '_, '_> {
         if !made.is_as_written {
             self.replaced.insert(picture.image);
         }
-        self.keep(format!("picture-{index}.{}", made.extension), &made.bytes)
+        let name = self.keep(format!("picture-{index}.{}", made.extension), &made.bytes)?;
+        self.last = Some((picture.clone(), made));
+        Ok(name)
     }
 
     fn mean(&mut self, picture: &Picture) -> Result<Vec3, GltfError> {
-        let made = self.gltf.picture(picture, self.read)?;
+        let made = match self.last.take() {
+            Some((last, made)) if last == *picture => made,
+            _ => self.gltf.picture(picture, self.read)?,
+        };
         let image = load_image(&made.bytes).map_err(|error| GltfError::Image {
             index: picture.image,
             what: error.to_string(),

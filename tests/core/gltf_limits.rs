@@ -115,6 +115,34 @@ fn light_that_two_pictures_make_has_the_size_of_one_of_them() {
     assert!(sizes.iter().all(|(width, height)| width * height <= 300), "{sizes:?}");
 }
 
+/// A square of which the light is a picture in a file.
+#[test]
+fn the_picture_of_a_light_is_read_once() {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE);
+    let uvs = parts.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let text = parts.text(&format!(
+        r#""images": [{{"uri": "light.png"}}], "textures": [{{"source": 0}}],
+           "materials": [{{"emissiveFactor": [1, 0.5, 0.5], "emissiveTexture": {{"index": 0}}}}],
+           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": {uvs}}}, "mode": 6, "material": 0}}]}}],
+           "nodes": [{{"mesh": 0}}]"#
+    ));
+    let mut reads = 0;
+    let mut read = |_: &str| {
+        reads += 1;
+        let mut bytes = Cursor::new(Vec::new());
+        let image = image::RgbImage::from_pixel(2, 2, image::Rgb([255; 3]));
+        let written = image.write_to(&mut bytes, image::ImageFormat::Png);
+        written.expect("can be written");
+        Ok(bytes.into_inner())
+    };
+    let mut keep = |name: &str, _: &[u8]| Ok(name.to_owned());
+    let file = Gltf::open(text.as_bytes(), &mut nothing_beside).expect("opens");
+    let imported = take_apart(&file, &mut keep, &mut read).expect("imports");
+    assert_eq!(imported.warnings, Vec::<String>::new());
+    assert_eq!(reads, 1);
+}
+
 #[test]
 fn morph_targets_are_limited_for_all_together() {
     // A fan of 2^16 vertices; its positions move it as well. 2^12 times that are 2^28.
