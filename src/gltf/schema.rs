@@ -36,8 +36,8 @@ pub struct Root {
 }
 
 impl Root {
-    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Those of other programs may have been copied from a file
-    /// of ours.
+    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Extras in files of other programs do not count: they
+    /// may have been copied from a file of ours together with an object that was changed.
     pub fn is_as_written(&self, extras: &Value, content: &[u8]) -> bool {
         let generator = self.asset.generator.as_str().unwrap_or_default();
         let written = extras["sunroom_crc32"].as_str();
