@@ -28,7 +28,7 @@ use sunroom::bake::progress::about_invalid;
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
 use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
-use sunroom::files::{check_writable, keep_reads};
+use sunroom::files::{check_writable, is_same_file, keep_reads};
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::Hidden;
 use sunroom::scene::{OpenScene, SceneStatus, read};
@@ -41,7 +41,7 @@ use self::progress::BakeProgress;
 
 use super::check::{report_left_out, report_refusal, report_scene};
 use super::ending::{INTERRUPTED, TERMINATED};
-use super::outputs::{check_scene_stays, is_same_file};
+use super::outputs::check_scene_stays;
 use super::render::cancel_on_interrupt;
 use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use sunroom::document::Diagnostics;
 use sunroom::document::paths::settle;
-use sunroom::files::{Access, keep_reads};
+use sunroom::document::Diagnostics;
+use sunroom::files::{Access, is_same_file, keep_reads};
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::{Hidden, export, is_export};
 use sunroom::scene::mesh_check::check_meshes;
@@ -17,7 +17,7 @@ use sunroom::scene::write::{self, Extensions};
 use sunroom::scene::{FileKind, SceneDescription};
 
 use super::args::{MemoryArgs, MissingArgs, SceneArgs, TrustArgs};
-use super::outputs::{check_scene_stays, is_same_file};
+use super::outputs::check_scene_stays;
 use super::report;
 
 #[derive(Args)]

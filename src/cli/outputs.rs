@@ -3,8 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use sunroom::document::paths::settle;
-use sunroom::files::{SameFiles, check_writable, recorded_reads};
+use sunroom::files::{SameFiles, check_writable, is_same_file, recorded_reads};
 use sunroom::render::image_io::{
     FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
 };
@@ -19,12 +18,6 @@ pub const PART: &str = "one of the parts";
 /// `-` among the outputs.
 pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
-}
-
-/// Whether both names are of one file, be it there or not. Links are followed.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| settle(path));
-    place(a) == place(b) || SameFiles::of([a]).has(b)
 }
 
 /// Whether the outputs have this file among them.

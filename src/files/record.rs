@@ -1,13 +1,15 @@
 //! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can tell what a scene consists of, and
 //! replaces none of it.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-static OPENED: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
+use super::atomic::followed;
+
+static OPENED: Mutex<Option<Opened>> = Mutex::new(None);
 
 /// Whether the files that are remembered are not to be replaced.
 static KEPT: AtomicBool = AtomicBool::new(false);
@@ -27,19 +29,61 @@ pub fn keep_reads() {
 /// The files that were read since [`record_reads`], in the order of their names.
 pub fn recorded_reads() -> Vec<PathBuf> {
     let opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
-    opened.iter().flatten().cloned().collect()
+    opened.iter().flat_map(|opened| &opened.names).cloned().collect()
 }
 
 /// Remembers a file that a scene consists of, if that was asked for.
 pub fn note_read(path: &Path) {
     if let Some(opened) = &mut *OPENED.lock().unwrap_or_else(PoisonError::into_inner) {
-        opened.insert(path.to_owned());
+        opened.note(path);
     }
 }
 
-/// Whether this file was read and is not to be replaced, under whatever name it was.
+/// Whether this file was read and is not to be replaced, under whatever name it was. The path is given as the links to it lead.
 pub(super) fn is_kept(path: &Path) -> bool {
-    KEPT.load(Ordering::Relaxed) && SameFiles::of(recorded_reads()).has(path)
+    if !KEPT.load(Ordering::Relaxed) {
+        return false;
+    }
+    let opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
+    opened.as_ref().is_some_and(|opened| opened.has(path))
+}
+
+/// The files that were read.
+#[derive(Debug, Default)]
+struct Opened {
+    names: BTreeSet<PathBuf>,
+    /// The same after all links.
+    places: HashSet<PathBuf>,
+    /// The names by the files that were there when they were read.
+    files: HashMap<Identity, Vec<PathBuf>>,
+}
+
+impl Opened {
+    fn note(&mut self, path: &Path) {
+        if !self.names.insert(path.to_owned()) {
+            return;
+        }
+        self.places.extend(followed(path));
+        if let Some(file) = Identity::of(path) {
+            self.files.entry(file).or_default().push(path.to_owned());
+        }
+    }
+
+    /// Whether a file was read. It looks at no other files: there may be very many, and a program may ask at each picture that it writes.
+    fn has(&self, path: &Path) -> bool {
+        let Some(file) = Identity::of(path) else {
+            return false;
+        };
+        // Of a file that is gone, another may have the number.
+        let names = self.files.get(&file);
+        self.places.contains(path) || names.is_some_and(|names| SameFiles::of(names).has(path))
+    }
+}
+
+/// Whether both names are of one file, be it there or not. Links are followed.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let place = |path: &Path| followed(path).unwrap_or_else(|_| path.to_owned());
+    place(one) == place(other) || SameFiles::of([one]).has(other)
 }
 
 /// Tells whether a name is one of some files, be it a link to one of them or written in letters of another case.
@@ -114,6 +158,7 @@ mod tests {
     fn all_names_of_a_file_are_known() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = |name: &str| folder.path().join(name);
+        let mut opened = Opened::default();
         for name in ["a", "b"] {
             std::fs::write(path(name), "").expect("a writable folder");
         }
@@ -128,6 +173,22 @@ mod tests {
             ("absent", false),
         ] {
             assert_eq!(files.has(&path(name)), expected, "{name}");
+            assert_eq!(is_same_file(&path("a"), &path(name)), expected, "{name}");
         }
+        assert!(is_same_file(&path("absent"), &path("./absent")));
+        for name in ["link", "absent"] {
+            opened.note(&path(name));
+        }
+        let place = |name: &str| followed(&path(name)).expect("no circle");
+        for (name, expected) in [("a", true), ("other", true), ("b", false), ("absent", false)] {
+            assert_eq!(opened.has(&place(name)), expected, "{name}");
+        }
+        // Another program has replaced the file: the new one is what is read the next time.
+        std::fs::rename(path("b"), path("a")).expect("a writable folder");
+        assert!(opened.has(&place("a")));
+        assert!(
+            !opened.has(&place("other")),
+            "no name that was read leads to it any more"
+        );
     }
 }

@@ -147,16 +147,10 @@ pub fn copy_of<'o>(offers: &'o [Offer], scene: Option<&Path>, is_first: bool) ->
         let of_copy = offer.note.scene.as_deref();
         scene
             .zip(of_copy)
-            .is_some_and(|(scene, of_copy)| is_same_file(scene, of_copy))
+            .is_some_and(|(scene, of_copy)| files::is_same_file(scene, of_copy))
     };
     let own = offers.iter().find(is_its);
     own.or_else(|| offers.iter().find(|offer| is_first && offer.note.scene.is_none()))
-}
-
-/// Whether both paths lead to one file.
-fn is_same_file(one: &Path, other: &Path) -> bool {
-    let real = |path: &Path| path.canonicalize().ok();
-    one == other || real(one).is_some_and(|one| real(other) == Some(one))
 }
 
 /// Whether another window may be using it. Where files cannot be locked, none is in use.
