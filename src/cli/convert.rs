@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sunroom::document::paths::settle;
-use sunroom::document::Diagnostics;
+use sunroom::document::{Diagnostics, Severity};
 use sunroom::files::{Access, is_same_file, keep_reads};
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::{Hidden, export, is_export};
@@ -61,7 +61,7 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !document.diagnostics.has_errors() {
         let missing = args.missing.severity();
         let pictures = check_meshes(&scene, &document.access, missing, &mut document.diagnostics);
-        lacks_meshes = lacks_only_meshes(&scene, &document.diagnostics);
+        lacks_meshes = missing == Severity::Error && lacks_only_meshes(&scene, &document.diagnostics);
         check_pictures(&scene, &pictures, &document.access, &mut document.diagnostics);
         check_volumes(&scene, &document.access, &mut document.diagnostics);
     }

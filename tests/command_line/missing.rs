@@ -113,8 +113,16 @@ fn a_broken_mesh_is_not_a_missing_one() {
         said.contains("broken.ply: line 2") && said.contains("no-chair.obj"),
         "{said}"
     );
-    let said = assert_code(&run(&shop, &["render", "scene.xml", "-o", "a.exr", "-q"]), 1);
-    assert!(!said.contains("--allow-missing"), "it would not help: {said}");
+    // The option would not help, or is there already.
+    for arguments in [
+        &["render", "scene.xml", "-o", "a.exr", "-q"][..],
+        &["render", "scene.xml", "-o", "a.exr", "-q", "--allow-missing"],
+        &["convert", "scene.xml", "a.xml"],
+        &["convert", "scene.xml", "a.xml", "--allow-missing"],
+    ] {
+        let said = assert_code(&run(&shop, arguments), 1);
+        assert!(!said.contains("files are missing"), "{arguments:?}: {said}");
+    }
 }
 
 /// A scene that cannot be shown for another reason names its missing files all the same, and every file that it cannot do without.
