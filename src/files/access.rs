@@ -151,7 +151,7 @@ impl Access {
     /// Reads a permitted file, as [`reading::read`] does, and opens it as [`Self::open`] does.
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
         let file = self.opened(path, limit)?;
-        reading::content(file, limit).inspect(|_| note_read(path))
+        reading::content(&file, limit).inspect(|_| note_read(path))
     }
 
     fn opened(&self, path: &Path, limit: u64) -> Result<File, FileError> {

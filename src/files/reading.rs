@@ -83,11 +83,11 @@ pub fn open(path: &Path, limit: u64) -> Result<File, FileError> {
 
 /// The content of a regular file of at most `limit` bytes.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-    content(open(path, limit)?, limit)
+    content(&open(path, limit)?, limit)
 }
 
 /// The content of an open file of at most `limit` bytes.
-pub(super) fn content(file: File, limit: u64) -> Result<Vec<u8>, FileError> {
+pub(super) fn content(file: &File, limit: u64) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let length = usize::try_from(file.metadata()?.len()).map_err(|_| FileError::TooLarge { limit })?;
     // One byte more shows the end of the file without a second allocation.

@@ -1,9 +1,10 @@
 //! Replaces several files that belong together: a level and its lightmaps, a glTF file and its buffer, a scene and its meshes.
 //!
 //! All new contents are first written beside their places, which is where disks become full and where time goes. Then a note is made that says
-//! which file goes where, and the files are renamed, the one that names the others last. Before the note all files are the old ones. From the
-//! note on, all will be the new ones: a program that is killed among the renames leaves the note, and who reads or replaces the set next
-//! finishes it ([`finish_set`]). That takes no space on the disk. The note is removed at the end.
+//! which file goes where, and the files are renamed, the one that names the others last. Before the first rename all files are the old ones. From
+//! there on, all will be the new ones: a program that is killed among the renames leaves the note, and who reads or replaces the set next
+//! finishes it ([`finish_set`]). That takes no space on the disk. The note is removed at the end, and with the new files if not even the first
+//! rename can be done.
 //!
 //! The note lies in the folder of the file that names the others. It may come from others with that folder, so it can only do what those
 //! could do themselves: rename files within the folder and below it, where the files that are replaced or removed are as they were when it was made.
@@ -18,7 +19,7 @@ use flate2::Crc;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::{PREFIX, Target, Waiting, fill, followed, is_file_of_write, remove_leftovers_once};
-use super::reading::{FileError, LARGEST_NOTE, open};
+use super::reading::{FileError, LARGEST_NOTE, content, open};
 use super::record::Identity;
 
 /// Notes are called [`PREFIX`], the checksum of the name of the file that names the others, and this.
@@ -104,12 +105,25 @@ impl FileSet {
         let main = Target::new(&self.main).map_err(failed(&self.main))?;
         let folder = main.folder().to_owned();
         let note = Note::publish(&self, &main)?;
-        let files = self.files.into_iter().map(|(path, waiting)| {
+        let mut left = stop;
+        let mut files = self.files.into_iter();
+        if left > 0
+            && let Some((path, waiting)) = files.next()
+        {
+            left -= 1;
+            if let Err(error) = waiting.replace() {
+                // All files are the old ones. The new ones go, and before them the note that promises them.
+                if let Some(note) = note {
+                    let _ = fs::remove_file(&note.path);
+                }
+                return Err(failed(&path)(error));
+            }
+        }
+        let files = files.map(|(path, waiting)| {
             // What the note promises stays there.
             let waiting = if note.is_some() { waiting.kept() } else { waiting };
             (path, waiting)
         });
-        let mut left = stop;
         for (path, waiting) in files.collect::<Vec<_>>() {
             if left == 0 {
                 return Ok(());
@@ -158,15 +172,8 @@ impl Stamp {
         about.is_file().then(|| Self::new(&about))
     }
 
-    fn is(self, other: Self) -> bool {
+    fn matches(self, other: Self) -> bool {
         self.length == other.length && self.time.abs_diff(other.time) <= CLOCK
-    }
-
-    fn are_same(one: Option<Self>, other: Option<Self>) -> bool {
-        match (one, other) {
-            (Some(one), Some(other)) => one.is(other),
-            (one, other) => one == other,
-        }
     }
 }
 
@@ -216,12 +223,16 @@ impl Plan {
             let place = folder.join(&file.to);
             let name = file.to.display();
             let Some(from) = Stamp::of(&folder.join(&file.from)) else {
-                match Stamp::of(&place).is_some_and(|there| there.is(file.new)) {
+                match Stamp::of(&place).is_some_and(|there| there.matches(file.new)) {
                     true => continue,
                     false => return Err(format!("{name} is not the new one, which is gone")),
                 }
             };
-            if !from.is(file.new) || !Stamp::are_same(Stamp::of(&place), file.old) {
+            let is_old = match (Stamp::of(&place), file.old) {
+                (Some(there), Some(old)) => there.matches(old),
+                (there, old) => there == old,
+            };
+            if !from.matches(file.new) || !is_old {
                 return Err(format!("{name} was changed since"));
             }
             if !is_inside(folder, &file.from) || !is_inside(folder, &file.to) || !is_file_of_write(&file.from) {
@@ -234,11 +245,17 @@ impl Plan {
         }
         for (name, stamp) in &self.outdated {
             let path = folder.join(name);
-            if is_inside(folder, name) && Stamp::of(&path).is_some_and(|there| there.is(*stamp)) {
+            if is_inside(folder, name) && Stamp::of(&path).is_some_and(|there| there.matches(*stamp)) {
                 let _ = fs::remove_file(path);
             }
         }
         Ok(())
+    }
+
+    /// Whether no file has been renamed.
+    fn is_not_begun(&self, folder: &Path) -> bool {
+        let is_there = |file: &Rename| Stamp::of(&folder.join(&file.from)).is_some_and(|from| from.matches(file.new));
+        self.files.iter().all(is_there)
     }
 
     /// The files that wait to be renamed.
@@ -281,10 +298,8 @@ impl Note {
             }
             let stale = match &left {
                 // It is replaced, and what it kept is in no use then.
-                Err(_) => read_plan(&path)
-                    .ok()
-                    .map(|plan| plan.waiting(folder).collect::<Vec<_>>()),
-                Ok(()) => None,
+                Err(_) => waiting_for(&path, folder),
+                Ok(()) => Vec::new(),
             };
             if is_alone && left.is_ok() {
                 return Ok(None);
@@ -303,11 +318,15 @@ impl Note {
                 true => written.persist_noclobber(&path),
                 false => written.persist(&path),
             };
-            let published = published.map_err(|error| error.error);
-            match published {
+            let published = published.or_else(|error| match error.error.kind() {
+                ErrorKind::AlreadyExists => Err(error),
+                // Some file systems have no renames that replace nothing, and no hard links in their place.
+                _ => error.file.persist(&path),
+            });
+            match published.map_err(|error| error.error) {
                 Ok(file) => {
                     sync_folder(folder);
-                    stale.into_iter().flatten().for_each(|path| drop(fs::remove_file(path)));
+                    stale.iter().for_each(|path| drop(fs::remove_file(path)));
                     return Ok(Some(Self { path, _file: file }));
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && Instant::now() < deadline => {}
@@ -376,26 +395,40 @@ fn finish(note: &Path) -> Result<(), FileError> {
         if !Identity::of(note).is_some_and(|there| there.is_of(&file)) {
             continue;
         }
-        let plan = read_plan(note).map_err(broken)?;
-        plan.finish(note.parent().unwrap_or(Path::new(""))).map_err(broken)?;
-        return fs::remove_file(note).map_err(|error| broken(error.to_string()));
+        let folder = note.parent().unwrap_or(Path::new(""));
+        let plan = read_plan(&file).map_err(broken)?;
+        return match plan.finish(folder) {
+            Ok(()) => fs::remove_file(note).map_err(|error| broken(error.to_string())),
+            // The old files belong together. If the note cannot be removed, it needs the others.
+            Err(_) if plan.is_not_begun(folder) => {
+                if fs::remove_file(note).is_ok() {
+                    plan.waiting(folder).for_each(|path| drop(fs::remove_file(path)));
+                }
+                Ok(())
+            }
+            Err(why) => Err(broken(why)),
+        };
     }
 }
 
-fn read_plan(note: &Path) -> Result<Plan, String> {
-    let text = super::read(note, LARGEST_NOTE).map_err(|error| error.to_string())?;
+/// Reads an open note: where locks bind everybody, it cannot be opened a second time while it is locked.
+fn read_plan(note: &File) -> Result<Plan, String> {
+    let text = content(note, LARGEST_NOTE).map_err(|error| error.to_string())?;
     serde_json::from_slice(&text).map_err(|error| error.to_string())
+}
+
+/// The files that wait for a note in this folder.
+fn waiting_for(note: &Path, folder: &Path) -> Vec<PathBuf> {
+    let plan = open(note, LARGEST_NOTE).ok().and_then(|note| read_plan(&note).ok());
+    plan.map_or_else(Vec::new, |plan| plan.waiting(folder).collect())
 }
 
 /// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be finished.
 pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
     let mut waiting = HashSet::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if is_note(entry.file_name().as_encoded_bytes())
-            && finish(&entry.path()).is_err()
-            && let Ok(plan) = read_plan(&entry.path())
-        {
-            waiting.extend(plan.waiting(folder));
+        if is_note(entry.file_name().as_encoded_bytes()) && finish(&entry.path()).is_err() {
+            waiting.extend(waiting_for(&entry.path(), folder));
         }
     }
     waiting

@@ -187,9 +187,12 @@ fn notes_of_others_rename_and_remove_nothing_elsewhere() {
         };
         let note = note_path(&inner.join(MAIN));
         fs::write(&note, serde_json::to_vec(&plan).expect("a text")).expect("a writable folder");
-        let message = finish_set(&inner.join(MAIN)).expect_err(to).to_string();
-        assert!(message.contains("in another folder"), "{message}");
-        assert!(part.exists() && !absolute.exists() && shop.path("scene.bin").exists());
+        let why = plan.finish(&inner).expect_err(to);
+        assert!(why.contains("in another folder"), "{why}");
+        finish_set(&inner.join(MAIN)).expect("nothing was begun");
+        assert!(!note.exists() && !absolute.exists() && shop.path("scene.bin").exists());
+        assert!(inner.join("own.txt").exists());
+        fs::write(&part, "evil").expect("a writable folder");
     }
 }
 
@@ -201,11 +204,81 @@ fn waiting_files_are_no_leftovers() {
     assert!(waiting.is_empty() && shop.is(SECOND, "second"));
     // One that cannot be finished keeps its files.
     let shop = Shop::new();
-    shop.second().replace_until(0).expect("it can be written");
+    shop.second().replace_until(1).expect("it can be written");
     fs::write(shop.path(MAIN), "the user's own").expect("a writable folder");
     let waiting = finish_all(shop.0.path());
     assert_eq!(waiting.len(), 3);
-    assert!(waiting.iter().all(|path| path.exists()));
+    // One has been renamed.
+    assert_eq!(waiting.iter().filter(|path| path.exists()).count(), 2);
+}
+
+#[test]
+fn nothing_stays_of_a_set_of_which_nothing_can_be_renamed() {
+    let shop = Shop::new();
+    let set = shop.second();
+    // It is the first of the set.
+    fs::create_dir(shop.path("scene-files/b.ply")).expect("a writable folder");
+    let error = set.replace().expect_err("a folder is there");
+    assert_eq!(error.path, shop.path("scene-files/b.ply"));
+    assert!(shop.is(FIRST, "first"), "{:?}", shop.content());
+    shop.finish().expect("there is nothing to finish");
+    // The same where the program was killed before it could see that.
+    fs::remove_dir(shop.path("scene-files/b.ply")).expect("it is empty");
+    shop.second().replace_until(0).expect("it can be written");
+    fs::write(shop.path("scene-files/b.ply"), "first").expect("a writable folder");
+    shop.finish().expect("nothing was begun");
+    fs::remove_file(shop.path("scene-files/b.ply")).expect("it is there");
+    assert!(shop.is(FIRST, "first"), "{:?}", shop.content());
+}
+
+#[test]
+fn a_rename_that_fails_later_is_mended() {
+    let shop = Shop::new();
+    let set = shop.second();
+    fs::remove_file(shop.path("scene.bin")).expect("it is there");
+    fs::create_dir(shop.path("scene.bin")).expect("a writable folder");
+    let error = set.replace().expect_err("a folder is there");
+    assert_eq!(error.path, shop.path("scene.bin"));
+    let before = shop.content();
+    shop.finish().expect_err("the folder is there still");
+    assert_eq!(shop.content(), before);
+    fs::remove_dir(shop.path("scene.bin")).expect("it is empty");
+    shop.finish().expect("it can be finished");
+    assert!(shop.is(SECOND, "second"), "{:?}", shop.content());
+}
+
+#[test]
+fn a_set_with_a_file_elsewhere_is_finished_or_left_alone() {
+    let shop = Shop::new();
+    fs::create_dir(shop.path("level")).expect("a writable folder");
+    // The order of those that are not the main file is that of the renames.
+    let names = ["level/near.xml", "far.xml", "level/main.xml"];
+    let main = shop.path(names[2]);
+    let stopped = |stop: usize| {
+        for name in names {
+            fs::write(shop.path(name), "first").expect("a writable folder");
+        }
+        let mut set = FileSet::new(&main);
+        for name in names {
+            set.add(&shop.path(name), "second").expect("it can be written");
+        }
+        set.replace_until(stop).expect("it can be written");
+        let outcome = finish_set(&main).map_err(|error| error.to_string());
+        let read = |name: &str| fs::read_to_string(shop.path(name)).expect("it is there");
+        (outcome, names.map(read))
+    };
+    // Nothing was renamed: the old files can be read, and nothing waits among them.
+    let (outcome, read) = stopped(0);
+    outcome.expect("nothing was begun");
+    assert_eq!(read, ["first"; 3]);
+    let left = fs::read_dir(shop.path("level")).expect("it is there").count();
+    assert_eq!(left, 2);
+    let (outcome, _) = stopped(1);
+    let message = outcome.expect_err("half of the set is replaced");
+    assert!(message.contains("in another folder"), "{message}");
+    let (outcome, read) = stopped(2);
+    outcome.expect("the rest is in the folder");
+    assert_eq!(read, ["second"; 3]);
 }
 
 #[test]
