@@ -82,8 +82,8 @@ impl Opened {
 
 /// Whether both names are of one file, be it there or not. Links are followed.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    let place = |path: &Path| followed(path).unwrap_or_else(|_| path.to_owned());
-    place(one) == place(other) || SameFiles::of([one]).has(other)
+    let place = |path: &Path| followed(path).and_then(std::path::absolute).ok();
+    one == other || place(one).is_some_and(|one| place(other) == Some(one)) || SameFiles::of([one]).has(other)
 }
 
 /// Tells whether a name is one of some files, be it a link to one of them or written in letters of another case.
@@ -176,6 +176,7 @@ mod tests {
             assert_eq!(is_same_file(&path("a"), &path(name)), expected, "{name}");
         }
         assert!(is_same_file(&path("absent"), &path("./absent")));
+        assert!(is_same_file(Path::new("no-folder/a"), Path::new("./no-folder/a")));
         for name in ["link", "absent"] {
             opened.note(&path(name));
         }
