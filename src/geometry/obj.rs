@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use super::mesh::{MeshData, MtlMaterial};
-use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, excerpt};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, excerpt, replace_not_finite};
 use super::mtl::{default_material, read_mtl};
 use super::obj_lines::stretches;
 use super::obj_part::{Corner, Counts, NONE, Part};
@@ -35,8 +35,10 @@ pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8
 
 /// The size of a stretch in bytes: large enough to keep a thread busy, small enough for all threads to end at about the same time.
 const STRETCH: usize = 1 << 18;
-/// The bytes of memory that statements take for each byte of text.
+/// The bytes of memory that statements take for each byte of text, without colours.
 const BYTES_PER_BYTE: u64 = 4;
+/// The bytes of memory for the colour of a vertex, in its part and where the parts are joined.
+const BYTES_PER_COLOR: u64 = 2 * size_of::<Vec3>() as u64;
 /// The most libraries that are looked for, more than any real file names.
 const MOST_LIBRARIES: usize = 64;
 
@@ -53,13 +55,14 @@ fn load_in_stretches(
         });
     }
     let length_bytes = bytes.len() as u64;
-    let memory = MeshMemory::reserve(BYTES_PER_BYTE * length_bytes, || {
+    let mut memory = MeshMemory::reserve(BYTES_PER_BYTE * length_bytes, || {
         format!("{length_bytes} bytes of text")
     })?;
     let mut warnings = Warnings::default();
     let mut statements = Statements::read(
         bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
         length,
+        &mut memory,
         &mut warnings,
     )?;
     statements.add_libraries(library, &mut warnings);
@@ -90,7 +93,7 @@ struct Statements {
 }
 
 impl Statements {
-    fn read(text: &[u8], length: usize, warnings: &mut Warnings) -> Result<Self, MeshError> {
+    fn read(text: &[u8], length: usize, memory: &mut MeshMemory, warnings: &mut Warnings) -> Result<Self, MeshError> {
         let texts = stretches(text, length);
         let read = |(i, text): (usize, &&[u8])| Part::read(text, (i == 0).then_some(Counts::default()));
         let mut parts: Vec<Part> = texts.par_iter().enumerate().map(read).collect();
@@ -109,8 +112,15 @@ impl Statements {
             warnings.append(std::mem::take(&mut part.warnings));
         }
         let colored = parts.iter().map(|part| part.colored).sum();
-        for part in parts.iter_mut().filter(|_| colored > 0) {
-            part.colors.resize(part.positions.len(), Vec3::ONE);
+        if colored > 0 {
+            // One vertex with a colour gives all of them one.
+            let count: usize = parts.iter().map(|part| part.positions.len()).sum();
+            memory.add(BYTES_PER_COLOR * count as u64, || {
+                format!("{count} colours of vertices")
+            })?;
+            for part in &mut parts {
+                part.colors.resize(part.positions.len(), Vec3::ONE);
+            }
         }
         Ok(Self {
             colors: joined(&mut parts, |part| &mut part.colors),
@@ -190,6 +200,7 @@ impl Statements {
             mesh.uvs = sources.par_iter().map(uv_of).collect();
         }
         self.add_colors(&mut mesh, &sources, warnings);
+        replace_not_finite(&mut mesh, warnings);
         self.add_normals(&mut mesh, &sources, warnings);
         mesh
     }
