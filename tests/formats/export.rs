@@ -1148,3 +1148,31 @@ fn normal_maps_keep_their_side() {
         0.02,
     );
 }
+
+/// Bubbles with a normal map run the other way in glTF: all of their triangles are written, also those whose coordinates have no area.
+#[test]
+fn turned_surfaces_with_normal_maps_keep_all_triangles() {
+    let shop = Workshop::new();
+    let lean = image::RgbImage::from_pixel(2, 2, image::Rgb([150, 128, 220]));
+    lean.save(shop.path("lean.png")).expect("a picture");
+    let vertices = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n";
+    let corners = "vt 0 0\nvt 1 0\nvt 1 1\n";
+    for (name, faces) in [
+        ("bare", "f 1 2 3\nf 1 3 4\n"),
+        ("upright", "f 1/1 2/2 3/3\nf 1/1 3/1 4/1\n"),
+        ("mirrored", "f 1/1 2/3 3/2\nf 1/1 3/1 4/1\n"),
+    ] {
+        shop.put("board.obj", format!("{vertices}{corners}{faces}"));
+        let text = scene(&format!(
+            r#"{CAMERA}<emitter type="point"/><shape type="obj"><string name="filename" value="board.obj"/>
+            <bsdf type="normalmap"><texture type="bitmap" name="normalmap"><string name="filename" value="lean.png"/>
+              <boolean name="raw" value="true"/></texture>
+              <bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1.25"/></bsdf></bsdf></shape>"#
+        ));
+        shop.put("scene.xml", text);
+        let said = shop.convert("scene.xml", "level.gltf");
+        let after = shop.describe("level.gltf");
+        let triangles = after.shapes.iter().map(|shape| mesh_of(shape).triangles.len());
+        assert_eq!(triangles.sum::<usize>(), 2, "{name}: {said:?}");
+    }
+}

@@ -327,6 +327,8 @@ impl<'a> Shapes<'a> {
                         (index, colors, is_inside_out)
                     }
                 };
+                // Triangles without an area of coordinates are on the same side before and after they are turned.
+                let chosen = (placing, part);
                 let placing = Placing {
                     is_turned: placing.is_turned ^ turns,
                     ..placing
@@ -335,7 +337,7 @@ impl<'a> Shapes<'a> {
                 let part = if turns { part.turned() } else { part };
                 let colors = self.known_colors(form, colors, name, messages);
                 let is_unwelded = is_of_triangles(&form.mesh, &colors);
-                let indices = self.indices(form, (slot, slots), &placing, is_unwelded, part, writer);
+                let indices = self.indices(form, (slot, slots), &placing, is_unwelded, chosen, writer);
                 let Some(indices) = indices.map_err(fails)? else {
                     continue;
                 };
@@ -421,23 +423,23 @@ impl<'a> Shapes<'a> {
         self.tangents.insert(key, attributes.get("TANGENT").copied());
     }
 
-    /// The triangles of a part of a material slot, of so many; None if there are none.
+    /// The triangles of a material slot, of so many, that are in a part as another placing has it; None if there are none.
     fn indices(
         &mut self,
         form: &Form,
         (slot, slots): (usize, usize),
         placing: &Placing,
         is_unwelded: bool,
-        part: Side,
+        (chosen, part): (Placing, Side),
         writer: &mut GltfWriter,
     ) -> Result<Option<usize>, GltfWriteError> {
         let runs_backwards = placing.runs_backwards();
         let sides = match part {
             Side::All => None,
-            Side::Upright | Side::Mirrored => Some(self.mirrored(form, placing, is_unwelded)),
+            Side::Upright | Side::Mirrored => Some(self.mirrored(form, &chosen, is_unwelded)),
         };
         // Whether a triangle is mirrored depends on its shape alone, and on the side of its normals.
-        let of_part = sides.as_ref().map(|_| (part, placing.is_turned));
+        let of_part = sides.as_ref().map(|_| (part, chosen.is_turned));
         let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots} {of_part:?}", form.key);
         if let Some(known) = self.triangles.get(&key) {
             return Ok(*known);
