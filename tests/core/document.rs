@@ -11,7 +11,7 @@ use sunroom::document::{
 };
 use sunroom::files::{Access, write_atomically};
 
-use crate::fuzz_corpus::entries::without_spans;
+use crate::fuzz_corpus::entries::documents::without_spans;
 use crate::split_mix::Random;
 
 fn parse(text: &str) -> Document {

@@ -1,6 +1,6 @@
 //! What tests of mesh readers have in common.
 
-pub use crate::fuzz_corpus::entries::assert_sound;
+pub use crate::fuzz_corpus::entries::meshes::assert_sound;
 pub use crate::split_mix::Random;
 
 impl Random {
