@@ -210,9 +210,11 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
         });
         let emitted: Vec<_> = (0..record.slots)
             .map(|slot| {
-                let in_file = mesh.and_then(|mesh| mesh.materials.get(slot as usize));
-                let of_file = in_file.map_or(Parameter::Constant(Rgb::ZERO), |mtl| emission(mtl, self.textures));
-                own_light.unwrap_or((of_file, 1.0, false))
+                own_light.unwrap_or_else(|| {
+                    let in_file = mesh.and_then(|mesh| mesh.materials.get(slot as usize));
+                    let of_file = in_file.map_or(Parameter::Constant(Rgb::ZERO), |mtl| emission(mtl, self.textures));
+                    (of_file, 1.0, false)
+                })
             })
             .collect();
         let slot = |(slot, (radiance, sampling_weight, is_two_sided)): (u32, (Parameter<Rgb>, f32, bool))| {
