@@ -1,5 +1,6 @@
 //! The editor's response to a scene that has been opened or read again.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
@@ -192,11 +193,12 @@ impl FileTroubles {
             .chain(&status.picture_problems)
             .chain(&status.damaged_pictures)
             .filter(|problem| problem.missing.is_none());
-        let mut missing: Vec<PathBuf> = status.missing_files().map(|problem| problem.path.clone()).collect();
-        missing.dedup();
+        // Things of several kinds may name one file.
+        let mut known = HashSet::new();
+        let missing = status.missing_files().map(|problem| problem.path.clone());
         Self {
             gone: status.files_gone.clone(),
-            missing,
+            missing: missing.filter(|path| known.insert(path.clone())).collect(),
             unreadable: all.map(|problem| problem.message.clone()).collect(),
         }
     }
@@ -292,7 +294,29 @@ const SIZE_PER_DISTANCE: f32 = 2.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{DocumentOrder, SceneId, Sensor};
+    use crate::scene::{DocumentOrder, FileKind, FileProblem, SceneId, Sensor};
+
+    #[test]
+    fn a_file_that_is_missing_for_two_things_is_named_once() {
+        let problem = |name: &str, kind| FileProblem {
+            path: name.into(),
+            span: None,
+            what: String::new(),
+            message: String::new(),
+            help: None,
+            missing: Some(kind),
+        };
+        let status = SceneStatus {
+            mesh_errors: vec![problem("a", FileKind::Mesh), problem("b", FileKind::Mesh)],
+            picture_problems: vec![problem("a", FileKind::Picture)],
+            ..SceneStatus::default()
+        };
+        let troubles = FileTroubles::of(&status);
+        assert_eq!(
+            missing(&troubles.missing).as_deref(),
+            Some("2 files of the scene are missing: a and b")
+        );
+    }
 
     #[test]
     fn a_camera_that_is_not_there_is_an_error() {
