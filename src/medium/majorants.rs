@@ -20,7 +20,8 @@ const READS_PER_VOXEL: u64 = 16;
 /// What cells are enlarged by, relative to their size, so that rounding leads to no value outside of them.
 const MARGIN: f32 = 1e-3;
 /// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and another is not, a ray beside the dense one would
-/// be held up by null collisions without end. As no light passes such a cell's dense voxels in either case, their extinction counts as that much.
+/// be held up by null collisions without end, so that its extinction counts as that much. Light passes a voxel of so much in hardly any case, unless cells are much larger
+/// than [`VOXELS_PER_CELL`].
 pub(super) const MOST_TRIED: f32 = 1024.0;
 
 /// Upper bounds of extinction in the cells of a box in world space.
@@ -55,7 +56,7 @@ impl Display for Limited {
         let places = if *cells == 1 { "cell" } else { "cells" };
         write!(
             out,
-            "it is too dense beside what is thin: the extinction is up to {densest:e} per unit of length, and in {cells} {places} what is above {limit:.1} counts as that"
+            "it is too dense next to thin places: the extinction is up to {densest:e} per unit of length, and in {cells} {places} at most {limit:.1} of it counts"
         )
     }
 }

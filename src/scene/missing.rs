@@ -50,14 +50,12 @@ impl MissingFile {
     /// What is wrong with it, as a sentence without the file: `no such file`, and where else it was looked for.
     pub fn what(&self) -> String {
         let named = self.others.iter().take(MOST_NAMED);
-        let mut named: Vec<String> = named.map(|place| place.display().to_string()).collect();
-        match self.others.len().saturating_sub(MOST_NAMED) {
-            0 => {}
-            more => named.push(format!("in {more} more places")),
-        }
-        match named.is_empty() {
-            true => NOT_THERE.to_owned(),
-            false => format!("{NOT_THERE}; looked for {} as well", named.join(", ")),
+        let named: Vec<String> = named.map(|place| place.display().to_string()).collect();
+        let named = named.join(", ");
+        match (self.others.len(), self.others.len().saturating_sub(MOST_NAMED)) {
+            (0, _) => NOT_THERE.to_owned(),
+            (_, 0) => format!("{NOT_THERE}; also looked for as {named}"),
+            (_, more) => format!("{NOT_THERE}; also looked for as {named} and in {more} more places"),
         }
     }
 }
@@ -102,11 +100,8 @@ mod tests {
             help: None,
         };
         assert_eq!(missing(0).what(), "no such file");
-        assert_eq!(missing(1).what(), "no such file; looked for /0/a.ply as well");
+        assert_eq!(missing(1).what(), "no such file; also looked for as /0/a.ply");
         let many = missing(100).what();
-        assert!(
-            many.ends_with("/2/a.ply, /3/a.ply, in 96 more places as well"),
-            "{many}"
-        );
+        assert!(many.ends_with("/2/a.ply, /3/a.ply and in 96 more places"), "{many}");
     }
 }

@@ -998,7 +998,7 @@ fn convert_warns_of_pictures_that_cannot_be_read() {
         for expected in [
             "missing.png: no such file",
             "cut.png: the picture is damaged",
-            "dark.pfm: 1 pixel is negative",
+            "dark.pfm: 1 pixel has a negative value",
             "lost.png: no such file",
             "scene.xml:17:",
         ] {
@@ -1029,7 +1029,7 @@ fn negative_pixels_of_lights_are_counted_and_black() {
         let output = render(&scene, &shop.path("a.exr"), &["-q", "--spp", "4"]);
         assert_code(&output, 0);
         let said = stderr(&output);
-        assert!(said.contains("light.pfm: 1 pixel is negative"), "{said}");
+        assert!(said.contains("light.pfm: 1 pixel has a negative value"), "{said}");
         let least = image(&shop.path("a.exr"))
             .pixels
             .iter()

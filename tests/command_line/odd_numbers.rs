@@ -44,7 +44,7 @@ fn smoke(file: &str, emission: &str) -> String {
 #[test]
 fn a_dense_voxel_ends_and_is_told_of() {
     let shop = Workshop::new();
-    let limited = "): it is too dense beside what is thin";
+    let limited = "): it is too dense next to thin places";
     for (dense, told) in [
         (50.0, None),
         (1e6, Some(limited)),
@@ -245,15 +245,15 @@ fn numbers_that_are_none_are_told_of() {
     let warnings = [
         (
             picture("nan.pfm"),
-            "nan.pfm: 1 pixel is infinite or no number: what is counts as zero",
+            "nan.pfm: 1 pixel has a value that is infinite or no number: zero takes its place",
         ),
         (
             sky("infinite.pfm"),
-            "infinite.pfm: 2 pixels are infinite or no number: what is counts as zero",
+            "infinite.pfm: 2 pixels have a value that is infinite or no number: zero takes its place",
         ),
         (
             sky("bright.pfm"),
-            "bright.pfm: 1 pixel is too bright: what is above 1e12 counts as that",
+            "bright.pfm: 1 pixel has a value above 1e12, which takes its place",
         ),
         (
             mesh("obj", "uv.obj"),

@@ -583,7 +583,7 @@ fn a_missing_mesh_that_appears_completes_the_scene() {
     assert!(status.has_errors() && status.lacks_only_files());
     let text = &status.mesh_errors[0].message;
     assert!(
-        text.contains("scene.xml:2:") && text.contains("no such file; looked for "),
+        text.contains("scene.xml:2:") && text.contains("no such file; also looked for as "),
         "{text}"
     );
     assert_eq!(open.count::<Shape>(), 1, "the shape is there");

@@ -904,7 +904,7 @@ fn what_is_wrong_with_a_volume_file_is_said_where_it_is_named() {
     };
     let missing = message(&[]);
     assert!(
-        missing.contains("scene.xml:3:42: volume ") && missing.contains("smoke.vol: no such file; looked for "),
+        missing.contains("scene.xml:3:42: volume ") && missing.contains("smoke.vol: no such file; also looked for as "),
         "{missing}"
     );
     let broken = message(&[("smoke.vol", b"VOL\x03")]);

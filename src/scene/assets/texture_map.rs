@@ -47,19 +47,20 @@ pub struct TextureMap {
 impl TextureMap {
     /// What counts as something else than the file says, in words; None if all is as it is there. Negative pixels matter to lights alone.
     pub(crate) fn warning(&self, is_light: bool) -> Option<String> {
-        let too_bright = format!("too bright: what is above {BRIGHTEST:e} counts as that");
+        let too_bright = format!("a value above {BRIGHTEST:e}, which takes its place");
+        let negative = if is_light { self.negative_pixels } else { 0 };
         let found = [
-            (self.not_finite, "infinite or no number: what is counts as zero"),
-            (self.too_bright, too_bright.as_str()),
             (
-                if is_light { self.negative_pixels } else { 0 },
-                "negative: as light that counts as zero",
+                self.not_finite,
+                "a value that is infinite or no number: zero takes its place",
             ),
+            (self.too_bright, too_bright.as_str()),
+            (negative, "a negative value, which as light counts as zero"),
         ];
         let found = found.into_iter().filter(|(pixels, _)| *pixels > 0);
         let said = found.map(|(pixels, what)| match pixels {
-            1 => format!("1 pixel is {what}"),
-            _ => format!("{pixels} pixels are {what}"),
+            1 => format!("1 pixel has {what}"),
+            _ => format!("{pixels} pixels have {what}"),
         });
         said.reduce(|one, other| format!("{one}; {other}"))
     }
