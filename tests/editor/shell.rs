@@ -236,6 +236,34 @@ fn unsaved_edits_are_asked_about() {
     assert_eq!(window(Command::Undo).state().commands, [Command::Undo]);
 }
 
+/// The window may be closed while the palette is open, whose field takes the keyboard.
+#[test]
+fn a_question_over_the_palette_has_the_keys() {
+    let question = UnsavedQuestion::default();
+    let it = (Palette::default(), question, vec![Command::Quit]);
+    let mut harness = show(it, |egui, shown| {
+        let (palette, question, said) = &mut shown.it;
+        let (selection, model) = (Selection::default(), Model::default());
+        if shown.is_open {
+            shown.is_open = palette.show(egui, &model, &context(&selection), &[], &mut shown.commands);
+        }
+        let unsaved = UnsavedState {
+            name: "box.xml",
+            saved: None,
+            edits: true,
+            dialog_open: false,
+        };
+        question.hold(said, true);
+        question.show(egui, unsaved, said);
+        shown.commands.append(said);
+    });
+    // Until it can be seen.
+    harness.run_steps(20);
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().commands, [Command::Save]);
+    assert!(harness.state().is_open);
+}
+
 #[test]
 fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
     let mut harness = window(Command::Quit);

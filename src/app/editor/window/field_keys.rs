@@ -72,6 +72,8 @@ fn is_function_key(key: Key) -> bool {
 pub struct FieldKeys {
     waiting: Vec<Press>,
     step: Step,
+    /// Whether a field was left because the window is to close.
+    has_left: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,12 +131,14 @@ impl FieldKeys {
         self.waiting.clear();
     }
 
-    /// Leaves the field that has the keyboard. True once what was typed has been said: then the window may close.
+    /// Leaves the field that has the keyboard. True once what was typed has been said: then the window may close. It is left only once until then,
+    /// because some fields take the keyboard in every frame.
     pub fn is_left(&mut self, keyboard: Option<Keyboard>) -> bool {
-        if self.step == Step::None && keyboard == Some(Keyboard::Text) {
+        if self.step == Step::None && keyboard == Some(Keyboard::Text) && !self.has_left {
             self.step = Step::Leaves;
         }
-        self.step == Step::None
+        self.has_left = self.step != Step::None;
+        !self.has_left
     }
 
     /// To be called after everything is shown.
@@ -358,6 +362,37 @@ mod tests {
         assert_eq!(harness.state().said, ["width 7"]);
         let keyboard = harness.state().keyboard;
         assert!(harness.state_mut().keys.is_left(keyboard));
+    }
+
+    /// The palette does that, for instance.
+    #[test]
+    fn a_window_closes_although_a_field_takes_the_keyboard_in_every_frame() {
+        #[derive(Default)]
+        struct Window {
+            text: String,
+            keys: FieldKeys,
+            keyboard: Option<Keyboard>,
+            closes: bool,
+        }
+        let show = |ui: &mut Ui, window: &mut Window| {
+            ui.text_edit_singleline(&mut window.text).request_focus();
+            if window.closes && window.keys.is_left(window.keyboard) {
+                window.closes = false;
+            }
+            window.keys.end_frame(ui.ctx());
+            window.keyboard = Keyboard::of(ui.ctx(), false);
+        };
+        let mut harness = Harness::builder()
+            .with_size(egui::vec2(300.0, 200.0))
+            .build_ui_state(show, Window::default());
+        harness.run_steps(3);
+        assert_eq!(harness.state().keyboard, Some(Keyboard::Text));
+        // The first time the question that follows may have been cancelled.
+        for _ in 0..2 {
+            harness.state_mut().closes = true;
+            harness.run_steps(6);
+            assert!(!harness.state().closes);
+        }
     }
 
     #[test]

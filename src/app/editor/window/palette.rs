@@ -175,7 +175,10 @@ impl Palette {
                 .hint_text("An action, a scene file or something in the scene")
                 .desired_width(f32::INFINITY);
             let field = ui.add(field);
-            field.request_focus();
+            // A question over it has the keyboard.
+            if ui.memory(|memory| memory.allows_interaction(ui.layer_id())) {
+                field.request_focus();
+            }
             if field.changed() {
                 self.chosen = 0;
             }
