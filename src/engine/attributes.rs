@@ -93,8 +93,11 @@ fn attributes_of_materials(authored: &Authored) -> EntityHashMap<BTreeSet<String
 
 fn add_attributes(texture: &Texture, names: &mut BTreeSet<String>) {
     match texture {
-        Texture::MeshAttribute { name, .. } => {
+        Texture::MeshAttribute { name, times, .. } => {
             names.insert(name.clone());
+            if let Some(times) = times {
+                add_attributes(times, names);
+            }
         }
         Texture::Checkerboard { color0, color1, .. } => {
             for color in [color0, color1] {

@@ -61,7 +61,11 @@ fn of_texture(texture: &mut Texture, meet: &mut dyn FnMut(&mut PathBuf)) {
                 }
             }
         }
-        Texture::MeshAttribute { .. } => {}
+        Texture::MeshAttribute { times, .. } => {
+            if let Some(times) = times {
+                of_texture(times, meet);
+            }
+        }
     }
 }
 
@@ -87,6 +91,7 @@ mod tests {
             <emitter type='envmap'><string name='filename' value='e.exr'/></emitter>
             <emitter type='spot'>{}</emitter>
             <emitter type='projector'>{}</emitter>
+            <bsdf type='diffuse' id='painted'><texture type='mesh_attribute' name='reflectance'><string name='name' value='vertex_color'/>{}</texture></bsdf>
             <shape type='sphere'><medium name='interior' type='heterogeneous'>
               <volume type='gridvolume' name='sigma_t'><string name='filename' value='h.vol'/></volume>
               <volume type='vdbvolume' name='albedo'><string name='filename' value='i.vdb'/></volume>
@@ -99,6 +104,7 @@ mod tests {
             bitmap("radiance", "d.png"),
             bitmap("texture", "f.png"),
             bitmap("irradiance", "g.png"),
+            bitmap("times", "l.png"),
         );
         let mut document = document::parse_str(&*text, Path::new("/nowhere/scene.xml"), &[]);
         let mut scene = read(&mut document);
@@ -126,7 +132,7 @@ mod tests {
         scene.media.iter_mut().for_each(|it| it.medium.for_each_file(&mut meet));
         met.sort();
         let expected = [
-            "a.obj", "b.png", "c.png", "d.png", "e.exr", "f.png", "g.png", "h.vol", "i.vdb", "j.vol", "k.vol",
+            "a.obj", "b.png", "c.png", "d.png", "e.exr", "f.png", "g.png", "h.vol", "i.vdb", "j.vol", "k.vol", "l.png",
         ];
         assert_eq!(met, expected);
         assert_eq!(noted, expected.len(), "all of them are missing");

@@ -124,6 +124,11 @@ fn an_attribute_that_a_mesh_does_not_have_is_a_warning() {
     let lamp = "<emitter type='area'><texture type='mesh_attribute' name='radiance'><string name='name' value='face_glow'/></texture></emitter>";
     let (_, errors) = seen(folder.path(), &shape("l", "plain.obj", lamp));
     assert!(errors.iter().any(|error| error.contains("`face_glow`")), "{errors:?}");
+    // One inside of another.
+    let inner = "<string name='name' value='vertex_color'/><texture type='mesh_attribute' name='times'><string name='name' value='face_glow'/></texture>";
+    let within = material.replace("<string name='name' value='vertex_color'/>", inner);
+    let (_, errors) = seen(folder.path(), &shape("a", "coloured.obj", &within));
+    assert!(errors.iter().any(|error| error.contains("`face_glow`")), "{errors:?}");
     let (_, errors) = seen(
         folder.path(),
         &format!("<shape type='rectangle' id='r'>{material}</shape>"),
