@@ -20,6 +20,7 @@ use sunroom::app::editor::session::options;
 use sunroom::app::editor::session::recovery::Recovery;
 use sunroom::app::editor::session::requests::{CommandQueue, Requests};
 use sunroom::app::editor::session::toasts::Toasts;
+use sunroom::app::editor::session::trust::TrustedFolders;
 use sunroom::app::editor::session::view_settings::ViewSettings;
 use sunroom::engine::{PackedScene, RenderControl, RenderFilm};
 use sunroom::math::Aabb;
@@ -371,6 +372,57 @@ fn only_the_file_that_was_asked_for_is_found_if_others_are_not_wanted() {
         assert!(error.contains(part), "{error}");
     }
     assert_eq!(window.missing().len(), 3, "nothing was changed");
+}
+
+/// A scene from elsewhere may name files so that the way from one to the other leads out of the folder that the user has chosen.
+#[test]
+fn only_what_lies_in_the_chosen_folder_is_allowed() {
+    let mut window = Window::new();
+    let settings = window.path("settings");
+    let (trusted, trust) = TrustedFolders::open(Some(&settings));
+    window.app.insert_resource(trusted).insert_resource(trust);
+    let mesh = |file: &str| format!("<shape type='obj'><string name='filename' value='{file}'/></shape>");
+    let texture =
+        "<texture type='bitmap' name='reflectance'><string name='filename' value='deep/down/here/worn.ppm'/></texture>";
+    let scene = [
+        "<scene version='3.0.0'>",
+        &format!("<bsdf type='diffuse' id='worn'>{texture}</bsdf>"),
+        &mesh("deep/down/here/chair.obj"),
+        &mesh("table.obj"),
+        "</scene>",
+    ];
+    window.write("a/level/scene.xml", &scene.concat());
+    for (name, text) in [
+        ("a/chosen/here/worn.ppm", PIXEL),
+        ("a/chosen/here/chair.obj", MESH),
+        ("a/chosen/here/private.obj", MESH),
+        ("table.obj", MESH),
+    ] {
+        window.write(name, text);
+    }
+    window.open("a/level/scene.xml");
+    assert_eq!(window.missing(), ["chair.obj", "table.obj", "worn.ppm"]);
+    window
+        .find("a/level/deep/down/here/worn.ppm", "a/chosen/here/worn.ppm", true)
+        .expect("it is found");
+    window.settle();
+    // The table is found as well; whether the scene may read it is for the user to say.
+    assert_eq!(window.missing(), [""; 0]);
+    let refused = window.app.world().resource::<SceneAccess>().refused();
+    assert_eq!(refused, [window.path("table.obj")]);
+    let now = window.app.world().resource::<Trust>().clone();
+    let (_, next_run) = TrustedFolders::open(Some(&settings));
+    for trust in [now, next_run] {
+        let access = trust.access(Path::new(""));
+        for (name, is_allowed) in [
+            ("a/chosen/here/worn.ppm", true),
+            ("a/chosen/here/chair.obj", true),
+            ("a/chosen/here/private.obj", false),
+            ("table.obj", false),
+        ] {
+            assert_eq!(access.covers(&window.path(name)), is_allowed, "{name}");
+        }
+    }
 }
 
 struct Shown {

@@ -34,9 +34,6 @@ pub fn find(edit: &mut Edit, missing: &Path, found: &Path, others: bool) -> Resu
         let sought = all.iter().filter(|path| path.as_path() != missing);
         moves.extend(sought.filter_map(|path| Some((path.clone(), beside(missing, &found, path)?))));
     }
-    for path in moves.values() {
-        trust::allow_chosen(edit.world, path);
-    }
     let mut named = Vec::new();
     relink::<Shape>(edit, &moves, &mut named);
     relink::<Material>(edit, &moves, &mut named);
@@ -48,6 +45,10 @@ pub fn find(edit: &mut Edit, missing: &Path, found: &Path, others: bool) -> Resu
     if !named.iter().any(|path| path == missing) {
         let name = name(missing);
         return Err(format!("Nothing in the scene names {name}; the materials of a mesh file may do so.").into());
+    }
+    trust::allow_chosen(edit.world, &found);
+    if let Some(folder) = found.parent() {
+        trust::allow_beside(edit.world, folder, named.iter().filter_map(|path| moves.get(path)));
     }
     let left = all.iter().filter(|path| !named.contains(path)).count();
     edit.world

@@ -226,11 +226,30 @@ pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
             .to_vec(),
         false => vec![file],
     };
-    let status = world.get_resource::<SceneStatus>();
-    let scene = status.and_then(|status| status.path.clone()).unwrap_or_default();
-    let known = trust.access(&scene);
+    let known = trust.access(&open_scene(world));
     let new: Vec<PathBuf> = wanted.into_iter().filter(|path| !known.covers(path)).collect();
     allow_folders(world, &new);
+}
+
+/// Lets scenes read those of the files that are in the folder of one that the user has chosen, which is absolute and has no links. The scene has named
+/// them, and it may lead anywhere: the user is asked about the others once the scene is refused them.
+pub(crate) fn allow_beside<'f>(world: &mut World, folder: &Path, files: impl Iterator<Item = &'f PathBuf>) {
+    let (Some(_), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
+        return;
+    };
+    let known = trust.access(&open_scene(world));
+    let is_there = |file: &&PathBuf| file.canonicalize().is_ok_and(|target| target.starts_with(folder));
+    let new: Vec<PathBuf> = files
+        .filter(is_there)
+        .filter(|file| !known.covers(file))
+        .cloned()
+        .collect();
+    allow_folders(world, &new);
+}
+
+fn open_scene(world: &World) -> PathBuf {
+    let status = world.get_resource::<SceneStatus>();
+    status.and_then(|status| status.path.clone()).unwrap_or_default()
 }
 
 /// Whether files of this kind name others, which lie beside them.
