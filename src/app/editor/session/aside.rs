@@ -8,7 +8,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use super::stable_hash::stable_hash;
+use super::file_hashes::FileHashes;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::words::times::changed_at;
 use crate::files::{self, LARGEST_NOTE, write_atomically};
@@ -19,8 +19,6 @@ use crate::scene::write::save_description;
 pub const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
-/// The largest scene file, in bytes, that is read to find out whether it was changed.
-const LARGEST_COMPARED: u64 = 32 << 20;
 const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 
 /// A folder that no other window offers or removes while this value exists.
@@ -51,13 +49,18 @@ impl Aside {
     }
 }
 
-/// The note comes first: as soon as the scene is there, it is offered.
-pub fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -> Result<(), String> {
+/// Writes a scene aside. `path` is its file, and `file` the hash of what that held. The note comes first: as soon as the scene is there, it is offered.
+pub fn write_aside(
+    folder: &Path,
+    scene: &SceneDescription,
+    path: Option<PathBuf>,
+    file: Option<u64>,
+) -> Result<(), String> {
     let described = |error: std::io::Error| format!("{}: {error}", folder.display());
     std::fs::create_dir_all(folder).map_err(described)?;
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let note = Note {
-        file: path.as_deref().and_then(content_of),
+        file,
         scene: path,
         time: since_1970.as_secs(),
         things: Some(scene.shapes.len() + scene.emitters.len() + scene.sensors.len()),
@@ -75,20 +78,15 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The hash of what a file holds. None if it cannot be read, or is too large to be read for this alone.
-fn content_of(file: &Path) -> Option<u64> {
-    Some(stable_hash(&files::read(file, LARGEST_COMPARED).ok()?))
-}
-
 /// The copies that ended programs have left in `all`, the newest first.
-pub fn left_over(all: &Path) -> Vec<Offer> {
+pub fn left_over(all: &Path, hashes: &mut FileHashes) -> Vec<Offer> {
     let folders = std::fs::read_dir(all).into_iter().flatten().flatten();
-    let mut offers: Vec<Offer> = folders.filter_map(|folder| offer_of(folder.path())).collect();
+    let mut offers: Vec<Offer> = folders.filter_map(|folder| offer_of(folder.path(), hashes)).collect();
     offers.sort_by_key(|offer| (Reverse(offer.note.time), offer.folder.clone()));
     offers
 }
 
-fn offer_of(folder: PathBuf) -> Option<Offer> {
+fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
     let scene = folder.join(SCENE);
     if !scene.is_file() || !folder.join(NOTE).is_file() || is_in_use(&folder) {
         return None;
@@ -97,7 +95,7 @@ fn offer_of(folder: PathBuf) -> Option<Offer> {
     let note: Option<Note> = text.ok().and_then(|text| serde_json::from_slice(&text).ok());
     Some(match note {
         Some(note) => Offer {
-            is_outdated: is_outdated(&note),
+            is_outdated: is_outdated(&note, hashes),
             folder,
             note,
             is_damaged: false,
@@ -116,11 +114,11 @@ fn offer_of(folder: PathBuf) -> Option<Offer> {
 }
 
 /// Whether the file of the scene was changed after the copy was written. Its content tells that, whatever clocks say.
-fn is_outdated(note: &Note) -> bool {
+fn is_outdated(note: &Note, hashes: &mut FileHashes) -> bool {
     let Some(path) = &note.scene else {
         return false;
     };
-    match (note.file, content_of(path)) {
+    match (note.file, hashes.of(path)) {
         (Some(then), Some(now)) => then != now,
         _ => changed_at(path).is_some_and(|changed| changed > note.time),
     }
@@ -161,8 +159,13 @@ pub fn is_in_use(folder: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::file_hashes::hash_of;
     use super::super::recovery::discard;
     use super::*;
+
+    fn left_over(all: &Path) -> Vec<Offer> {
+        super::left_over(all, &mut FileHashes::default())
+    }
 
     fn aside(all: &Path, name: &str, note: &Note) -> PathBuf {
         let folder = all.join(name);
@@ -221,7 +224,8 @@ mod tests {
         let home = tempfile::tempdir().expect("a temporary folder");
         let (all, path) = (home.path().join("recovery"), home.path().join("box.xml"));
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
-        write_aside(&all.join("a"), &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
+        let (scene, file) = (SceneDescription::empty(), hash_of(&path));
+        write_aside(&all.join("a"), &scene, Some(path.clone()), file).expect("it can be written");
         let is_outdated = || left_over(&all)[0].is_outdated;
         assert!(!is_outdated());
         let set_time = |seconds: u64| {

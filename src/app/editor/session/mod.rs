@@ -2,6 +2,8 @@
 //! `words` and `camera`.
 
 mod aside;
+mod copying;
+mod file_hashes;
 pub mod full_film_question;
 pub mod history;
 pub mod kept_picture;

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, block_on, futures::check_ready};
 
-use super::aside::{Aside, SCENE, copy_of, left_over, remove_fragments, write_aside};
+use super::aside::{Aside, SCENE, copy_of, left_over, remove_fragments};
+use super::copying::Copying;
+use super::file_hashes::FileHashes;
 use super::history::History;
 use super::recovery_words::summary;
 use super::requests::Requests;
@@ -18,7 +20,6 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::scene::write::KnownTexts;
-use crate::scene::write::snapshot::Snapshot;
 use crate::scene::{OpenScene, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
 /// The part of a frame in which the scene is copied, and the things that are copied between two looks at the clock.
@@ -38,12 +39,14 @@ pub struct Recovery {
     /// There will be no later frame for it.
     is_last_chance: bool,
     /// The copy of the scene that will be written.
-    copy: Option<Snapshot>,
+    copy: Option<Copying>,
     task: Option<Task<Result<(), String>>>,
     /// The folders that are no longer needed once the scene is saved.
     mine: Vec<Aside>,
     /// The copies that other runs have left, the newest first. Those of running windows are not among them.
     pub left: Vec<Offer>,
+    /// The hashes of the files of their scenes.
+    hashes: FileHashes,
     /// The edits that the user is asked about.
     pub offer: Option<Offer>,
     /// Whether a message has named what was left.
@@ -83,7 +86,8 @@ impl Recovery {
     /// Finds what other runs have left.
     pub(crate) fn look(&mut self) {
         let all = self.folder.as_deref().filter(|_| !self.is_unattended);
-        self.left = all.map(left_over).unwrap_or_default();
+        let left = all.map(|all| left_over(all, &mut self.hashes));
+        self.left = left.unwrap_or_default();
     }
 
     /// Looks again, and brings the message up to date if it is still shown.
@@ -281,24 +285,22 @@ pub fn is_due(recovery: Res<Recovery>) -> bool {
 pub fn autosave(world: &mut World) {
     let begun = Instant::now();
     let copy = world.resource_mut::<Recovery>().copy.take();
-    let mut copy = copy.unwrap_or_else(|| Snapshot::begin(world));
-    while !copy.step(world, STEP) {
+    let mut copy = copy.unwrap_or_else(|| Copying::begin(world));
+    while !copy.scene.step(world, STEP) {
         if begun.elapsed() > LONGEST && !world.resource::<Recovery>().is_last_chance {
             world.resource_mut::<Recovery>().copy = Some(copy);
             return;
         }
     }
-    let path = world.resource::<SceneStatus>().path.clone();
     let mut recovery = world.resource_mut::<Recovery>();
-    let Some(folder) = recovery.folder_of(path.as_deref()) else {
+    let Some(folder) = recovery.folder_of(copy.path.as_deref()) else {
         return;
     };
     if !recovery.mine.iter().any(|aside| aside.folder == folder) {
         recovery.mine.extend(Aside::claim(&folder));
     }
     recovery.since = Some(Instant::now());
-    let task = IoTaskPool::get().spawn(async move { write_aside(&folder, &copy.describe().0, path) });
-    recovery.task = Some(task);
+    recovery.task = Some(IoTaskPool::get().spawn(async move { copy.write(&folder).await }));
 }
 
 /// After a good end nothing is kept. Otherwise the program waits for what is being written.
@@ -386,6 +388,7 @@ pub(crate) fn look_again(world: &mut World) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::aside::write_aside;
     use super::super::requests::Requests;
     use super::super::view_settings::ViewSettings;
     use super::*;
@@ -399,7 +402,8 @@ mod tests {
         let folder = Recovery::new(Some(home.path()))
             .folder_of(Some(&path))
             .expect("a folder");
-        write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
+        write_aside(&folder, &SceneDescription::empty(), Some(path.clone()), None).expect("it can be written");
+        let left_over = |all| left_over(all, &mut FileHashes::default());
         let offers = left_over(&all);
         let offer = copy_of(&offers, Some(&path), false).expect("there is one");
         let camera_and_sky = Some(2);
