@@ -279,6 +279,31 @@ fn saving_over_a_scene_with_newer_edits_asks_first() {
     assert!(window.offer().is_some_and(|offer| offer.is_outdated));
 }
 
+/// Some network disks have no locks.
+#[test]
+fn where_files_cannot_be_locked_own_copies_are_not_offered() {
+    let home = Home::new();
+    let unlock = || {
+        let copy = home.copies().remove(0);
+        std::fs::remove_file(copy.join("lock")).expect("it is there");
+    };
+    let mut window = home.edit_aside("ball.xml");
+    unlock();
+    assert!(window.shell(ShellCommand::ShowRecovery));
+    assert_eq!((window.left().len(), window.offer()), (0, None));
+    apply(&mut window.world, Command::Save).expect("saved");
+    assert_eq!(window.asked(), None);
+    assert_ne!(text_of(&home.path("ball.xml")), BALL);
+    // Nor is a copy that this window is opening.
+    drop(window);
+    let mut window = home.begin(Some("other.xml"));
+    let offer = window.world.resource::<Recovery>().left[0].clone();
+    assert!(window.shell(ShellCommand::Recover(offer)));
+    unlock();
+    assert!(window.shell(ShellCommand::ShowRecovery));
+    assert_eq!((window.left().len(), window.offer()), (0, None));
+}
+
 #[test]
 fn saving_elsewhere_asks_only_about_what_is_there() {
     let home = Home::new();

@@ -78,10 +78,11 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The copies that ended programs have left in `all`, the newest first.
-pub fn left_over(all: &Path, hashes: &mut FileHashes) -> Vec<Offer> {
+/// The copies that ended programs have left in `all`, the newest first. `is_own` names the folders of this run.
+pub fn left_over(all: &Path, is_own: impl Fn(&Path) -> bool, hashes: &mut FileHashes) -> Vec<Offer> {
     let folders = std::fs::read_dir(all).into_iter().flatten().flatten();
-    let mut offers: Vec<Offer> = folders.filter_map(|folder| offer_of(folder.path(), hashes)).collect();
+    let folders = folders.map(|folder| folder.path()).filter(|folder| !is_own(folder));
+    let mut offers: Vec<Offer> = folders.filter_map(|folder| offer_of(folder, hashes)).collect();
     offers.sort_by_key(|offer| (Reverse(offer.note.time), offer.folder.clone()));
     offers
 }
@@ -164,7 +165,7 @@ mod tests {
     use super::*;
 
     fn left_over(all: &Path) -> Vec<Offer> {
-        super::left_over(all, &mut FileHashes::default())
+        super::left_over(all, |_| false, &mut FileHashes::default())
     }
 
     fn aside(all: &Path, name: &str, note: &Note) -> PathBuf {

@@ -85,9 +85,19 @@ impl Recovery {
 
     /// Finds what other runs have left.
     pub(crate) fn look(&mut self) {
+        let mut hashes = std::mem::take(&mut self.hashes);
         let all = self.folder.as_deref().filter(|_| !self.is_unattended);
-        let left = all.map(|all| left_over(all, &mut self.hashes));
+        let left = all.map(|all| left_over(all, |folder| self.is_own(folder), &mut hashes));
         self.left = left.unwrap_or_default();
+        self.hashes = hashes;
+    }
+
+    /// Whether this run has made or claimed the folder. Where files cannot be locked, nothing else says that.
+    fn is_own(&self, folder: &Path) -> bool {
+        let returning = self.returning.iter().map(|(_, aside)| aside);
+        let is_claimed = self.mine.iter().chain(returning).any(|aside| aside.folder == folder);
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        is_claimed || name.ends_with(&format!("-{}", self.run))
     }
 
     /// Looks again, and brings the message up to date if it is still shown.
@@ -403,7 +413,7 @@ mod tests {
             .folder_of(Some(&path))
             .expect("a folder");
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone()), None).expect("it can be written");
-        let left_over = |all| left_over(all, &mut FileHashes::default());
+        let left_over = |all| left_over(all, |_| false, &mut FileHashes::default());
         let offers = left_over(&all);
         let offer = copy_of(&offers, Some(&path), false).expect("there is one");
         let camera_and_sky = Some(2);
