@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use super::file_hashes::FileHashes;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::words::times::changed_at;
-use crate::files::{self, LARGEST_NOTE, write_atomically};
+use crate::files::{self, LARGEST_NOTE, finish_set, write_atomically};
 use crate::scene::SceneDescription;
 use crate::scene::write::save_description;
 
@@ -89,7 +89,7 @@ pub fn left_over(all: &Path, is_own: impl Fn(&Path) -> bool, hashes: &mut FileHa
 
 fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
     let scene = folder.join(SCENE);
-    if !scene.is_file() || !folder.join(NOTE).is_file() || is_in_use(&folder) {
+    if !folder.join(NOTE).is_file() || is_in_use(&folder) || !is_complete(&scene) {
         return None;
     }
     let text = files::read(&folder.join(NOTE), LARGEST_NOTE);
@@ -114,6 +114,11 @@ fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
     })
 }
 
+/// Whether there is the scene of a copy. The program may have been killed while it gave the files of its first copy their places.
+fn is_complete(scene: &Path) -> bool {
+    scene.is_file() || finish_set(scene).is_ok() && scene.is_file()
+}
+
 /// Whether the file of the scene was changed after the copy was written. Its content tells that, whatever clocks say.
 fn is_outdated(note: &Note, hashes: &mut FileHashes) -> bool {
     let Some(path) = &note.scene else {
@@ -133,7 +138,7 @@ pub fn remove_fragments(all: &Path) {
         let made = std::fs::metadata(folder.join(LOCK)).and_then(|about| about.modified());
         let age = made.ok().and_then(|time| time.elapsed().ok());
         let is_old = age.is_some_and(|age| age > FRAGMENT_AGE);
-        if is_old && !folder.join(SCENE).exists() && !is_in_use(&folder) {
+        if is_old && !is_in_use(&folder) && !is_complete(&folder.join(SCENE)) {
             // A folder that cannot be removed now is removed another time.
             let _ = std::fs::remove_dir_all(folder);
         }
@@ -163,6 +168,7 @@ mod tests {
     use super::super::file_hashes::hash_of;
     use super::super::recovery::discard;
     use super::*;
+    use crate::files::FileSet;
 
     fn left_over(all: &Path) -> Vec<Offer> {
         super::left_over(all, |_| false, &mut FileHashes::default())
@@ -267,6 +273,35 @@ mod tests {
         assert_eq!(left_over(all.path()).len(), 1);
         remove(&other);
         assert!(other.exists());
+    }
+
+    /// A scene with parts of glTF files has several files.
+    #[test]
+    fn a_first_copy_that_was_broken_off_among_its_files_is_finished() {
+        let all = tempfile::tempdir().expect("a temporary folder");
+        let folder = aside(all.path(), "broken-off", &note(None, 1000));
+        let path = |name: &str| folder.join(name);
+        std::fs::remove_file(path(SCENE)).expect("it is there");
+        let mut set = FileSet::new(&path(SCENE));
+        for name in ["first.bin", "second.bin", SCENE] {
+            set.add(&path(name), "new").expect("a temporary folder");
+        }
+        // The second file cannot be renamed, and what comes after it is not either.
+        std::fs::create_dir(path("second.bin")).expect("a temporary folder");
+        assert!(set.replace().is_err() && path("first.bin").is_file());
+        std::fs::remove_dir(path("second.bin")).expect("it is there");
+        let lock = File::create(path(LOCK)).expect("a temporary folder");
+        let long_ago = UNIX_EPOCH + Duration::from_secs(1000);
+        lock.set_modified(long_ago).expect("a time");
+        drop(lock);
+        assert!(!path(SCENE).exists());
+        remove_fragments(all.path());
+        assert_eq!(left_over(all.path()).len(), 1);
+        assert!(path(SCENE).is_file() && path("second.bin").is_file());
+        // Without anything that waits it is a fragment.
+        std::fs::remove_file(path(SCENE)).expect("it is there");
+        remove_fragments(all.path());
+        assert!(!folder.exists());
     }
 
     #[test]
