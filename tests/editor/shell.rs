@@ -351,6 +351,35 @@ fn several_copies_are_listed_with_their_scenes_and_times() {
 }
 
 #[test]
+fn a_key_that_is_held_since_before_the_list_was_open_does_not_close_it() {
+    let mut harness = show(vec![offer()], |egui, shown| {
+        if shown.is_open {
+            shown.is_open = recovery_question::list(egui, &shown.it, &mut shown.commands);
+        }
+    });
+    harness.state_mut().is_open = false;
+    harness.run_steps(2);
+    harness.state_mut().is_open = true;
+    let escape = |pressed| egui::Event::Key {
+        key: Key::Escape,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    for _ in 0..4 {
+        harness.input_mut().events.push(escape(true));
+        harness.run_steps(1);
+        assert!(harness.state().is_open);
+    }
+    for pressed in [false, true] {
+        harness.input_mut().events.push(escape(pressed));
+        harness.run_steps(1);
+    }
+    assert!(!harness.state().is_open);
+}
+
+#[test]
 fn newer_edits_are_asked_about_before_a_save() {
     let path = PathBuf::from("/there/box.xml");
     let save = Command::SaveChanged(path.clone(), OnChange::Refuse);

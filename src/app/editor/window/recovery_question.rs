@@ -73,7 +73,7 @@ pub(crate) const PUT_OFF: &str = "The copy of the edits stays: File > Recover ha
 /// The list of all copies; false when it is to be closed.
 pub fn list(context: &egui::Context, left: &[Offer], commands: &mut Vec<Command>) -> bool {
     let before = commands.len();
-    let modal = Modal::new(Id::new("recovery list")).show(context, |ui| {
+    let modal = dialog::form(context, Modal::new(Id::new("recovery list")), |ui| {
         ui.set_width(520.0);
         ui.label(RichText::new("Recover unsaved edits").heading().strong());
         ui.add_space(6.0);

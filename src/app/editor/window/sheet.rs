@@ -78,7 +78,7 @@ pub fn show(
         }
         Sheet::Missing => {
             let form = &mut widgets.missing;
-            let modal = Modal::new(Id::new("missing files")).show(context, |ui| {
+            let modal = dialog::form(context, Modal::new(Id::new("missing files")), |ui| {
                 ui.set_width(WIDTH);
                 ui.label(RichText::new("Missing files").heading().strong());
                 ui.add_space(6.0);
