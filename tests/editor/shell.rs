@@ -1,7 +1,7 @@
 //! Drives what belongs to the window more than to the scene, without a window: the palette, the overview of keys, the preferences and the
 //! questions before something is lost.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::prelude::Entity;
@@ -193,6 +193,7 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
         let mut commands = std::mem::take(&mut window.said);
         let unsaved = UnsavedState {
             name: "box.xml",
+            path: Some(Path::new("/there/box.xml")),
             saved: Some("Last saved at 14:32, 5 minutes ago."),
             edits: window.edits,
             dialog_open: window.dialog_open,
@@ -249,6 +250,7 @@ fn a_question_over_the_palette_has_the_keys() {
         }
         let unsaved = UnsavedState {
             name: "box.xml",
+            path: None,
             saved: None,
             edits: true,
             dialog_open: false,
@@ -290,6 +292,23 @@ fn offer() -> Offer {
         folder: "/recovery/box".into(),
         note: serde_json::from_str(note).expect("a note"),
         ..Offer::default()
+    }
+}
+
+#[test]
+fn a_save_before_a_copy_of_the_scene_is_recovered_asks_nothing_about_that_copy() {
+    let recover = |copy| Command::Shell(ShellCommand::Recover(copy));
+    let mut other = offer();
+    other.note.scene = Some("/there/hut.xml".into());
+    let anyway = Command::SaveChanged("/there/box.xml".into(), OnChange::Refuse);
+    for (copy, save) in [(offer(), anyway), (other, Command::Save)] {
+        let mut harness = window(recover(copy.clone()));
+        assert!(harness.query_by_label_contains("then the copy opens").is_some());
+        click(&mut harness, "Save");
+        assert_eq!(harness.state().commands, std::slice::from_ref(&save));
+        harness.state_mut().it.edits = false;
+        harness.run_steps(2);
+        assert_eq!(harness.state().commands, [save, recover(copy)]);
     }
 }
 

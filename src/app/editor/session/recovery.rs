@@ -350,6 +350,11 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Whether the copy is of the scene in this file.
+pub(crate) fn is_copy_of(offer: &Offer, scene: &Path) -> bool {
+    copy_of(std::slice::from_ref(offer), Some(scene), false).is_some()
+}
+
 /// Deletes what an offer is about. An error says that another window has it open, or had.
 pub fn discard(offer: &Offer) -> Result<(), CommandError> {
     claim(offer)?.remove();

@@ -323,6 +323,7 @@ pub fn show_window(
     let unsaved = UnsavedState {
         saved: saved.as_deref(),
         name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
+        path: model.status.scene.as_deref(),
         edits,
         dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
     };

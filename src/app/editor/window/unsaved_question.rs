@@ -1,10 +1,15 @@
 //! The question what to do with unsaved edits. A command that would lose them waits until it is answered.
 
+use std::path::Path;
+
 use bevy_egui::egui::{self, Ui};
 
 use super::dialog;
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, Effect};
 use crate::app::editor::panels::look;
+use crate::app::editor::session::recovery::is_copy_of;
+use crate::scene::write::OnChange;
 
 /// The command that waits for an answer, if there is one.
 #[derive(Debug, Default)]
@@ -32,6 +37,8 @@ enum Step {
 pub struct UnsavedState<'a> {
     /// The scene's name.
     pub name: &'a str,
+    /// The scene's file.
+    pub path: Option<&'a Path>,
     /// When the scene was saved last, as a sentence.
     pub saved: Option<&'a str>,
     /// Whether there are edits that no file has.
@@ -91,7 +98,7 @@ impl UnsavedQuestion {
             Step::Asking => match question(context, unsaved.name, unsaved.saved, &waiting.command) {
                 Some(Answer::Save) => {
                     waiting.step = Step::Saving(0);
-                    commands.push(Command::Save);
+                    commands.push(save_before(&waiting.command, unsaved.path));
                 }
                 Some(Answer::Lose) => {
                     commands.extend(self.waiting.take().map(|waiting| waiting.command));
@@ -102,6 +109,17 @@ impl UnsavedQuestion {
             },
         }
         false
+    }
+}
+
+/// The command that saves the scene before this one is done. Who recovers a copy of the very scene knows that there is one, and is not asked about it
+/// again.
+fn save_before(command: &Command, scene: Option<&Path>) -> Command {
+    match (command, scene) {
+        (Command::Shell(ShellCommand::Recover(copy)), Some(scene)) if is_copy_of(copy, scene) => {
+            Command::SaveChanged(scene.to_owned(), OnChange::Refuse)
+        }
+        _ => Command::Save,
     }
 }
 
@@ -129,6 +147,7 @@ fn question(context: &egui::Context, name: &str, saved: Option<&str>, command: &
             let what = match command {
                 Command::Quit => "the window closes",
                 Command::NewScene => "a new scene begins",
+                Command::Shell(ShellCommand::Recover(_)) => "the copy opens",
                 _ => "the other scene opens",
             };
             dialog::consequence(ui, "Save", &format!("the scene is saved, and then {what}."));

@@ -253,6 +253,7 @@ fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
         window.question.hold(&mut commands, true);
         let unsaved = UnsavedState {
             name: "room.xml",
+            path: None,
             saved: None,
             edits: true,
             dialog_open: false,
