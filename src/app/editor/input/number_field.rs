@@ -320,7 +320,7 @@ impl<'a> SliderField<'a> {
     }
 }
 
-/// A field for numbers in this range. `about`: the thing whose number it is, if the field is shown of others as well. `format`: the text of a
+/// A field for numbers in this range. `about`: what tells it from fields that are in its place at other times. `format`: the text of a
 /// number with so many decimals.
 pub fn number<'a, N: Numeric>(
     ui: &Ui,

@@ -204,7 +204,7 @@ fn optional<N: egui::emath::Numeric>(
                 let drag = egui::DragValue::new(number)
                     .clamp_existing_to_range(false)
                     .suffix(words.0);
-                let drag = typed::number(ui, drag, range, legible);
+                let drag = typed::number(ui, drag, caption.text, range, legible);
                 changed |= fields::wide_number(ui, drag).changed();
             }
             None => {

@@ -65,13 +65,13 @@ impl CameraAngles {
 /// Shows the angles of a camera's pose; true if edited.
 pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
     let mut angles = CameraAngles::of(pose);
-    let mut row = |text, angle: &mut f32, most: f32| {
+    let mut row = |text: &str, angle: &mut f32, most: f32| {
         let drag = DragValue::new(angle)
             .speed(0.5)
             .clamp_existing_to_range(false)
             .max_decimals(2)
             .suffix("°");
-        let field = typed::number(ui, drag, -most..=most, format_with_decimals_in_range);
+        let field = typed::number(ui, drag, text, -most..=most, format_with_decimals_in_range);
         fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, field)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);

@@ -136,11 +136,11 @@ pub(crate) fn slider_with<'a>(
     range: RangeInclusive<f32>,
     style: impl FnOnce(egui::Slider<'_>) -> egui::Slider<'_>,
 ) -> bool {
-    let mut copy = *value;
+    let (caption, mut copy) = (caption.into(), *value);
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .max_decimals(3);
-    let slider = typed::slider(ui, slider, range);
+    let slider = typed::slider(ui, slider, caption.text, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(slider.styled(style))
@@ -156,11 +156,11 @@ pub(crate) fn integer_slider<'a>(
     range: RangeInclusive<u32>,
     logarithmic: bool,
 ) -> bool {
-    let mut copy = *value;
+    let (caption, mut copy) = (caption.into(), *value);
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .logarithmic(logarithmic);
-    let slider = typed::slider(ui, slider, range);
+    let slider = typed::slider(ui, slider, caption.text, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(slider)
@@ -171,7 +171,7 @@ pub(crate) fn integer_slider<'a>(
 
 /// An emitted quantity's strength: a slider over many decades, its number with the unit.
 pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
-    let mut copy = *value;
+    let (caption, mut copy) = (caption.into(), *value);
     const STRENGTHS: RangeInclusive<f32> = 0.0..=1000.0;
     let slider = egui::Slider::new(&mut copy, STRENGTHS)
         .clamping(egui::SliderClamping::Edits)
@@ -179,7 +179,7 @@ pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f3
         .logarithmic(true)
         .smallest_positive(0.01)
         .suffix(unit);
-    let slider = typed::slider(ui, slider, STRENGTHS);
+    let slider = typed::slider(ui, slider, caption.text, STRENGTHS);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32);
         ui.add(slider)
@@ -221,13 +221,13 @@ pub(crate) fn quantity<'a>(
     range: RangeInclusive<f32>,
     unit: &str,
 ) -> bool {
-    let mut copy = *value;
+    let (caption, mut copy) = (caption.into(), *value);
     let drag = egui::DragValue::new(&mut copy)
         .speed(speed)
         .clamp_existing_to_range(false)
         .max_decimals(4)
         .suffix(unit);
-    let drag = typed::number(ui, drag, range, legible);
+    let drag = typed::number(ui, drag, caption.text, range, legible);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -239,9 +239,9 @@ pub fn integer<'a, N: egui::emath::Numeric>(
     value: &mut N,
     range: RangeInclusive<N>,
 ) -> bool {
-    let mut copy = *value;
+    let (caption, mut copy) = (caption.into(), *value);
     let drag = egui::DragValue::new(&mut copy).clamp_existing_to_range(false);
-    let drag = typed::number(ui, drag, range, format_with_decimals_in_range);
+    let drag = typed::number(ui, drag, caption.text, range, format_with_decimals_in_range);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -310,7 +310,7 @@ pub(crate) fn number_cells<const N: usize>(
             .clamp_existing_to_range(false)
             .max_decimals(MOST_DECIMALS);
         // All numbers of a row have as many decimals as the one that needs most.
-        let drag = typed::number(ui, drag, style.range, move |number, _| {
+        let drag = typed::number(ui, drag, (name, style.letter), style.range, move |number, _| {
             legible(number, decimals..=decimals)
         });
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);

@@ -106,7 +106,7 @@ fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
         let field = number_field::number(
             ui,
             drag,
-            owner(ui),
+            (owner(ui), "focal length"),
             1.0..=2500.0,
             meaning,
             format_with_decimals_in_range,
@@ -186,7 +186,7 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
             .prefix("f/")
             .clamp_existing_to_range(false)
             .speed(speed);
-        let field = typed::number(ui, drag, 1e-6..=1e9, |number, _| match number {
+        let field = typed::number(ui, drag, "f-stop", 1e-6..=1e9, |number, _| match number {
             ..10.0 => format!("{}", (100.0 * number).round() / 100.0),
             number => format!("{}", number.round()),
         });

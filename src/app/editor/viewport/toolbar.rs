@@ -217,7 +217,14 @@ fn snapping(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings, lengt
         Mode::Scale => (&mut steps.factor, 0.01, FACTORS, ""),
     };
     let drag = DragValue::new(value).speed(speed).suffix(suffix).max_decimals(4);
-    let field = number_field::number(ui, drag, suffix, range, Meaning::Number, format_with_decimals_in_range);
+    let field = number_field::number(
+        ui,
+        drag,
+        edited.mode as usize,
+        range,
+        Meaning::Number,
+        format_with_decimals_in_range,
+    );
     let response = ui.add(field).on_hover_text(
         "The step: what Control rounds to while dragging, and how far the arrow keys go. A click with the right button: as in the beginning",
     );
