@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use bevy::prelude::World;
+use bevy::prelude::{Entity, Name, World};
 use sunroom::app::editor::automation::monkey::edits::{PART, random_edit};
 use sunroom::app::editor::automation::monkey::random::Random;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::requests::Requests;
+use sunroom::scene::SceneId;
+use sunroom::scene::write::OnChange;
 use tempfile::TempDir;
 
 use crate::editing::{save, say, say_all, text_of, window_on};
@@ -179,6 +181,37 @@ fn an_id_that_a_save_gave_goes_with_the_edit_that_needed_it() {
     assert_eq!(room.save(), original());
     room.say("redo");
     assert_eq!(room.save(), shared);
+}
+
+/// The file still has the ids then, and what lost one would count as edited.
+#[test]
+fn things_keep_their_ids_when_a_save_fails() {
+    let mut room = Room::new();
+    room.say("assign plastic first");
+    let shared = room.save();
+    room.say("undo");
+    let ids = |world: &mut World| {
+        let mut things = world.query::<(Entity, &SceneId, &Name)>();
+        let things = things.iter(world);
+        let mut ids: Vec<_> = things
+            .map(|(entity, id, name)| (entity, id.clone(), name.clone()))
+            .collect();
+        ids.sort_by_key(|(entity, ..)| *entity);
+        ids
+    };
+    let before = ids(&mut room.world);
+    // A folder is in the place of the file that is included.
+    let more = room.path("more.xml");
+    std::fs::remove_file(&more).expect("it is there");
+    std::fs::create_dir(&more).expect("a folder");
+    let command = Command::SaveChanged(room.path("room.xml"), OnChange::Overwrite);
+    assert!(apply(&mut room.world, command).is_err());
+    assert_eq!(text_of(&room.path("room.xml")), shared[0]);
+    assert_eq!(ids(&mut room.world), before);
+    std::fs::remove_dir(&more).expect("it is there");
+    std::fs::write(&more, MORE).expect("a file");
+    assert_eq!(room.save(), original());
+    assert_ne!(ids(&mut room.world), before);
 }
 
 #[test]

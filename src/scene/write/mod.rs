@@ -32,7 +32,7 @@ pub use self::error::SaveError;
 pub use self::known::KnownTexts;
 pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
-pub(crate) use self::past::{GivenId, PastFile};
+pub(crate) use self::past::{GivenId, PastFile, TakenId};
 pub use self::portable::Extensions;
 use self::portable_volume::VolumeFiles;
 pub(crate) use self::save::{Following, MOST_ATTEMPTS, Save, Saved, Written, save_over};

@@ -4,6 +4,7 @@
 //! that were saved, the text from before them is nearer to the scene: what they changed or deleted is still there, in its old spelling and at its old
 //! place.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,15 +38,45 @@ pub(crate) struct GivenId {
 }
 
 impl GivenId {
-    /// Takes the id from a thing that still has it. A save gives it one again if it needs one.
-    pub(crate) fn take_back(&self, world: &mut World) {
+    /// Takes the id from a thing that still has it, and returns it. A save gives it one again if it needs one.
+    pub(crate) fn take_back(&self, world: &mut World) -> Option<TakenId> {
         let has_it = world.get::<SceneId>(self.entity) == Some(&self.id);
         if !has_it || self.before.is_some() || !ObjectState::is_in_scene(world, self.entity) {
-            return;
+            return None;
         }
         let mut thing = world.entity_mut(self.entity);
-        thing.remove::<SceneId>();
+        let taken = TakenId {
+            entity: self.entity,
+            id: thing.take()?,
+            name: thing.get().cloned(),
+        };
         thing.insert(self.name_before.clone().unwrap_or_default());
+        Some(taken)
+    }
+}
+
+/// An id that was taken from a thing for a save, and the name that it had.
+#[derive(Debug)]
+pub(crate) struct TakenId {
+    entity: Entity,
+    id: SceneId,
+    name: Option<Name>,
+}
+
+impl TakenId {
+    /// Gives things their ids again because the save has failed: the file still has them. What has got another id meanwhile keeps that, and an id that
+    /// something else has stays there.
+    pub(crate) fn give_again(all: Vec<Self>, world: &mut World) {
+        if all.is_empty() {
+            return;
+        }
+        let used: HashSet<SceneId> = world.query::<&SceneId>().iter(world).cloned().collect();
+        for Self { entity, id, name } in all {
+            let has_another = world.get::<SceneId>(entity).is_some();
+            if !has_another && !used.contains(&id) && ObjectState::is_in_scene(world, entity) {
+                world.entity_mut(entity).insert((id, name.unwrap_or_default()));
+            }
+        }
     }
 }
 

@@ -134,7 +134,7 @@ pub fn note_saved(world: &mut World, mut saved: Saved) -> Option<String> {
 
 /// Tells how a save has ended, or asks the user.
 pub fn end_save(world: &mut World, path: &Path, result: Result<Option<String>, SaveError>) -> Result<(), CommandError> {
-    world.resource_mut::<History>().end_save(result.is_ok());
+    history::end_save(world, result.is_ok());
     let trouble = match result {
         Ok(trouble) => trouble,
         Err(error) => {

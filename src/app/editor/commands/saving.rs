@@ -92,7 +92,7 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
 /// Begins to save. Nothing is under way afterwards if the user has to be asked first.
 fn start(world: &mut World, request: Request) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
-        world.resource_mut::<History>().end_save(false);
+        history::end_save(world, false);
         return Err(CommandError::file("A scene is still being read."));
     }
     let save = match Save::begin(world, &request.path, request.on_change) {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::History;
 use crate::document::Document;
 use crate::scene::AuthoredScene;
-use crate::scene::write::{GivenId, PastFile, Saved};
+use crate::scene::write::{GivenId, PastFile, Saved, TakenId};
 
 /// Older files are forgotten above this number.
 const MOST: usize = 100;
@@ -91,7 +91,7 @@ impl History {
 }
 
 /// The file at the state before the present one that is the nearest to it. None if none is nearer than the file as it is. Things lose the ids that saves
-/// after it gave them. To be called when a save to `path` begins, after changes by others were taken in.
+/// after it gave them, until the save has failed ([`end_save`]). To be called when a save to `path` begins, after changes by others were taken in.
 pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFile>> {
     let origin = world.get_resource::<AuthoredScene>()?.origin.clone()?;
     let mut history = world.get_resource_mut::<History>()?;
@@ -113,8 +113,17 @@ pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFil
     let file = state.file.clone();
     let later = history.files.all[index..].iter().rev();
     let given: Vec<GivenId> = later.flat_map(|state| state.given.iter().rev().cloned()).collect();
-    for given in given {
-        given.take_back(world);
-    }
+    let taken: Vec<TakenId> = given.iter().filter_map(|given| given.take_back(world)).collect();
+    world.resource_mut::<History>().taken_ids.extend(taken);
     Some(file)
+}
+
+/// Notes how a save has ended, as [`History::end_save`]. After a failure things have the ids again that they had before.
+pub(crate) fn end_save(world: &mut World, is_saved: bool) {
+    let mut history = world.resource_mut::<History>();
+    history.end_save(is_saved);
+    let taken = std::mem::take(&mut history.taken_ids);
+    if !is_saved {
+        TakenId::give_again(taken, world);
+    }
 }

@@ -15,10 +15,11 @@ pub use edit::Edit;
 use entry::{Change, Standpoint};
 pub use entry::{Entry, MergeKey, StepKind};
 use files::PastFiles;
-pub(crate) use files::nearest_file;
+pub(crate) use files::{end_save, nearest_file};
 
 use crate::app::editor::command::error::CommandError;
 use crate::scene::names::free_name_for;
+use crate::scene::write::TakenId;
 use crate::scene::{Authored, DocumentOrder, ObjectState, Placements, SceneId, Side, show_moment, shown_time};
 
 /// Older entries are forgotten above this number of steps.
@@ -56,6 +57,8 @@ pub struct History {
     named_once: Vec<Entity>,
     /// What the file was at other states.
     files: PastFiles,
+    /// The ids that were taken from things for the save that is under way.
+    taken_ids: Vec<TakenId>,
 }
 
 impl History {
