@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::imports::{Sources, circles};
-use super::{code_of, sources};
+use super::{ROOT, code_of, sources};
 
 /// The folder of the editor, with its modules from the lowest to the highest and what each may use besides itself. `mod.rs` puts them
 /// together and may use all; no module may use what is in it.
@@ -49,7 +49,7 @@ const LARGEST_CIRCLE: usize = 3;
 
 /// The sources, without comments and tests.
 pub fn all_sources() -> Sources {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(ROOT).join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     let named = files.iter().map(|path| {

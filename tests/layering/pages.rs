@@ -4,6 +4,8 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::ROOT;
+
 /// Folders with pages, without those inside them.
 const FOLDERS: [&str; 4] = ["", "docs", "benches", "fuzz"];
 
@@ -69,7 +71,7 @@ fn broken(path: &Path, page: &str) -> Vec<String> {
 }
 
 fn pages() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(ROOT);
     let entries = FOLDERS
         .iter()
         .filter_map(|folder| fs::read_dir(root.join(folder)).ok())
@@ -97,7 +99,7 @@ fn links_between_pages_lead_somewhere() {
 #[test]
 fn broken_links_are_found() {
     let page = "# A *page* (`x`)\n[a](Cargo.toml) [b](#a-page-x) [c](https://example.org/nowhere)\n```\n[d](nothing)\n# none\n```\n";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page.md");
+    let path = Path::new(ROOT).join("page.md");
     assert_eq!(broken(&path, page), [""; 0]);
     for link in ["nothing.md", "#none", "README.md#no-such-heading"] {
         let page = format!("{page}![e]({link})\n");

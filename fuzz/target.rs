@@ -5,9 +5,7 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 
-#[path = "../common.rs"]
 mod common;
-#[path = "../entries.rs"]
 mod entries;
 
 static ENTRY: LazyLock<entries::Entry> = LazyLock::new(|| common::chosen(&entries::ENTRIES));

@@ -12,6 +12,9 @@ mod pages;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// The root of the repository.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 /// What a module may use besides itself, and whether it may know Bevy. The longest matching name holds for a file, so
 /// that a folder can have more rights than the one around it. A module that is not in the table is a violation.
 const RULES: &[(&str, &[&str], bool)] = &[
@@ -218,7 +221,7 @@ fn results_lie_below_the_code_that_produces_them() {
 
 #[test]
 fn sources_keep_the_directions() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(ROOT).join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     files.sort();
@@ -281,7 +284,7 @@ fn openings(file: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn files_are_opened_in_one_place() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(ROOT).join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     let mut found = Vec::new();
