@@ -19,7 +19,7 @@ fn editor(arguments: &[&str]) -> Command {
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .arg("edit")
         .args(arguments)
-        .args(["--timeout", "60m"])
+        .args(["--timeout", "9m"])
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("WAYLAND_SOCKET")
         .env_remove("DISPLAY")
@@ -29,7 +29,7 @@ fn editor(arguments: &[&str]) -> Command {
 }
 
 /// Nothing here takes so long, however busy the machine is.
-const HANG: Duration = Duration::from_secs(3600);
+const HANG: Duration = Duration::from_secs(600);
 
 /// Waits for the end, or kills it when it hangs.
 fn outcome(command: &mut Command) -> Option<i32> {

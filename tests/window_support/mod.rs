@@ -25,10 +25,14 @@ pub struct Display {
 }
 
 impl Display {
-    /// None, with a word on standard output, where Xvfb or Mesa's software Vulkan driver is not installed.
+    /// None, with a word on standard output, where Xvfb or Mesa's software Vulkan driver is not installed; an error if `SUNROOM_NEEDS_DISPLAY` says that they are.
     pub fn open() -> Option<Self> {
         let display = Self::try_open();
         if display.is_none() {
+            assert!(
+                std::env::var_os("SUNROOM_NEEDS_DISPLAY").is_none(),
+                "there is no Xvfb or no software Vulkan driver"
+            );
             println!("skipped: needs Xvfb and Mesa's software Vulkan driver");
         }
         display
