@@ -43,6 +43,14 @@ impl AttributeValues {
         }
     }
 
+    /// The number of values.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Srgb8(values) => values.len(),
+            Self::F32(values) => values.len(),
+        }
+    }
+
     /// Memory held, in bytes.
     pub(super) fn heap_bytes(&self) -> usize {
         match self {

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::attribute::AttributeDomain;
 use super::mesh::{HIERARCHY_BYTES, MeshData};
 use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals, replace_not_finite};
-use super::ply_attributes::Attributes;
+use super::ply_attributes::{Attributes, drop_attributes_beside_strips};
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_records::Records;
 use super::ply_source::{Ascii, Binary, Source};
@@ -54,7 +54,10 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
         memory.add(needed, || format!("{} elements `{}`", element.count, element.name))?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut source, &mut mesh)?,
-            "face" => fans = read_faces(element, &mut source, vertex_count, &mut mesh, &mut warnings)?,
+            "face" => {
+                let warnings = &mut warnings;
+                fans = read_faces(element, &mut source, vertex_count, &mut mesh, &mut memory, warnings)?;
+            }
             "tristrips" => read_strips(element, &mut source, vertex_count, &mut mesh)?,
             _ if smallest == 0 => {}
             _ => {
@@ -73,6 +76,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
         return Err(MeshError::NoTriangles);
     }
     cut_polygons(&fans, &mut mesh);
+    drop_attributes_beside_strips(&mut mesh, &mut warnings);
     replace_not_finite(&mut mesh, &mut warnings);
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
@@ -312,6 +316,7 @@ fn read_faces(
     source: &mut impl Source,
     vertex_count: u64,
     mesh: &mut MeshData,
+    memory: &mut MeshMemory,
     warnings: &mut Warnings,
 ) -> Result<Vec<Fan>, MeshError> {
     let faces = element.count as usize;
@@ -365,7 +370,13 @@ fn read_faces(
                 last = next;
             }
         }
-        attributes.push(mesh.triangles.len() - before);
+        let triangles = mesh.triangles.len() - before;
+        // The values of a polygon are repeated, so that they may take far more than they do in the file.
+        let repeated = attributes.bytes_per_record() * (triangles as u64).saturating_sub(1);
+        if repeated > 0 {
+            memory.add(repeated, || format!("the attributes of {triangles} triangles"))?;
+        }
+        attributes.push(triangles);
     }
     mesh.attributes.extend(attributes.finish());
     Ok(fans)

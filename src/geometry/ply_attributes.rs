@@ -7,7 +7,11 @@
 //! Whole numbers stand for [0, 1], encoded as sRGB, as Mitsuba reads them (but for `uchar`, which its version 3.9 leaves at 0 to 255, unlike
 //! all others and its versions before). Alpha is not kept.
 
+use std::collections::HashSet;
+
 use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
+use super::mesh::MeshData;
+use super::mesh_file::Warnings;
 use super::ply_header::{Element, Kind, Property, Scalar};
 use super::ply_records::Records;
 use crate::color::linear_from_srgb;
@@ -81,6 +85,15 @@ impl Attributes {
         });
     }
 
+    /// The memory of the values of one record, in bytes.
+    pub fn bytes_per_record(&self) -> u64 {
+        let bytes = |attribute: &MeshAttribute| match attribute.values {
+            AttributeValues::Srgb8(_) => attribute.channels,
+            AttributeValues::F32(_) => 4 * attribute.channels,
+        };
+        self.attributes.iter().map(bytes).sum::<usize>() as u64
+    }
+
     /// Ends a record, which counts for `times` vertices or triangles.
     pub fn push(&mut self, times: usize) {
         let mut place = 0;
@@ -113,6 +126,22 @@ impl Attributes {
     }
 }
 
+/// Drops the attributes of faces if triangles of strips, which have none, stand among the faces.
+pub(super) fn drop_attributes_beside_strips(mesh: &mut MeshData, warnings: &mut Warnings) {
+    let triangles = mesh.triangles.len();
+    mesh.attributes.retain(|attribute| {
+        let is_whole =
+            attribute.domain == AttributeDomain::Vertex || attribute.values.len() == attribute.channels * triangles;
+        if !is_whole {
+            warnings.add(
+                format_args!("attribute `{}`", attribute.name),
+                "is ignored, because triangles of strips have no values",
+            );
+        }
+        is_whole
+    });
+}
+
 fn linear_number(number: f64, scalar: Scalar) -> f32 {
     match scalar.largest_whole() {
         Some(largest) => linear_from_srgb((number / largest) as f32),
@@ -124,7 +153,7 @@ fn linear_number(number: f64, scalar: Scalar) -> f32 {
 type Group = (String, Vec<(usize, Scalar)>);
 
 fn groups(properties: &[Property], is_taken: impl Fn(&str) -> bool) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups = Groups::default();
     let find = |name: &str| {
         let scalar_named = |(i, property): (usize, &Property)| match property.kind {
             Kind::Scalar(scalar) if property.name == name => Some((i, scalar)),
@@ -134,9 +163,9 @@ fn groups(properties: &[Property], is_taken: impl Fn(&str) -> bool) -> Vec<Group
     };
     for names in [["r", "g", "b"], ["red", "green", "blue"]] {
         if let [Some(r), Some(g), Some(b)] = names.map(find)
-            && groups.is_empty()
+            && groups.list.is_empty()
         {
-            groups.push(("color".into(), vec![r, g, b]));
+            groups.add("color".into(), vec![r, g, b]);
         }
     }
     let mut run = Run::default();
@@ -158,7 +187,22 @@ fn groups(properties: &[Property], is_taken: impl Fn(&str) -> bool) -> Vec<Group
         }
     }
     run.finish(&mut groups);
-    groups
+    groups.list
+}
+
+/// Groups in the order of the file, each name once.
+#[derive(Default)]
+struct Groups {
+    list: Vec<Group>,
+    names: HashSet<String>,
+}
+
+impl Groups {
+    fn add(&mut self, name: String, members: Vec<(usize, Scalar)>) {
+        if self.names.insert(name.clone()) {
+            self.list.push((name, members));
+        }
+    }
 }
 
 /// Neighbouring properties with the same prefix.
@@ -170,7 +214,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn finish(&mut self, groups: &mut Vec<Group>) {
+    fn finish(&mut self, groups: &mut Groups) {
         let run = std::mem::take(self);
         let name = match &*run.endings {
             "x" | "xyz" | "0" | "012" | "1" | "123" => run.prefix.to_owned(),
@@ -179,10 +223,7 @@ impl Run<'_> {
             "rgba" => format!("{}_color", run.prefix),
             _ => return,
         };
-        let kept = run.members.into_iter().take(3).collect();
-        if groups.iter().all(|group| group.0 != name) {
-            groups.push((name, kept));
-        }
+        groups.add(name, run.members.into_iter().take(3).collect());
     }
 }
 

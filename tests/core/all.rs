@@ -34,6 +34,7 @@ mod animation;
 mod auto;
 mod bake;
 mod bidirectional;
+mod bounded_work;
 mod bsdf;
 mod bsdf_delta;
 mod bsdf_hair;
