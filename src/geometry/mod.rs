@@ -12,6 +12,7 @@ mod mtl;
 pub mod mtl_map;
 pub mod mtl_model;
 pub mod obj;
+mod obj_libraries;
 mod obj_lines;
 mod obj_part;
 mod obj_vertices;

@@ -13,6 +13,9 @@ use super::mesh_file::{Warnings, decode, excerpt};
 use super::mtl_map::{MtlMaps, parse_map};
 use super::mtl_model::MtlModel;
 
+/// The most materials of a library that are read: triangles count them with sixteen bits.
+pub(super) const MOST_MATERIALS: usize = 1 << 16;
+
 /// The material of triangles whose `usemtl` names none that exists: the grey that Mitsuba gives shapes without a bsdf.
 pub fn default_material(name: &str) -> MtlMaterial {
     MtlMaterial {
@@ -93,6 +96,10 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> State
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword == "newmtl" {
             has_material = !rest.trim().is_empty();
+            if has_material && all_maps.len() == MOST_MATERIALS {
+                warn("further materials are ignored");
+                break;
+            }
             if has_material {
                 let _ = writeln!(sound, "newmtl {}", rest.trim());
                 all_maps.push(MtlMaps::default());

@@ -20,7 +20,8 @@ use rayon::prelude::*;
 use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use super::mesh::{MeshData, MtlMaterial};
 use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, excerpt, replace_not_finite};
-use super::mtl::{default_material, read_mtl};
+use super::mtl::default_material;
+use super::obj_libraries::Libraries;
 use super::obj_lines::stretches;
 use super::obj_part::{Corner, Counts, NONE, Part};
 use super::obj_vertices::SharedVertices;
@@ -39,8 +40,6 @@ const STRETCH: usize = 1 << 18;
 const BYTES_PER_BYTE: u64 = 4;
 /// The bytes of memory for the colour of a vertex, in its part and where the parts are joined.
 const BYTES_PER_COLOR: u64 = 2 * size_of::<Vec3>() as u64;
-/// The most libraries that are looked for, more than any real file names.
-const MOST_LIBRARIES: usize = 64;
 
 fn load_in_stretches(
     bytes: &[u8],
@@ -134,20 +133,11 @@ impl Statements {
     }
 
     fn add_libraries(&mut self, library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>, warnings: &mut Warnings) {
-        let mut known: Vec<String> = Vec::new();
+        let mut libraries = Libraries::new(library);
         for (line, names) in self.parts.iter_mut().flat_map(|part| part.libraries.drain(..)) {
-            let place = Place::Line(line.into());
-            if known.contains(&names) {
-                continue;
-            }
-            if known.len() == MOST_LIBRARIES {
-                warnings.add(place, "further material libraries are ignored");
-                continue;
-            }
-            let materials = read_libraries(&names, place, library, warnings);
-            self.materials.extend(materials);
-            known.push(names);
+            libraries.add(&names, Place::Line(line.into()), warnings);
         }
+        self.materials = libraries.materials;
     }
 
     /// Checks indices. They may point forward, so that is done at the end. Texture coordinates and normals of a file that defines none at all are
@@ -339,35 +329,6 @@ fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Ve
         all.extend(std::mem::take(array(part)));
     }
     all
-}
-
-/// Reads the materials of the library or libraries: `names` is one file name, spaces and all, or if there is no such file, several.
-fn read_libraries(
-    names: &str,
-    place: Place,
-    library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-    warnings: &mut Warnings,
-) -> Vec<MtlMaterial> {
-    let unreadable = |name: &str, error: io::Error| {
-        let name = excerpt(name.as_bytes());
-        format!("the material library {name} cannot be read: {error}")
-    };
-    let whole = names.trim_matches('"');
-    let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
-    let mut materials = Vec::new();
-    match library(whole) {
-        Ok(bytes) => materials.extend(read_mtl(&bytes, whole, warnings)),
-        Err(error) if several.len() < 2 => warnings.add(place, &unreadable(whole, error)),
-        Err(_) => {
-            for name in several {
-                match library(name) {
-                    Ok(bytes) => materials.extend(read_mtl(&bytes, name, warnings)),
-                    Err(error) => warnings.add(place, &unreadable(name, error)),
-                }
-            }
-        }
-    }
-    materials
 }
 
 #[cfg(test)]

@@ -1,8 +1,58 @@
 //! Files whose content would take far more memory or time than their size promises: products of two counts, and what is named many times.
 
+use std::collections::HashMap;
+use std::io;
+
 use crate::mesh_support::assert_sound;
 use sunroom::geometry::mesh_file::MeshError;
+use sunroom::geometry::obj::load_obj;
 use sunroom::geometry::ply::load_ply;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+
+#[test]
+fn a_library_is_read_once_however_often_it_is_named() {
+    let mut text = TRIANGLE.to_owned();
+    for length in 1..=64 {
+        text += &format!("mtllib{}\n", " m.mtl".repeat(length));
+    }
+    let mut asked: HashMap<String, usize> = HashMap::new();
+    let loaded = load_obj(text.as_bytes(), &mut |name| {
+        *asked.entry(name.to_owned()).or_default() += 1;
+        match name {
+            "m.mtl" => Ok(b"newmtl a\nKd 1 0 0\n".to_vec()),
+            _ => Err(io::ErrorKind::NotFound.into()),
+        }
+    });
+    let mesh = loaded.expect("loads").mesh;
+    assert_sound(&mesh);
+    assert_eq!(mesh.materials.len(), 1);
+    assert_eq!(asked["m.mtl"], 1);
+    assert!(
+        asked.len() <= 64 && asked.values().all(|&times| times == 1),
+        "{asked:?}"
+    );
+}
+
+#[test]
+fn materials_are_read_as_far_as_triangles_can_count_them() {
+    let text = format!("{TRIANGLE}mtllib one.mtl\nmtllib two.mtl\n");
+    let mut asked = Vec::new();
+    let loaded = load_obj(text.as_bytes(), &mut |name| {
+        asked.push(name.to_owned());
+        Ok(b"newmtl a\n".repeat(70_000))
+    });
+    let loaded = loaded.expect("loads");
+    assert_eq!(loaded.mesh.materials.len(), 1 << 16);
+    assert_eq!(asked, ["one.mtl"]);
+    assert_eq!(
+        loaded.warnings,
+        [
+            "one.mtl line 65537: further materials are ignored",
+            "line 7: further material libraries are ignored"
+        ]
+    );
+}
 
 #[test]
 fn values_of_a_face_count_in_the_budget_for_each_of_its_triangles() {
