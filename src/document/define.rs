@@ -13,6 +13,8 @@ const LONGEST_VALUE: usize = 1 << 16;
 /// The most bytes of all replaced values of a document together: defaults made of defaults grow exponentially.
 const LONGEST_TOTAL: usize = 1 << 26;
 const LONGEST_NAME: usize = 256;
+/// The most names among which one that is meant is searched.
+const MOST_CANDIDATES: usize = 1000;
 
 #[derive(Debug)]
 struct Define {
@@ -35,6 +37,18 @@ pub struct Defines {
 pub struct DefineError {
     pub message: String,
     pub help: Option<String>,
+    /// The name that is not defined; the help that suggests a nearby one is better, and takes longer to find.
+    pub undefined: Option<String>,
+}
+
+impl DefineError {
+    fn new(message: String) -> Self {
+        Self {
+            message,
+            help: None,
+            undefined: None,
+        }
+    }
 }
 
 impl Defines {
@@ -86,7 +100,7 @@ impl Defines {
             }
             result += before;
             let Some(length) = self.longest_name(rest) else {
-                return Err(self.undefined(rest));
+                return Err(undefined(rest));
             };
             if let Some(define) = self.by_name.get_mut(&rest[..length]) {
                 define.used = true;
@@ -94,19 +108,14 @@ impl Defines {
             }
             rest = &rest[length..];
             if result.len() > LONGEST_VALUE {
-                return Err(DefineError {
-                    message: format!("longer than {LONGEST_VALUE} bytes once its `$` names are replaced"),
-                    help: None,
-                });
+                let message = format!("longer than {LONGEST_VALUE} bytes once its `$` names are replaced");
+                return Err(DefineError::new(message));
             }
         }
         result += rest;
         self.written += result.len();
         if self.written > LONGEST_TOTAL {
-            return Err(DefineError {
-                message: "too much text comes from `$` names".to_owned(),
-                help: None,
-            });
+            return Err(DefineError::new("too much text comes from `$` names".to_owned()));
         }
         Ok(Cow::Owned(result))
     }
@@ -120,24 +129,9 @@ impl Defines {
         self.lengths.iter().rev().copied().find(fits)
     }
 
-    fn undefined(&self, rest: &str) -> DefineError {
-        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
-        let name: String = rest[..end.unwrap_or(rest.len())].chars().take(64).collect();
-        if name.is_empty() {
-            return DefineError {
-                message: "a `$` without a name".to_owned(),
-                help: Some("write `\\$` for a plain dollar sign".to_owned()),
-            };
-        }
-        let help = did_you_mean(&name, self.by_name.keys().take(1000).map(String::as_str));
-        DefineError {
-            help: help.or_else(|| {
-                Some(format!(
-                    "give it with `-D {name}=...` or `<default name=\"{name}\" .../>`"
-                ))
-            }),
-            message: format!("`${name}` is not defined"),
-        }
+    /// The known names, as far as they are searched for one that is meant.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.by_name.keys().take(MOST_CANDIDATES).map(String::as_str)
     }
 
     /// Whether the text refers to this name as `$name`, or gives it a value for which `is_usual` is false.
@@ -155,12 +149,33 @@ impl Defines {
             .collect();
         unused.sort_unstable();
         let declared = || self.by_name.iter().filter(|(_, define)| define.declared);
-        let names = || declared().map(|(name, _)| name.as_str()).take(1000);
+        let names = || declared().map(|(name, _)| name.as_str()).take(MOST_CANDIDATES);
         let help = |name: &str| match self.by_name.get(name) {
             Some(define) if define.declared => None,
             _ => did_you_mean(name, names()),
         };
         unused.into_iter().map(|name| (name, help(name))).collect()
+    }
+}
+
+/// The error of a text behind a `$` that begins with no known name.
+fn undefined(rest: &str) -> DefineError {
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+    let name: String = rest[..end.unwrap_or(rest.len())].chars().take(64).collect();
+    let (message, help) = match name.is_empty() {
+        true => (
+            "a `$` without a name".to_owned(),
+            "write `\\$` for a plain dollar sign".to_owned(),
+        ),
+        false => (
+            format!("`${name}` is not defined"),
+            format!("give it with `-D {name}=...` or `<default name=\"{name}\" .../>`"),
+        ),
+    };
+    DefineError {
+        message,
+        help: Some(help),
+        undefined: Some(name).filter(|name| !name.is_empty()),
     }
 }
 
@@ -196,7 +211,11 @@ mod tests {
         let mut d = defines(&[("alpha", "1")]);
         let error = d.substitute("$alhpa").unwrap_err();
         assert_eq!(error.message, "`$alhpa` is not defined");
-        assert_eq!(error.help.as_deref(), Some("did you mean `alpha`?"));
+        assert_eq!(error.undefined.as_deref(), Some("alhpa"));
+        assert_eq!(
+            did_you_mean("alhpa", d.names()).as_deref(),
+            Some("did you mean `alpha`?")
+        );
         assert!(d.substitute("$").is_err());
         assert!(d.substitute("$é").is_err());
         d.add_default("a0", &"x".repeat(100));

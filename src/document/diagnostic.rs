@@ -4,6 +4,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::suggest::did_you_mean;
+
 /// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with messages.
 pub(crate) const MAX_STORED: usize = 1000;
 /// The most messages with suggestions and places of other things. The search for them takes time in proportion to the file.
@@ -139,6 +141,14 @@ impl Diagnostics {
     /// Whether there are so many messages that the next one gets no help that is slow to find.
     pub(crate) fn has_many(&self) -> bool {
         self.list.len() >= MAX_HELPED
+    }
+
+    /// The help "did you mean ...?" for a name that is none of the candidates, unless there are so many messages that this one gets no help.
+    pub fn did_you_mean<'c>(&self, name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<String> {
+        match self.has_many() {
+            true => None,
+            false => did_you_mean(name, candidates),
+        }
     }
 
     /// Whether there is any error, listed or only counted.

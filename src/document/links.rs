@@ -6,7 +6,6 @@ use std::sync::Arc;
 use smol_str::SmolStr;
 
 use super::object::MAX_DEPTH;
-use super::suggest::did_you_mean;
 use super::value::quote;
 use super::{Child, Diagnostics, Index, Object, Severity, Span};
 
@@ -101,10 +100,7 @@ impl Known<'_> {
             self.missed += 1;
             return;
         }
-        let help = match diagnostics.has_many() {
-            true => None,
-            false => did_you_mean(id, self.ids.keys().map(SmolStr::as_str)),
-        };
+        let help = diagnostics.did_you_mean(id, self.ids.keys().map(SmolStr::as_str));
         let message = format!("there is no object with the id {}", quote(id));
         diagnostics.push(Severity::Error, Some(span), message, help);
     }
@@ -199,10 +195,12 @@ impl<'a> Walk<'a, '_> {
         Some(measured)
     }
 
-    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help.
+    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help, unless there are so many
+    /// messages that it is left out: finding a place takes time in proportion to the file.
     fn report_circle(&mut self, id: &'a str, span: Span) {
         // The object is open since the reference that led to it, or since it was met where it is declared.
         let first = self.followed.iter().position(|&(followed, _)| followed == id);
+        let most = if self.diagnostics.has_many() { 0 } else { MOST_PLACES };
         let others = self.followed.iter().skip(first.map_or(0, |first| first + 1));
         let places: Vec<String> = others
             .filter_map(|&(id, span)| {
@@ -213,7 +211,7 @@ impl<'a> Walk<'a, '_> {
                     path.display()
                 ))
             })
-            .take(MOST_PLACES)
+            .take(most)
             .collect();
         let message = format!("a circle of references leads back to {}", quote(id));
         let help = (!places.is_empty()).then(|| places.join(", "));

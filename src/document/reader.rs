@@ -20,7 +20,6 @@ use glam::Vec3;
 use smol_str::SmolStr;
 
 use super::spectrum::equal_energy_white;
-use super::suggest::did_you_mean;
 use super::value::format_float;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
 use crate::color::Rgb;
@@ -314,7 +313,7 @@ impl<'a, 'd> Reader<'a, 'd> {
                 let elsewhere = self.elsewhere.iter().find(|(known, _)| known == name);
                 let help = match elsewhere {
                     Some((_, owner)) => Some(format!("it is a parameter of {owner}")),
-                    None => did_you_mean(name, dictionary()),
+                    None => self.diagnostics.did_you_mean(name, dictionary()),
                 };
                 self.diagnostics
                     .push(Severity::Warning, Some(property.span), message, help);
@@ -335,7 +334,7 @@ impl<'a, 'd> Reader<'a, 'd> {
                         object.title(),
                         owner()
                     ),
-                    did_you_mean(name, dictionary()),
+                    self.diagnostics.did_you_mean(name, dictionary()),
                 ),
                 None => (format!("{} has no effect in {}", object.title(), owner()), None),
             };

@@ -7,7 +7,6 @@ use quick_xml::XmlVersion;
 use quick_xml::events::BytesStart;
 
 use super::define::{DefineError, Defines};
-use super::suggest::did_you_mean;
 use super::{Diagnostics, Severity, Span};
 
 /// The most attributes of a tag. No tag of the format has more than six.
@@ -66,7 +65,10 @@ impl<'t> Tag<'t> {
                 Ok(raw) => match substitute(raw, defines) {
                     Ok(value) => Some(value),
                     Err(error) => {
-                        diagnostics.push(Severity::Error, Some(place), error.message, error.help);
+                        let nearest = error
+                            .undefined
+                            .and_then(|name| diagnostics.did_you_mean(&name, defines.names()));
+                        diagnostics.push(Severity::Error, Some(place), error.message, nearest.or(error.help));
                         None
                     }
                 },
@@ -126,7 +128,7 @@ impl<'t> Tag<'t> {
     pub fn finish(self, diagnostics: &mut Diagnostics) {
         for attribute in self.attributes {
             let known = self.asked.iter().copied();
-            let help = did_you_mean(attribute.name, known);
+            let help = diagnostics.did_you_mean(attribute.name, known);
             let message = format!("<{}> has no attribute `{}`; it is ignored", self.name, attribute.name);
             diagnostics.push(Severity::Warning, Some(attribute.span), message, help);
         }

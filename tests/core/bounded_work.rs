@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 use std::io;
+use std::path::Path;
 
 use crate::mesh_support::assert_sound;
+use sunroom::document::{self, Document};
 use sunroom::geometry::mesh_file::MeshError;
 use sunroom::geometry::obj::load_obj;
 use sunroom::geometry::ply::load_ply;
@@ -104,4 +106,46 @@ fn strips_beside_faces_leave_the_values_of_faces_out() {
     let loaded = load_ply(file.as_bytes()).expect("loads");
     assert_eq!(loaded.mesh.attributes.len(), 2);
     assert_eq!(loaded.warnings, [""; 0]);
+}
+
+fn parse(text: String) -> Document {
+    document::parse_str(text, Path::new("/nowhere/scene.xml"), &[])
+}
+
+/// The number of messages, and of those whose help begins with these words.
+fn helped(document: &Document, words: &str) -> (usize, usize) {
+    let list = &document.diagnostics.list;
+    let begins = |help: &Option<String>| help.as_ref().is_some_and(|help| help.contains(words));
+    (list.len(), list.iter().filter(|message| begins(&message.help)).count())
+}
+
+#[test]
+fn circles_are_explained_while_there_are_few_messages() {
+    // To find a place takes time in proportion to the file, and a file may have very many circles.
+    let closing = "<ref id='a'/>".repeat(200);
+    let scene = parse(format!(
+        "<scene version='3.0.0'><bsdf type='twosided' id='a'><ref id='b'/></bsdf><bsdf type='twosided' id='b'>{closing}</bsdf></scene>"
+    ));
+    assert_eq!(helped(&scene, "`b` is referred to at"), (200, 100));
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.xml");
+    let closing = "<include filename='scene.xml'/>".repeat(200);
+    let inner = format!("<scene version='3.0.0'>{closing}</scene>");
+    std::fs::write(folder.path().join("inner.xml"), inner).expect("a writable folder");
+    std::fs::write(&path, "<scene version='3.0.0'><include filename='inner.xml'/></scene>").expect("a writable folder");
+    let scene = document::load(&path, &[]).expect("text");
+    assert_eq!(helped(&scene, "is included at"), (200, 100));
+}
+
+#[test]
+fn names_that_may_be_meant_are_sought_while_there_are_few_messages() {
+    let uses = "<bsdf type='diffuse'><float name='a' value='$alhpa'/></bsdf>".repeat(200);
+    let scene = parse(format!(
+        "<scene version='3.0.0'><default name='alpha' value='1'/>{uses}</scene>"
+    ));
+    assert_eq!(helped(&scene, "did you mean `alpha`?"), (200, 100));
+    assert_eq!(helped(&scene, "give it with `-D alhpa=...`"), (200, 100));
+    let scene = parse(format!("<scene version='3.0.0'>{}</scene>", "<shpae/>".repeat(200)));
+    assert_eq!(helped(&scene, "did you mean `shape`?"), (200, 100));
 }

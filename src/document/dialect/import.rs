@@ -5,7 +5,6 @@ use std::path::Path;
 
 use super::known_files::KnownFiles;
 use super::tree::Node;
-use crate::document::suggest::did_you_mean;
 use crate::document::{Diagnostics, Object, Severity, Span};
 use crate::files::Access;
 
@@ -43,7 +42,7 @@ impl Import<'_> {
     pub fn check_children(&mut self, node: Node, known: &[&str]) {
         for child in node.children() {
             if !known.contains(&child.name()) {
-                let help = did_you_mean(child.name(), known.iter().copied());
+                let help = self.diagnostics.did_you_mean(child.name(), known.iter().copied());
                 let message = format!("<{}> is not known in <{}>; it is ignored", child.name(), node.name());
                 self.diagnostics
                     .push(Severity::Warning, Some(child.span()), message, help);

@@ -6,7 +6,6 @@ use glam::Vec3;
 
 use super::import::Import;
 use super::tree::Node;
-use crate::document::suggest::did_you_mean;
 use crate::document::value::quote;
 use crate::document::{Category, Object, Severity, Span, Value};
 
@@ -152,9 +151,9 @@ impl Import<'_> {
             }
             other => {
                 let known = ["Lambertian", "Metal", "Dielectric", "Emissive", "PBR", "GGX", "SSS"];
+                let help = self.diagnostics.did_you_mean(other, known);
                 let message = format!("<{other}> is no kind of material: objects made of it are grey");
-                self.diagnostics
-                    .push(Severity::Warning, Some(span), message, did_you_mean(other, known));
+                self.diagnostics.push(Severity::Warning, Some(span), message, help);
                 return None;
             }
         };
@@ -218,10 +217,8 @@ impl Import<'_> {
             "shinyGold" => Recipe::Bsdf(two_sided(metal(Vec3::new(0.8, 0.6, 0.2), 1.0, span))),
             "emissive" => Recipe::Light(Vec3::ONE),
             _ => {
-                let help = match self.diagnostics.has_many() {
-                    true => None,
-                    false => did_you_mean(name, materials.0.keys().map(String::as_str)),
-                };
+                let candidates = materials.0.keys().map(String::as_str);
+                let help = self.diagnostics.did_you_mean(name, candidates);
                 let message = format!("there is no material {}: grey takes its place", quote(name));
                 self.diagnostics.push(Severity::Warning, Some(span), message, help);
                 Recipe::Bsdf(two_sided(diffuse(COLOR, span)))

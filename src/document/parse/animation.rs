@@ -8,7 +8,6 @@ use super::names::Names;
 use super::parser::{Frame, OpenAnimation, Parser};
 use crate::document::animation::MOST_TIME;
 use crate::document::property::{VALUE_TAGS, read_value};
-use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
 use crate::document::value::{parse_float, quote};
 use crate::document::{Category, Interpolation, Key, Object, Property, Severity, Span, Track, Value};
@@ -43,7 +42,8 @@ impl Parser {
         let value_tag = known(&VALUE_TAGS, tag.name);
         if value_tag.is_none() && tag.name != "transform" {
             let message = format!("<{}> is no key of an animation", tag.name);
-            let help = did_you_mean(tag.name, VALUE_TAGS.into_iter().chain(["transform"]));
+            let known = VALUE_TAGS.into_iter().chain(["transform"]);
+            let help = self.diagnostics.did_you_mean(tag.name, known);
             self.diagnostics.push(Severity::Error, Some(tag.span), message, help);
             animation.is_broken = true;
             return None;

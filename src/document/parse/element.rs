@@ -11,7 +11,6 @@ use crate::document::property::{
 };
 use crate::document::source::read_text_within;
 use crate::document::spectrum::{Role, SampledSpectrum};
-use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
 use crate::document::unit::{UNIT, is_unit};
 use crate::document::value::quote;
@@ -107,7 +106,7 @@ impl Parser {
         }
         let Some(known) = known(&TRANSFORM_TAGS, tag.name) else {
             let message = format!("<{}> is not a step of a transform", tag.name);
-            let help = did_you_mean(tag.name, TRANSFORM_TAGS);
+            let help = self.diagnostics.did_you_mean(tag.name, TRANSFORM_TAGS);
             self.diagnostics.push(Severity::Error, Some(tag.span), message, help);
             return None;
         };
@@ -209,7 +208,7 @@ impl Parser {
                     let structure = ["transform", "animation", "ref", "default", "include", "path", "alias"];
                     let categories = Category::ALL.map(Category::tag);
                     let known = VALUE_TAGS.into_iter().chain(structure).chain(categories);
-                    let help = did_you_mean(name, known);
+                    let help = self.diagnostics.did_you_mean(name, known);
                     let message = format!("<{name}> is not known; it is ignored with all it contains");
                     self.diagnostics.push(Severity::Warning, Some(tag.span), message, help);
                     None

@@ -3,7 +3,6 @@
 use super::from_file::FromFile;
 use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, address};
-use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::Material;
 use crate::scene::description::{DeclarationPlace, MaterialDescription};
@@ -64,7 +63,7 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch)
     let plugin = reader.object().plugin.as_str();
     let Some(mut material) = Material::of_plugin(plugin) else {
         let message = format!("bsdf `{plugin}` is not supported: grey `diffuse` takes its place");
-        let help = did_you_mean(plugin, Material::PLUGINS);
+        let help = reader.diagnostics().did_you_mean(plugin, Material::PLUGINS);
         let span = reader.object().span;
         reader.diagnostics().push(Severity::Warning, Some(span), message, help);
         return (Material::default(), Vec::new());

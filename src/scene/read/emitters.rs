@@ -6,7 +6,6 @@ use super::from_file::FromFile;
 use super::parameters::{Parameters, report_left_out};
 use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, angles_of};
-use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::{DeclarationPlace, EmitterDescription};
 use crate::scene::emitter::frame_along;
@@ -87,7 +86,7 @@ fn read_parameters<'a>(
 ) -> Option<(Emitter, Option<Affine3A>, Media<'a>)> {
     let plugin = reader.object().plugin.as_str();
     let Some(mut emitter) = Emitter::of_plugin(plugin) else {
-        let help = did_you_mean(plugin, Emitter::PLUGINS);
+        let help = reader.diagnostics().did_you_mean(plugin, Emitter::PLUGINS);
         report_left_out(&mut reader, FOREIGN_EMITTERS.contains(&plugin), help);
         return None;
     };

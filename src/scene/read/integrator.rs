@@ -1,7 +1,6 @@
 //! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; every other one is taken for `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
-use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
@@ -61,7 +60,7 @@ impl<'a> SceneReader<'a> {
         if known.is_none() && plugin != "aov" {
             let stand_in = settings.plugin.name();
             let message = format!("integrator `{plugin}` is not supported: `{stand_in}` takes its place");
-            let help = did_you_mean(
+            let help = reader.diagnostics().did_you_mean(
                 plugin,
                 [
                     "path",
@@ -155,7 +154,9 @@ fn read_layers(reader: &mut Reader) -> Layers {
             reader.diagnostics().push(Severity::Warning, span, message, None);
         } else {
             let message = format!("there is no layer `{kind}`: it is left out");
-            let nearest = did_you_mean(kind, known.iter().map(String::as_str));
+            let nearest = reader
+                .diagnostics()
+                .did_you_mean(kind, known.iter().map(String::as_str));
             let help = nearest.or_else(|| Some(format!("the layers are {}", known.join(", "))));
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }

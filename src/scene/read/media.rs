@@ -11,7 +11,6 @@ use super::scene_reader::{SceneReader, address};
 use super::spectra::{is_spectrum, read_spectrum};
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
-use crate::document::suggest::did_you_mean;
 use crate::document::value::{fields, parse_float};
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::description::{DeclarationPlace, MediumDescription};
@@ -79,7 +78,8 @@ pub(super) fn media_of_shape<'a>(reader: &mut Reader<'a, '_>) -> [Option<&'a Obj
 fn read_parameters(mut reader: Reader, files: &mut PictureSearch) -> Option<Medium> {
     let plugin = reader.object().plugin.as_str();
     let Some(mut medium) = Medium::of_plugin(plugin) else {
-        report_left_out(&mut reader, false, did_you_mean(plugin, Medium::PLUGINS));
+        let help = reader.diagnostics().did_you_mean(plugin, Medium::PLUGINS);
+        report_left_out(&mut reader, false, help);
         return None;
     };
     let mut values = FromFile {
@@ -227,7 +227,7 @@ fn read_phase(mut reader: Reader, files: &mut PictureSearch) -> PhaseFunction {
     let plugin = reader.object().plugin.as_str();
     let Some(mut phase) = PhaseFunction::of_plugin(plugin) else {
         let message = format!("phase `{plugin}` is not supported: `isotropic` takes its place");
-        let help = did_you_mean(plugin, PhaseFunction::PLUGINS);
+        let help = reader.diagnostics().did_you_mean(plugin, PhaseFunction::PLUGINS);
         let span = reader.object().span;
         reader.diagnostics().push(Severity::Warning, Some(span), message, help);
         return PhaseFunction::default();
@@ -300,7 +300,9 @@ fn read_volume(
         (Category::Volume, "vdbvolume") => reader.nested(object, |reader| vdb_volume(reader, files)),
         (Category::Volume, plugin) => {
             let message = format!("volume `{plugin}` is not supported");
-            let help = did_you_mean(plugin, ["constvolume", "gridvolume", "vdbvolume"]);
+            let help = reader
+                .diagnostics()
+                .did_you_mean(plugin, ["constvolume", "gridvolume", "vdbvolume"]);
             reader
                 .diagnostics()
                 .push(Severity::Error, Some(object.span), message, help);

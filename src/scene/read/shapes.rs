@@ -8,7 +8,6 @@ use super::media::media_of_shape;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::{SceneReader, angles_of};
-use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
@@ -96,7 +95,7 @@ impl<'a> SceneReader<'a> {
                 })
             }
             other => {
-                let help = did_you_mean(other, ShapeKind::PLUGINS);
+                let help = reader.diagnostics().did_you_mean(other, ShapeKind::PLUGINS);
                 report_left_out(&mut reader, FOREIGN_SHAPES.contains(&other), help);
                 return false;
             }
