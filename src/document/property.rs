@@ -60,14 +60,14 @@ pub fn read_spectrum(text: &str, span: Span, role: Role, diagnostics: &mut Diagn
     }
     if text.contains(':') {
         let sampled = report(SampledSpectrum::parse_list(text), span, diagnostics)?;
-        return Some(sampled_color(&sampled, span, role, diagnostics));
+        return Some(color_of_spectrum(sampled.to_rgb(role), span, diagnostics));
     }
     let number = value::parse_float(text).map_err(|_| unexpected("a number or `wavelength:value` pairs", text));
     report(number.map(Value::Spectrum), span, diagnostics)
 }
 
-pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnostics: &mut Diagnostics) -> Value {
-    let (rgb, clamped) = sampled.to_rgb(role);
+/// The value of a spectrum's colour; `clamped`: it is not quite that of the spectrum, which is a warning.
+pub fn color_of_spectrum((rgb, clamped): (Vec3, bool), span: Span, diagnostics: &mut Diagnostics) -> Value {
     if clamped {
         diagnostics.warn(span, CLAMPED);
     }

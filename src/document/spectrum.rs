@@ -18,7 +18,7 @@ const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
 const STEPS: usize = 1000;
 
 /// The quantity that a spectrum describes. It decides under which light the spectrum is seen and which colours are possible.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Radiance and the like: no light but its own, no upper bound.
     Emission,

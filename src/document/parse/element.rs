@@ -7,7 +7,7 @@ use super::parser::{Frame, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::{rename, snake_case};
 use crate::document::property::{
-    TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color,
+    TRANSFORM_TAGS, VALUE_TAGS, color_of_spectrum, read_spectrum, read_transform_op, read_value,
 };
 use crate::document::source::read_text_within;
 use crate::document::spectrum::{Role, SampledSpectrum};
@@ -238,20 +238,20 @@ impl Parser {
         let role = Role::of(category, name);
         if let Some((file, span)) = tag.take("filename") {
             let path = self.find_file(&file, span)?;
-            let sampled = read_text_within(&path, &self.access)
-                .map_err(|error| error.to_string())
-                .and_then(|text| {
-                    let parsed = SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'));
-                    parsed.map_err(|error| match self.diagnostics.is_outside(&path) {
-                        // The message quotes the file.
-                        true => format!(
-                            "{file}: expected lines of a wavelength and a value, with wavelengths that increase"
-                        ),
-                        false => format!("{file}: {error}"),
-                    })
-                });
-            return match sampled {
-                Ok(sampled) => Some(sampled_color(&sampled, span, role, &mut self.diagnostics)),
+            let (access, diagnostics) = (&self.access, &self.diagnostics);
+            let color = self.spectra.color(&path, role, || {
+                let text = read_text_within(&path, access).map_err(|error| error.to_string())?;
+                let parsed = SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'));
+                parsed.map_err(|error| match diagnostics.is_outside(&path) {
+                    // The message quotes the file.
+                    true => {
+                        format!("{file}: expected lines of a wavelength and a value, with wavelengths that increase")
+                    }
+                    false => format!("{file}: {error}"),
+                })
+            });
+            return match color {
+                Ok(color) => Some(color_of_spectrum(color, span, &mut self.diagnostics)),
                 Err(message) => {
                     self.diagnostics.error(span, message);
                     None

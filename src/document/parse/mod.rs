@@ -9,6 +9,7 @@ mod include;
 mod names;
 mod parser;
 mod spare;
+mod spectrum_files;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -11,6 +11,7 @@ use smol_str::SmolStr;
 
 use super::names::Names;
 use super::spare::Spare;
+use super::spectrum_files::SpectrumFiles;
 use crate::document::crowd::Packer;
 use crate::document::define::Defines;
 use crate::document::links::Alias;
@@ -145,6 +146,7 @@ pub(super) struct Parser {
     /// Whether only a part of a text is read. Includes in it are left out then.
     pub is_part: bool,
     pub crowds: Vec<Crowd>,
+    pub spectra: SpectrumFiles,
     pub spare: Spare,
 }
 
