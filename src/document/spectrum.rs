@@ -111,9 +111,15 @@ impl SampledSpectrum {
     /// Parses values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
     pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, SpectrumError> {
         let values = parse_numbers(values)?;
-        let step = (last_nm - first_nm) / values.len().saturating_sub(1).max(1) as f32;
+        // The range may be longer than the largest number of 32 bits.
+        let (first, last) = (f64::from(first_nm), f64::from(last_nm));
+        let step = (last - first) / values.len().saturating_sub(1).max(1) as f64;
         let pairs = values.iter().enumerate();
-        Self::new(pairs.map(|(i, &value)| (first_nm + step * i as f32, value)).collect())
+        Self::new(
+            pairs
+                .map(|(i, &value)| ((first + step * i as f64) as f32, value))
+                .collect(),
+        )
     }
 
     /// Parses a spectrum of as many wavelengths as values, both lists of numbers.
@@ -249,6 +255,14 @@ mod tests {
         let laser = SampledSpectrum::parse_list("515:0, 520:1, 525:0").unwrap();
         let (rgb, clamped) = laser.to_rgb(Role::Reflectance);
         assert!(clamped && rgb.min_element() == 0.0);
+    }
+
+    #[test]
+    fn a_regular_spectrum_may_be_longer_than_any_number() {
+        let wide = SampledSpectrum::parse_regular(-3e38, 3e38, "1, 1, 1").expect("rising wavelengths");
+        let flat = SampledSpectrum::parse_list("300:1, 900:1").expect("a list");
+        assert_eq!(wide.to_rgb(Role::Emission), flat.to_rgb(Role::Emission));
+        assert!(SampledSpectrum::parse_regular(700.0, 400.0, "1, 1").is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod gltf_support;
 #[path = "../support/meaning.rs"]
 mod meaning;
 
+mod bounded_work;
 mod dialect;
 mod emitters;
 mod export;

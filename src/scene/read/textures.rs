@@ -100,10 +100,14 @@ fn attribute_name(reader: &mut Reader) -> Option<String> {
     }
 }
 
-/// The map of the plane that `to_uv`, a transform of space, contains.
+/// The map of the plane that `to_uv`, a transform of space, contains. One whose numbers become too large is an error, and none takes its place.
 fn to_uv(reader: &mut Reader) -> Affine2 {
     let steps = reader.transform("to_uv").unwrap_or_default();
     let map = TransformOp::compose(&steps);
+    if !map.is_finite() {
+        reader.error_at("to_uv", "`to_uv` is not finite: its steps together are too large");
+        return Affine2::IDENTITY;
+    }
     Affine2::from_cols(
         Vec3::from(map.matrix3.x_axis).truncate(),
         Vec3::from(map.matrix3.y_axis).truncate(),
