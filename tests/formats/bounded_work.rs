@@ -34,3 +34,26 @@ fn maps_of_textures_are_finite() {
     let (_, said) = describe(&bsdf("<scale value='3e37'/><scale value='10'/>"));
     assert_eq!(said, [""; 0]);
 }
+
+/// Checkerboards of daylight of checkerboards, each twice, `depth` times.
+fn checkered_daylight(depth: usize) -> String {
+    let mut scene = String::new();
+    for i in 1..depth {
+        let next = i + 1;
+        scene += &format!(
+            "<texture type='checkerboard' id='c{i}'><ref name='color0' id='d{next}'/><ref name='color1' id='d{next}'/></texture>\
+             <spectrum type='d65' id='d{i}'><ref id='c{i}'/></spectrum>\n"
+        );
+    }
+    scene + &format!("<spectrum type='d65' id='d{depth}'/><bsdf type='diffuse'><ref name='reflectance' id='d1'/></bsdf>")
+}
+
+#[test]
+fn textures_of_daylight_count_like_others() {
+    // 2 to the power of 20 textures, and with four levels a few.
+    for (depth, expected) in [(20, true), (4, false)] {
+        let (_, said) = describe(&checkered_daylight(depth));
+        let refused = said == ["`reflectance` consists of more than 256 textures"];
+        assert!(refused == expected && (refused || said.is_empty()), "{depth}: {said:?}");
+    }
+}

@@ -10,7 +10,7 @@ use super::spectra::{is_spectrum, read_spectrum};
 use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
-use crate::document::{Category, Reader, TransformOp};
+use crate::document::{Category, Object, Reader, TransformOp};
 use crate::scene::{Parameter, Texture, ToWorld};
 
 /// The most textures inside each other that a parameter may consist of.
@@ -79,10 +79,11 @@ impl Parameters for Reader<'_, '_> {
     fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
         let role = Role::of(self.object().category, name);
         let object = self.child(name)?;
-        match object.category == Category::Texture && is_spectrum(&object.plugin) {
-            true => self.nested(object, |reader| read_spectrum(reader, role, pictures)),
-            false => self.texture(name, pictures).map(Parameter::Texture),
+        if object.category != Category::Texture || !is_spectrum(&object.plugin) {
+            return self.texture(name, pictures).map(Parameter::Texture);
         }
+        check_textures_inside(self, name, object)?;
+        self.nested(object, |reader| read_spectrum(reader, role, pictures))
     }
 
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture> {
@@ -92,11 +93,7 @@ impl Parameters for Reader<'_, '_> {
             self.diagnostics().error(object.span, message);
             return None;
         }
-        if self.count_inside(object, Category::Texture, MOST_TEXTURES) > MOST_TEXTURES {
-            let message = format!("`{name}` consists of more than {MOST_TEXTURES} textures");
-            self.error_at(name, message);
-            return None;
-        }
+        check_textures_inside(self, name, object)?;
         self.nested(object, |reader| read_texture(reader, pictures))
     }
 
@@ -115,6 +112,16 @@ impl Parameters for Reader<'_, '_> {
         );
         None
     }
+}
+
+/// Checks that a texture, or a spectrum with a texture inside, consists of few enough of them. None has been reported.
+fn check_textures_inside<'a>(reader: &mut Reader<'a, '_>, name: &str, object: &'a Object) -> Option<()> {
+    if reader.count_inside(object, Category::Texture, MOST_TEXTURES) > MOST_TEXTURES {
+        let message = format!("`{name}` consists of more than {MOST_TEXTURES} textures");
+        reader.error_at(name, message);
+        return None;
+    }
+    Some(())
 }
 
 fn is_negative(given: &Parameter<Rgb>) -> bool {
