@@ -4,7 +4,7 @@
 //! file, so that everything that a file can say can move in one way: [`super::posing`] writes the values of a time into the plugins of the file and
 //! reads the components from them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Display};
 use std::sync::Arc;
 
@@ -17,6 +17,9 @@ use crate::document::{Category, Child, Index, Interpolation, Key, Object, Proper
 
 /// The parameters that say where a thing is, in the order in which they are looked for.
 const PLACES: [&str; 3] = ["to_world", "position", "direction"];
+
+/// The most values of a thing that may have keys. Nothing has so many, and what brings a thing to a moment looks for each of them.
+pub(super) const MOST_TRACKS: usize = 1000;
 
 /// Where a value stands in the plugin of a thing: the parameter's name, after the names of the plugins around it, with a dot between: `to_world`,
 /// `emitter.radiance`.
@@ -68,18 +71,22 @@ impl Keys {
 
     fn collect(&mut self, object: &Object, index: &Index, before: &str) {
         for property in &object.properties {
-            if let Some(track) = &property.keys {
+            if let Some(track) = &property.keys
+                && self.tracks.len() < MOST_TRACKS
+            {
                 let path = KeyPath(format_smolstr!("{before}{}", property.name));
                 self.tracks.insert(path, track.clone());
             }
         }
-        for (place, child) in object.children.iter().enumerate() {
+        let mut steps = Steps::default();
+        for child in &object.children {
+            let step = steps.next(child);
             let Some(inner) = index.resolve(child).filter(|inner| is_part(inner)) else {
                 continue;
             };
             match child {
                 Child::Object(_) if is_animated(inner) => {
-                    self.collect(inner, index, &format!("{before}{}.", step(object, place)));
+                    self.collect(inner, index, &format!("{before}{step}."));
                 }
                 Child::Object(_) => {}
                 Child::Reference { .. } => self.follows |= is_animated(inner),
@@ -150,6 +157,13 @@ impl Keys {
     }
 }
 
+/// The number of values of a plugin that have keys, without what is a thing of its own inside.
+pub(super) fn track_count(object: &Object) -> usize {
+    let own = object.properties.iter().filter(|property| property.keys.is_some());
+    let parts = object.objects().filter(|inner| is_part(inner));
+    own.count() + parts.map(track_count).sum::<usize>()
+}
+
 /// Takes all tracks off a plugin. What is a thing of its own inside keeps them.
 pub(super) fn detach(object: &mut Object) {
     for property in &mut object.properties {
@@ -201,7 +215,17 @@ fn property_at<'o>(object: &'o mut Object, path: &str) -> Option<&'o mut Propert
 /// The place of the plugin that a path goes into, and the rest of the path.
 fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
     let (first, rest) = path.split_once('.')?;
-    let place = (0..object.children.len()).find(|place| step(object, *place) == first)?;
+    let numbered = first.rsplit_once('#');
+    let numbered = numbered.and_then(|(name, number)| Some((name, number.parse::<usize>().ok()?)));
+    let mut count = 0;
+    let place = object.children.iter().position(|child| {
+        let name = step_name(child);
+        let is_numbered = numbered.is_some_and(|(numbered, number)| {
+            count += usize::from(numbered == name);
+            numbered == name && count == number
+        });
+        name == first || is_numbered
+    })?;
     Some((place, rest))
 }
 
@@ -214,25 +238,34 @@ fn constant_volume<'p>(object: &Object, path: &str) -> Option<(usize, &'p str)> 
     Some((place, "value"))
 }
 
-/// The step of a path into a plugin inside another: the parameter that it is for, or else its tag. Several of one name are numbered.
-fn step(object: &Object, place: usize) -> SmolStr {
-    let base = |child: &Child| match child {
-        Child::Object(inner) => inner.name.clone().unwrap_or_else(|| inner.category.tag().into()),
-        Child::Reference { name, .. } => name.clone().unwrap_or_default(),
-    };
-    let own = base(&object.children[place]);
-    match object.children[..place]
-        .iter()
-        .filter(|child| base(child) == own)
-        .count()
-    {
-        0 => own,
-        before => format_smolstr!("{own}#{}", before + 1),
+/// The steps of paths into the plugins inside another, one after the other. Several of one name are numbered.
+#[derive(Default)]
+struct Steps<'o> {
+    counts: HashMap<&'o str, usize>,
+}
+
+impl<'o> Steps<'o> {
+    fn next(&mut self, child: &'o Child) -> SmolStr {
+        let name = step_name(child);
+        let count = self.counts.entry(name).or_default();
+        *count += 1;
+        match *count {
+            1 => name.into(),
+            count => format_smolstr!("{name}#{count}"),
+        }
+    }
+}
+
+/// The step of a path into a plugin without its number: the parameter that it is for, or else its tag.
+fn step_name(child: &Child) -> &str {
+    match child {
+        Child::Object(inner) => inner.name.as_deref().unwrap_or_else(|| inner.category.tag()),
+        Child::Reference { name, .. } => name.as_deref().unwrap_or_default(),
     }
 }
 
 /// Whether a plugin inside that of a thing is a part of the thing, and no thing of its own.
-fn is_part(inner: &Object) -> bool {
+pub(super) fn is_part(inner: &Object) -> bool {
     !matches!(inner.category, Category::Bsdf | Category::Shape | Category::Medium)
 }
 
@@ -301,5 +334,38 @@ impl KeyEdit {
             Self::Interpolate(interpolation) => track.interpolation = interpolation,
         }
         Ok((!track.keys.is_empty()).then_some(track))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_one_name_are_numbered() {
+        let light = |number: f32| Object::new(Category::Emitter, "area").with("radiance", Value::Float(number));
+        let mut named = light(3.0);
+        named.name = Some("emitter#2".into());
+        let shape = Object::new(Category::Shape, "sphere");
+        let mut shape = [light(1.0), light(2.0), named, light(4.0)]
+            .into_iter()
+            .fold(shape, Object::with_child);
+        let mut steps = Steps::default();
+        let steps: Vec<SmolStr> = shape.children.iter().map(|child| steps.next(child)).collect();
+        // Of two parts with one step the first counts.
+        assert_eq!(steps, ["emitter", "emitter#2", "emitter#2", "emitter#3"]);
+        for (step, value) in [
+            ("emitter", Some(1.0)),
+            ("emitter#2", Some(2.0)),
+            ("emitter#3", Some(4.0)),
+            ("emitter#4", None),
+            ("emitter#0", None),
+            ("light", None),
+        ] {
+            let path = format!("{step}.radiance");
+            assert_eq!(value_at(&shape, &path), value.map(Value::Float).as_ref(), "{path}");
+            let property = property_at(&mut shape, &path);
+            assert_eq!(property.map(|property| property.value.clone()), value.map(Value::Float));
+        }
     }
 }

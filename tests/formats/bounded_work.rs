@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use sunroom::document::{self, Severity};
-use sunroom::scene::SceneDescription;
+use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;
+use sunroom::scene::{Material, SceneDescription};
 
 /// A scene with this body, and the errors and warnings about it.
 fn describe(body: &str) -> (SceneDescription, Vec<String>) {
@@ -20,6 +21,9 @@ fn describe_text(text: &str) -> (SceneDescription, Vec<String>) {
     let worse = worse.filter(|message| message.severity > Severity::Note);
     (scene, worse.map(|message| message.message.clone()).collect())
 }
+
+/// So many that a walk through all of them for each takes far longer than any test.
+const VERY_MANY: usize = 100_000;
 
 #[test]
 fn maps_of_textures_are_finite() {
@@ -45,7 +49,8 @@ fn checkered_daylight(depth: usize) -> String {
              <spectrum type='d65' id='d{i}'><ref id='c{i}'/></spectrum>\n"
         );
     }
-    scene + &format!("<spectrum type='d65' id='d{depth}'/><bsdf type='diffuse'><ref name='reflectance' id='d1'/></bsdf>")
+    scene
+        + &format!("<spectrum type='d65' id='d{depth}'/><bsdf type='diffuse'><ref name='reflectance' id='d1'/></bsdf>")
 }
 
 #[test]
@@ -55,5 +60,69 @@ fn textures_of_daylight_count_like_others() {
         let (_, said) = describe(&checkered_daylight(depth));
         let refused = said == ["`reflectance` consists of more than 256 textures"];
         assert!(refused == expected && (refused || said.is_empty()), "{depth}: {said:?}");
+    }
+}
+
+#[test]
+fn a_group_may_have_very_many_shapes() {
+    let inside = "<shape type='sphere'/>".repeat(VERY_MANY);
+    let (scene, said) = describe(&format!(
+        "<shape type='shapegroup' id='g'>{inside}<ref id='other'/></shape><shape type='sphere' id='other'/>\
+         <shape type='instance'><ref id='g'/></shape>"
+    ));
+    assert_eq!(
+        said,
+        ["the shapes of a shapegroup are written inside it: those it refers to are left out"]
+    );
+    let members = scene.shapes.iter().filter(|shape| shape.member_of == Some(0));
+    assert_eq!((members.count(), scene.shapes.len()), (VERY_MANY, VERY_MANY + 2));
+}
+
+#[test]
+fn very_many_shapes_may_be_flattened() {
+    let shape = |scale: &str| {
+        format!(
+            "<shape type='sphere'><transform name='to_world'><scale value='{scale}'/></transform><bsdf type='diffuse'/>\
+             <medium type='homogeneous' name='interior'/></shape>"
+        )
+    };
+    let (scene, said) = describe(&[shape("1"), shape("0").repeat(VERY_MANY), shape("2")].concat());
+    assert!(said[0].starts_with("`to_world` cannot be undone"), "{}", said[0]);
+    assert_eq!((scene.shapes.len(), scene.materials.len()), (2, VERY_MANY + 2));
+    let materials = scene.materials.iter().map(|material| material.declared_in);
+    let media = scene.media.iter().map(|medium| medium.declared_in);
+    for mut places in [materials.collect::<Vec<_>>(), media.collect()] {
+        assert_eq!(places.pop(), Some(DeclarationPlace::Shape(1)));
+        assert_eq!(places[0], DeclarationPlace::Shape(0));
+        assert!(places[1..].iter().all(|place| *place == DeclarationPlace::TopLevel));
+    }
+}
+
+#[test]
+fn light_may_go_below_the_surface_of_very_many_objects() {
+    let objects = "<Sphere material='wax'/>".repeat(VERY_MANY);
+    let (scene, said) = describe_text(&format!(
+        "<ItemContainer><Config><Width value='100'/><Aspect_ratio value='1.5'/><Samples_Per_Pixel value='4'/><Max_Depth value='3'/></Config>\
+         <Camera/><Lights><Sun/></Lights><Materials><SSS name='wax'><Color r='0.8' g='0.8' b='0.8'/><ScatterDistance value='0.5'/></SSS>\
+         </Materials><Objects>{objects}</Objects></ItemContainer>"
+    ));
+    assert_eq!(said, [""; 0]);
+    assert_eq!(scene.integrator.max_depth, Some(256));
+    assert_eq!(scene.shapes.len(), VERY_MANY);
+    let materials = scene.shapes.iter().filter_map(|shape| shape.material);
+    let mut materials = materials.map(|material| &scene.materials[material].material);
+    assert!(materials.all(|material| *material == Material::Null));
+}
+
+#[test]
+fn a_thing_has_a_thousand_values_with_keys() {
+    let keys = |i: usize| format!("<animation name='p{i}'><float time='0' value='1'/></animation>");
+    for (count, is_bounded) in [(900, false), (1200, true)] {
+        let keys: String = (0..count).map(keys).collect();
+        let (scene, said) = describe(&format!("<bsdf type='diffuse'>{keys}</bsdf>"));
+        let message = "more than 1000 values of bsdf `diffuse` have keys: the others do not move";
+        assert_eq!(said.iter().any(|said| said == message), is_bounded, "{count}");
+        let kept = scene.materials[0].identity.keys.as_ref().expect("keys");
+        assert_eq!(kept.tracks().count(), count.min(1000));
     }
 }

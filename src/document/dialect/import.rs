@@ -21,6 +21,8 @@ pub struct Import<'i> {
     pub ids: HashSet<String>,
     /// The number that the next thing of this name may get.
     pub next_numbers: HashMap<String, u32>,
+    /// Whether the integrator goes as deep as light below surfaces needs.
+    pub is_deep: bool,
     pub diagnostics: &'i mut Diagnostics,
 }
 

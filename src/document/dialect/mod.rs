@@ -65,6 +65,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)], access: Access) 
                 files: KnownFiles::default(),
                 ids: HashSet::new(),
                 next_numbers: HashMap::new(),
+                is_deep: false,
                 diagnostics: &mut diagnostics,
             };
             import.read_defines(defines);

@@ -45,6 +45,9 @@ impl Import<'_> {
 
     /// Lets the integrator trace media, as deep as these need.
     pub fn deepen(&mut self, span: Span) {
+        if std::mem::replace(&mut self.is_deep, true) {
+            return;
+        }
         let mut raised = None;
         for child in &mut self.root.children {
             let Child::Object(object) = child else {

@@ -28,9 +28,10 @@ impl<'a> SceneReader<'a> {
             return false;
         };
         let place = DeclarationPlace::Emitter(self.description.emitters.len());
+        let before = self.declared();
         let medium = self.read_medium_around(&media, place);
         let Some(to_world) = to_world else {
-            self.forget_place(place);
+            self.forget_place(place, before);
             return false;
         };
         let as_read = || lights::emitter(&emitter, &to_world, angles_of(object), &self.folder);

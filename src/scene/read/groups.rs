@@ -1,5 +1,7 @@
 //! Reads `shapegroup` and `instance`.
 
+use std::collections::HashSet;
+
 use super::scene_reader::{SceneReader, address};
 use crate::document::{Category, Object};
 use crate::scene::description::{GroupDescription, Identity, ShapeDescription};
@@ -24,9 +26,10 @@ impl<'a> SceneReader<'a> {
         let mut reader = self.reader(object);
         let shapes = reader.children(Category::Shape);
         reader.finish();
+        let inside: HashSet<usize> = object.objects().map(address).collect();
         let mut left_out = Vec::new();
         for (place, (_, shape)) in shapes.into_iter().enumerate() {
-            let is_member = if !object.objects().any(|inside| std::ptr::eq(inside, shape)) {
+            let is_member = if !inside.contains(&address(shape)) {
                 let message = "the shapes of a shapegroup are written inside it: those it refers to are left out";
                 self.diagnostics.warn(object.span, message);
                 false

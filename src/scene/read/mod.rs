@@ -26,9 +26,10 @@ use std::sync::Arc;
 
 use smol_str::SmolStr;
 
-use self::scene_reader::SceneReader;
+use self::scene_reader::{Place, SceneReader};
 pub(super) use self::sensors::millimetres;
 use super::description::{DeclarationPlace, SceneDescription};
+use super::keys::{MOST_TRACKS, is_part, track_count};
 use super::{AuthoredScene, LengthUnit, missing};
 pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, Object, Reader, Severity, UNIT};
@@ -132,6 +133,7 @@ impl SceneReader<'_> {
         self.read_crowds(usize::MAX);
         self.report_media_without_effect(&remains);
         self.report_skies();
+        self.report_tracks();
         self.description.remains = remains;
 
         let mut reader = Reader::new(&self.index, root, &mut self.diagnostics);
@@ -158,6 +160,26 @@ impl SceneReader<'_> {
                 "emitter `{plugin}` is another light around the scene: here they add up, but Mitsuba refuses more than one"
             );
             self.diagnostics.warn(span, message);
+        }
+    }
+}
+
+impl SceneReader<'_> {
+    /// Reports things of which more values have keys than can move.
+    fn report_tracks(&mut self) {
+        if !self.is_animated {
+            return;
+        }
+        let things = self
+            .places
+            .values()
+            .filter(|place| place.top_level || !is_part(place.object));
+        let mut many: Vec<&Place> = things.filter(|place| track_count(place.object) > MOST_TRACKS).collect();
+        many.sort_unstable_by_key(|place| place.order);
+        for place in many {
+            let title = place.object.title();
+            let message = format!("more than {MOST_TRACKS} values of {title} have keys: the others do not move");
+            self.diagnostics.error(place.object.span, message);
         }
     }
 }

@@ -82,9 +82,10 @@ impl<'a> SceneReader<'a> {
             self.diagnostics.warn(second.span, message);
         }
         let place = DeclarationPlace::Sensor(self.description.sensors.len());
+        let before = self.declared();
         let medium = self.read_medium_around(&media, place);
         let Some(to_world) = to_world else {
-            self.forget_place(place);
+            self.forget_place(place, before);
             return false;
         };
         let sensor = Sensor {

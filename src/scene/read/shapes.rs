@@ -9,7 +9,7 @@ use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::{SceneReader, angles_of};
 use crate::document::{Category, Object, Reader};
-use crate::scene::description::{DeclarationPlace, ShapeDescription};
+use crate::scene::description::{DeclarationPlace, SceneDescription, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::solid::{file_range, parse_openings};
@@ -137,6 +137,7 @@ impl<'a> SceneReader<'a> {
         }
 
         let place = DeclarationPlace::Shape(self.description.shapes.len());
+        let before = self.declared();
         let material = bsdfs.first().map(|(_, bsdf)| self.read_bsdf(bsdf, place, 0));
         if let Some((_, second)) = bsdfs.get(1) {
             let message = format!("{} has a bsdf already", object.title());
@@ -158,7 +159,7 @@ impl<'a> SceneReader<'a> {
 
         let Some(to_world) = to_world else {
             // Materials and media inside this shape must not be looked for at a shape that does not exist.
-            self.forget_place(place);
+            self.forget_place(place, before);
             return false;
         };
         let angles = angles_of(object);
@@ -203,9 +204,16 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    pub(super) fn forget_place(&mut self, place: DeclarationPlace) {
-        let materials = self.description.materials.iter_mut().map(|it| &mut it.declared_in);
-        let media = self.description.media.iter_mut().map(|it| &mut it.declared_in);
+    /// The numbers of materials and media so far.
+    pub(super) fn declared(&self) -> [usize; 2] {
+        [self.description.materials.len(), self.description.media.len()]
+    }
+
+    /// Has what was declared at a place that does not exist after all be declared at the top level. `before`: what was there before the place.
+    pub(super) fn forget_place(&mut self, place: DeclarationPlace, before: [usize; 2]) {
+        let SceneDescription { materials, media, .. } = &mut self.description;
+        let materials = materials[before[0]..].iter_mut().map(|it| &mut it.declared_in);
+        let media = media[before[1]..].iter_mut().map(|it| &mut it.declared_in);
         for declared_in in materials.chain(media).filter(|declared_in| **declared_in == place) {
             *declared_in = DeclarationPlace::TopLevel;
         }
