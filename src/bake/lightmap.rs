@@ -157,8 +157,8 @@ impl Lightmaps {
                 .for_each(|(sum, more)| sum.add(more));
         }
         self.ends = share.ends;
-        self.rays += share.rays;
-        self.invalid += share.invalid;
+        self.rays = self.rays.saturating_add(share.rays);
+        self.invalid = self.invalid.saturating_add(share.invalid);
         true
     }
 

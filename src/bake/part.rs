@@ -140,8 +140,8 @@ fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io:
 fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
     let count = usize::try_from(bytes.u64()?).map_err(|_| Damaged)?;
     let (first, groups) = (bytes.u32()?, bytes.u32()?);
-    let (rays, invalid) = (bytes.u64()?, bytes.u64()?);
-    let spent = Duration::try_from_secs_f64(bytes.f64()?).map_err(|_| Damaged)?;
+    let (rays, invalid) = (bytes.count()?, bytes.count()?);
+    let spent = bytes.duration()?;
     let mut ends = Reader(bytes.bytes(count.div_ceil(BLOCK).checked_mul(4).ok_or(Damaged)?)?);
     let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.u32()).collect();
     let ends = ends?;
@@ -252,20 +252,31 @@ mod tests {
     #[test]
     fn a_light_without_texels_is_damaged() {
         // Two groups of samples of no texel take no bytes, however many are said to be there.
-        let light = |count: u64, groups: u32| {
-            let mut bytes = Writer::default();
-            bytes.u64(count);
-            [16, groups].into_iter().for_each(|number| bytes.u32(number));
-            [0, 0].into_iter().for_each(|number| bytes.u64(number));
-            bytes.f64(0.0);
-            (0..count).for_each(|_| bytes.u32(16));
-            bytes
-                .0
-                .resize(bytes.0.len() + count as usize * groups as usize * TEXEL, 0);
-            bytes.0
-        };
+        let light = |count: u64, groups: u32| light(count, groups, [0; 2], 0.0);
         assert!(read_light(&mut Reader(&light(1, 2))).is_ok());
         assert!(read_light(&mut Reader(&light(0, 2))).is_err());
         assert!(read_light(&mut Reader(&light(0, u32::MAX))).is_err());
+    }
+
+    #[test]
+    fn rays_and_times_of_a_light_can_be_added() {
+        for (rays, seconds, is_possible) in [(7, 2.0, true), (u64::MAX, 2.0, false), (7, 1.8e19, false)] {
+            let bytes = light(1, 1, [rays, 0], seconds);
+            assert_eq!(read_light(&mut Reader(&bytes)).is_ok(), is_possible, "{rays} {seconds}");
+        }
+    }
+
+    /// The bytes of a light whose texels have no samples but the first 16.
+    fn light(count: u64, groups: u32, rays: [u64; 2], seconds: f64) -> Vec<u8> {
+        let mut bytes = Writer::default();
+        bytes.u64(count);
+        [16, groups].into_iter().for_each(|number| bytes.u32(number));
+        rays.into_iter().for_each(|number| bytes.u64(number));
+        bytes.f64(seconds);
+        (0..count).for_each(|_| bytes.u32(16));
+        bytes
+            .0
+            .resize(bytes.0.len() + count as usize * groups as usize * TEXEL, 0);
+        bytes.0
     }
 }

@@ -191,9 +191,8 @@ fn write(args: &MergeArgs, film: &Film, header: &PartHeader) -> Result<ExitCode,
 
 /// The attributes that the picture would have if it had been rendered at once.
 fn describe(picture: &mut LayeredImage, header: &PartHeader, samples: u32) {
-    for (name, value) in &header.about.texts {
-        picture.set_attribute(name, Attribute::Text(value.clone()));
-    }
+    let texts = header.about.texts.iter();
+    picture.set_attributes(texts.map(|(name, value)| (name.clone(), Attribute::Text(value.clone()))));
     for (name, bits) in ["worldToCamera", "worldToNDC"].into_iter().zip(header.about.matrices) {
         picture.set_attribute(name, Attribute::Matrix(bits.map(f32::from_bits)));
     }

@@ -165,8 +165,8 @@ impl Adaptation {
         let counts: Vec<PerBlock<u32>> = active.iter().map(counts_of).collect();
         let begin = active.first().map_or(0, |&index| done[index]);
         let ends = match is_adaptive {
-            true => self.noise.allocate(active, &counts, begin, end),
-            false => None,
+            true if begin < end => self.noise.allocate(active, &counts, begin, end),
+            _ => None,
         };
         for (place, &index) in active.iter().enumerate() {
             let begin = done[index];

@@ -209,11 +209,18 @@ impl NoiseMap {
         self.levels.clear();
         for _ in 0..from.u32()? {
             let found = |_| {
-                Ok(Found {
-                    noise: from.f32()?,
-                    luminance: from.f32()?,
-                    cost: from.f32()?,
-                })
+                let found = Found {
+                    noise: from.finite()?,
+                    luminance: from.finite()?,
+                    cost: from.finite()?,
+                };
+                match [found.noise, found.luminance, found.cost]
+                    .iter()
+                    .all(|number| *number >= 0.0)
+                {
+                    true => Ok(found),
+                    false => Err(Damaged),
+                }
             };
             self.levels.push((0..self.blocks).map(found).collect::<Result<_, _>>()?);
         }

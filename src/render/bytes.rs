@@ -1,6 +1,7 @@
 //! Numbers as bytes, least significant first, for the exact state of a picture ([`crate::render::part`]).
 
 use std::io::{self, Write};
+use std::time::Duration;
 
 use flate2::Crc;
 
@@ -63,6 +64,11 @@ impl<'a> SummedFile<'a> {
     }
 }
 
+/// The most that can have been counted.
+const MOST_COUNTED: u64 = 1 << 60;
+/// The longest time that anything can have taken, in seconds.
+const LONGEST: f64 = 1e9;
+
 /// Bytes that end too early, or say what cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the state of the picture in it is damaged")]
@@ -111,6 +117,21 @@ impl<'a> Reader<'a> {
         self.u64().map(f64::from_bits)
     }
 
+    /// The next long whole number, which counts something: far from the largest number, so that more can be added.
+    pub fn count(&mut self) -> Result<u64, Damaged> {
+        self.u64()
+            .and_then(|count| if count <= MOST_COUNTED { Ok(count) } else { Err(Damaged) })
+    }
+
+    /// The next number in double precision, which is a time in seconds: at most thirty years, so that more can be added.
+    pub fn duration(&mut self) -> Result<Duration, Damaged> {
+        let seconds = self.f64()?;
+        match (0.0..=LONGEST).contains(&seconds) {
+            true => Ok(Duration::from_secs_f64(seconds)),
+            false => Err(Damaged),
+        }
+    }
+
     /// The next number, which is 0 or 1.
     pub fn flag(&mut self) -> Result<bool, Damaged> {
         match self.u32()? {
@@ -131,5 +152,33 @@ impl<'a> Reader<'a> {
         places
             .iter_mut()
             .try_for_each(|place| self.finite().map(|number| *place = number))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_and_times_leave_room_for_more() {
+        for (count, is_possible) in [(0, true), (1 << 60, true), (u64::MAX, false)] {
+            let mut bytes = Writer::default();
+            bytes.u64(count);
+            assert_eq!(Reader(&bytes.0).count().is_ok(), is_possible, "{count}");
+        }
+        for (seconds, is_possible) in [
+            (0.0, true),
+            (1e9, true),
+            (1.8e19, false),
+            (-1.0, false),
+            (f64::NAN, false),
+            (f64::INFINITY, false),
+        ] {
+            let mut bytes = Writer::default();
+            bytes.f64(seconds);
+            let read = Reader(&bytes.0).duration();
+            assert_eq!(read.is_ok(), is_possible, "{seconds}");
+            assert!(read.is_err() || read == Ok(Duration::from_secs_f64(seconds)));
+        }
     }
 }

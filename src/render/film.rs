@@ -150,7 +150,7 @@ impl Film {
                 self.first_hits[row.clone()].copy_from_slice(hits);
             }
             for (x, samples) in (tile.x..).zip(&mut self.counts[row]) {
-                *samples += result.count(x, y);
+                *samples = samples.saturating_add(result.count(x, y));
             }
         }
         match self.begun[place].take() {

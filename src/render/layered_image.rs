@@ -4,6 +4,8 @@
 //! (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR, "Channel names". What writes and reads the files is
 //! [`super::image_io::exr`].
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 
 use super::image_io::ImageRgb;
@@ -254,6 +256,18 @@ impl LayeredImage {
         found.map(|(_, attribute)| attribute)
     }
 
+    /// Adds attributes, or replaces those of the same names; of several of one name the last counts.
+    pub fn set_attributes(&mut self, attributes: impl DoubleEndedIterator<Item = (String, Attribute)>) {
+        let mut names = HashSet::new();
+        let mut new: Vec<(String, Attribute)> = attributes
+            .rev()
+            .filter(|(name, _)| names.insert(name.clone()))
+            .collect();
+        self.attributes.retain(|(name, _)| !names.contains(name));
+        new.reverse();
+        self.attributes.append(&mut new);
+    }
+
     /// Adds an attribute, or replaces the one of the same name.
     pub fn set_attribute(&mut self, name: &str, attribute: Attribute) {
         self.attributes.retain(|(other, _)| other != name);
@@ -338,6 +352,23 @@ mod tests {
         image.add_rgb("Light.Key", &[Rgb::ONE, Rgb::ZERO]);
         image.add_rgb("CryptoObject00", &[Rgb::ONE, Rgb::ZERO]);
         image
+    }
+
+    #[test]
+    fn of_attributes_of_one_name_the_last_counts() {
+        let text = |name: &str, value: &str| (name.to_owned(), Attribute::Text(value.to_owned()));
+        let mut image = layered();
+        image.set_attribute("a", Attribute::Int(1));
+        image.set_attribute("b", Attribute::Int(2));
+        image.set_attributes([text("c", "1"), text("a", "2"), text("c", "3")].into_iter());
+        assert_eq!(
+            image.attributes,
+            [("b".to_owned(), Attribute::Int(2)), text("a", "2"), text("c", "3")]
+        );
+        // A file may have so many that none is to be sought among all others.
+        let many = (0..200_000).map(|i| (i.to_string(), Attribute::Int(i)));
+        image.set_attributes(many);
+        assert_eq!(image.attributes.len(), 200_003);
     }
 
     #[test]

@@ -1,7 +1,5 @@
 //! What a checkpoint has of a job, beside the film: enough to go on as if it had not been interrupted.
 
-use std::time::Duration;
-
 use bevy::math::{Rect, UVec2, Vec2};
 
 use super::Job;
@@ -56,8 +54,8 @@ impl Job {
         for _ in 0..from.u32()? {
             self.cuts.insert(from.u32()?);
         }
-        (self.rays, self.samples, self.invalid) = (from.u64()?, from.u64()?, from.u64()?);
-        self.ran = Duration::try_from_secs_f64(from.f64()?).map_err(|_| Damaged)?;
+        (self.rays, self.samples, self.invalid) = (from.count()?, from.count()?, from.count()?);
+        self.ran = from.duration()?;
         let region = read_region(&mut from)?;
         self.set_region(region, film);
         let (noise, is_adaptive) = (read_optional(&mut from)?, from.flag()?);
@@ -128,7 +126,7 @@ fn read_optional(from: &mut Reader) -> Result<Option<f32>, Damaged> {
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::AtomicBool;
-    use std::time::Instant;
+    use std::time::{Duration, Instant};
 
     use bevy::asset::AssetPlugin;
     use bevy::prelude::*;

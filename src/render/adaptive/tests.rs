@@ -178,3 +178,25 @@ fn what_was_found_survives_writing() {
         assert!(cut.read(&mut Reader(&bytes.0[..length])).is_err(), "{length}");
     }
 }
+
+#[test]
+fn what_is_no_noise_is_damaged() {
+    let all = tiles(WIDTH, HEIGHT);
+    let blocks = NoiseMap::new(&all, WIDTH).blocks;
+    for (found, is_possible) in [
+        ([0.5, 1.0, 3.0], true),
+        ([f32::NAN, 1.0, 3.0], false),
+        ([0.5, f32::INFINITY, 3.0], false),
+        ([0.5, 1.0, f32::NAN], false),
+        ([-0.5, 1.0, 3.0], false),
+        ([0.5, -1.0, 3.0], false),
+        ([0.5, 1.0, -3.0], false),
+    ] {
+        let mut bytes = Writer::default();
+        all.iter().for_each(|_| bytes.u32(0));
+        bytes.u32(1);
+        (0..blocks).flat_map(|_| found).for_each(|number| bytes.f32(number));
+        let read = NoiseMap::new(&all, WIDTH).read(&mut Reader(&bytes.0));
+        assert_eq!(read.is_ok(), is_possible, "{found:?}");
+    }
+}

@@ -71,7 +71,7 @@ impl Film {
                 let (values, mattes) = (self.kept.values(), self.kept.matte_count());
                 from.finites(&mut self.layers.values[index * values..][..values])?;
                 for matte in &mut self.layers.mattes[index * mattes..][..mattes] {
-                    *matte = read_matte(from)?;
+                    *matte = read_matte(self.counts[index], from)?;
                 }
             }
             let blocks = self.tile_index(tile.x, tile.y) * BLOCKS;
@@ -93,6 +93,11 @@ impl Film {
                 let length = chunk.samples.len() as u32;
                 for index in self.places_of(tile).collect::<Vec<_>>() {
                     self.counts[index] = self.counts[index].checked_sub(length).ok_or(Damaged)?;
+                    let total = |matte: &Matte| matte.entries().map(|entry| u64::from(entry.samples)).sum::<u64>();
+                    let mut totals = self.mattes_of(&self.layers, index).iter().map(total);
+                    if totals.any(|total| total > u64::from(self.counts[index])) {
+                        return Err(Damaged);
+                    }
                 }
                 self.add(&chunk);
             }
@@ -100,6 +105,11 @@ impl Film {
         }
         for _ in 0..from.u32()? {
             let chunk = read_chunk(tile, pixels, self.kept, from)?;
+            let length = chunk.samples.len() as u32;
+            let mut counts = self.places_of(tile).map(|index| self.counts[index]);
+            if counts.any(|count| count.checked_add(length).is_none()) {
+                return Err(Damaged);
+            }
             end = Some(chunk.samples.end);
             self.add(&chunk);
         }
@@ -180,7 +190,7 @@ fn read_chunk(tile: Tile, pixels: usize, kept: FilmLayers, from: &mut Reader) ->
         }
         from.finites(&mut chunk.layers.values[pixel * values..][..values])?;
         for matte in &mut chunk.layers.mattes[pixel * mattes..][..mattes] {
-            *matte = read_matte(from)?;
+            *matte = read_matte(chunk.samples.len() as u32, from)?;
         }
     }
     if chunk.samples.is_empty() {
@@ -249,10 +259,12 @@ fn write_layers(values: &[f32], mattes: &[Matte], to: &mut Writer) {
     }
 }
 
-fn read_matte(from: &mut Reader) -> Result<Matte, Damaged> {
+/// Reads the ids in a pixel, which have at most all of its samples together.
+fn read_matte(mut samples_left: u32, from: &mut Reader) -> Result<Matte, Damaged> {
     let mut matte = Matte::default();
     for _ in 0..from.u32()? {
         let (id, samples) = (from.u32()?, from.u32()?);
+        samples_left = samples_left.checked_sub(samples).ok_or(Damaged)?;
         matte.add_entry(MatteEntry { id, samples });
     }
     Ok(matte)

@@ -1,7 +1,9 @@
 use glam::Vec2;
 
 use super::*;
+use crate::layer::{Layer, Layers};
 use crate::material::MaterialId;
+use crate::render::bytes::{Damaged, Reader, Writer};
 
 fn hit(instance: u32) -> FirstHit {
     FirstHit {
@@ -162,5 +164,66 @@ fn a_film_of_another_size_has_nothing_of_the_old_picture() {
             film.mixed(&doubled),
             vec![Rgb::splat(expected); (width * height) as usize]
         );
+    }
+}
+
+/// A chunk of the only tile of a small film, as a share has it, without light. Each pixel has these ids, with their samples, in each of its mattes.
+fn bytes_of_chunk(kept: FilmLayers, samples: std::ops::Range<u32>, ids: &[[u32; 2]]) -> Vec<u8> {
+    let mut to = Writer::default();
+    // Chunks alone, of which there is one without first hits.
+    [0, 1, samples.start, samples.end, 0]
+        .into_iter()
+        .for_each(|number| to.u32(number));
+    for _ in 0..8 * 8 {
+        (0..12 + kept.values()).for_each(|_| to.f32(0.0));
+        for _ in 0..kept.matte_count() {
+            to.u32(ids.len() as u32);
+            ids.as_flattened().iter().for_each(|&number| to.u32(number));
+        }
+    }
+    to.0
+}
+
+#[test]
+fn numbers_of_samples_that_cannot_be_are_damaged() {
+    let tile = tiles(8, 8)[0];
+    let most = bytes_of_chunk(FilmLayers::default(), 0..u32::MAX, &[]);
+    let mut film = Film::new(8, 8);
+    assert_eq!(film.read_tile(tile, &mut Reader(&most)), Ok(Some(u32::MAX)));
+    assert_eq!(film.read_tile(tile, &mut Reader(&most)), Err(Damaged));
+
+    let kept = FilmLayers {
+        layers: Layers::of(&[Layer::CryptoObject]),
+        ..FilmLayers::default()
+    };
+    assert_eq!(kept.matte_count(), 1);
+    for (ids, is_possible) in [
+        ([[7, 1], [8, 1]], true),
+        ([[7, 2], [8, 1]], false),
+        ([[7, 1], [7, u32::MAX]], false),
+    ] {
+        let bytes = bytes_of_chunk(kept, 0..2, &ids);
+        let read = Film::with_layers(8, 8, kept).read_tile(tile, &mut Reader(&bytes));
+        assert_eq!(read.is_ok(), is_possible, "{ids:?}");
+    }
+
+    // Sums of a sample before a chunk of one more: two samples in all.
+    for (samples, is_possible) in [(1, true), (2, false)] {
+        let mut to = Writer::default();
+        to.u32(1);
+        for _ in 0..8 * 8 {
+            (0..12).for_each(|_| to.f32(0.0));
+            to.u32(2);
+            (0..2).for_each(|_| to.f32(0.0));
+            to.u32(0);
+            (0..kept.values()).for_each(|_| to.f32(0.0));
+            [1, 7, samples].into_iter().for_each(|number| to.u32(number));
+        }
+        for _ in 0..BLOCKS {
+            (0..6).for_each(|_| to.u32(0));
+        }
+        to.0.extend(&bytes_of_chunk(kept, 1..2, &[[7, 1]])[4..]);
+        let read = Film::with_layers(8, 8, kept).read_tile(tile, &mut Reader(&to.0));
+        assert_eq!(read.is_ok(), is_possible, "{samples}");
     }
 }

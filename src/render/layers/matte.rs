@@ -34,7 +34,7 @@ impl Matte {
                 return;
             }
             if place.id == new.id {
-                place.samples += new.samples;
+                place.samples = place.samples.saturating_add(new.samples);
                 return;
             }
         }

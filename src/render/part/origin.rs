@@ -1,5 +1,7 @@
 //! What a picture was rendered of, and how two such differ.
 
+use std::collections::HashMap;
+
 use serde::{Deserialize, Serialize};
 
 /// A file that was read, and a digest of its content.
@@ -34,6 +36,13 @@ impl Origin {
     /// the result would have the bits of neither version.
     pub const SAMPLES: u32 = 2;
 
+    /// A file that the picture `then` was of as well, with another content.
+    pub fn changed_file(&self, then: &Self) -> Option<&FileDigest> {
+        let then = first_of_each(then.files.iter().map(|file| (&file.path, &file.digest)));
+        let has_changed = |file: &&FileDigest| then.get(&file.path).is_some_and(|digest| **digest != file.digest);
+        self.files.iter().find(has_changed)
+    }
+
     /// How the picture now differs from `then`, a sentence for each difference.
     pub fn differences(&self, then: &Self) -> Vec<String> {
         let mut found = Vec::new();
@@ -49,31 +58,32 @@ impl Origin {
                 self.samples, then.samples
             ));
         }
+        let [now_files, then_files] =
+            [self, then].map(|origin| first_of_each(origin.files.iter().map(|file| (&file.path, &file.digest))));
         for file in &self.files {
-            match then.files.iter().find(|other| other.path == file.path) {
-                Some(other) if other.digest == file.digest => {}
+            match then_files.get(&file.path) {
+                Some(digest) if **digest == file.digest => {}
                 Some(_) => found.push(format!("{} has another content", file.path)),
                 None => found.push(format!("{} was not part of the scene", file.path)),
             }
         }
         for file in &then.files {
-            if !self.files.iter().any(|other| other.path == file.path) {
+            if !now_files.contains_key(&file.path) {
                 found.push(format!("{} is no longer part of the scene", file.path));
             }
         }
-        let value_in = |settings: &[(String, String)], name: &str| {
-            let found = settings.iter().find(|(known, _)| known == name);
-            match found.map(|(_, value)| value.as_str()) {
-                None => "not set".to_owned(),
-                Some("") => "empty".to_owned(),
-                Some(value) => value.to_owned(),
-            }
+        let [now_set, then_set] =
+            [self, then].map(|origin| first_of_each(origin.settings.iter().map(|(name, value)| (name, value))));
+        let value_in = |settings: &HashMap<&String, &String>, name: &String| match settings.get(name) {
+            None => "not set".to_owned(),
+            Some(value) if value.is_empty() => "empty".to_owned(),
+            Some(value) => value.to_string(),
         };
         let own = self.settings.iter().map(|(name, _)| name);
         let gone = then.settings.iter().map(|(name, _)| name);
-        let gone = gone.filter(|name| !self.settings.iter().any(|(known, _)| known == *name));
+        let gone = gone.filter(|name| !now_set.contains_key(name));
         for name in own.chain(gone) {
-            let [now, before] = [&self.settings, &then.settings].map(|settings| value_in(settings, name));
+            let [now, before] = [&now_set, &then_set].map(|settings| value_in(settings, name));
             if now != before {
                 found.push(match now.len().max(before.len()) <= LONGEST_QUOTED {
                     true => format!("{name} is {now}, and was {before}"),
@@ -85,9 +95,35 @@ impl Origin {
     }
 }
 
+/// The values by their names, of several of one name the first. A file may have millions.
+fn first_of_each<'a>(list: impl Iterator<Item = (&'a String, &'a String)>) -> HashMap<&'a String, &'a String> {
+    let mut first = HashMap::new();
+    for (name, value) in list {
+        first.entry(name).or_insert(value);
+    }
+    first
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn origins_may_have_very_many_settings() {
+        let settings = |value: &str| (0..200_000).map(|i| (format!("-D x{i}"), value.to_owned())).collect();
+        let then = Origin {
+            settings: settings("1"),
+            ..Origin::default()
+        };
+        assert_eq!(then.differences(&then), [""; 0]);
+        let now = Origin {
+            settings: settings("2"),
+            ..Origin::default()
+        };
+        let found = now.differences(&then);
+        assert_eq!((found.len(), found[7].as_str()), (200_000, "-D x7 is 2, and was 1"));
+        assert_eq!(now.differences(&Origin::default()).len(), 200_000);
+    }
 
     #[test]
     fn differences_are_named() {

@@ -25,7 +25,7 @@ use crate::app::editor::words::figures::counted;
 use crate::app::origin::{origin_of_open, take_choice};
 use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
 use crate::render::layered_image::{Attribute, LayeredImage};
-use crate::render::part::{Crop, FileDigest, Origin, PartFile};
+use crate::render::part::{Crop, Origin, PartFile};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Film, FreeView, Hidden, SceneState, SceneStatus, Sensor, show_moment,
     shown_time,
@@ -242,12 +242,7 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
         origin(world, &scene).map_err(CommandError::file)?,
         &file.header().origin,
     );
-    let has_changed = |file: &&FileDigest| {
-        then.files
-            .iter()
-            .any(|old| old.path == file.path && old.digest != file.digest)
-    };
-    if let Some(changed) = now.files.iter().find(has_changed) {
+    if let Some(changed) = now.changed_file(then) {
         let text = another_scene(&format!("{} has another content", changed.path));
         return Err(CommandError::file(format!("{name}: {text}")));
     }
