@@ -4,6 +4,8 @@ use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use super::Access;
+
 /// So often a file is sought in a folder before the folder is listed: for a few files that would take longer.
 const SOUGHT_SINGLY: u32 = 4;
 /// The most names of a folder that are kept. In larger ones every file is sought by itself.
@@ -24,11 +26,14 @@ enum Folder {
 }
 
 impl FolderNames {
-    /// Whether there may be something at this path. False only where there is nothing for certain.
-    pub fn may_have(&mut self, path: &Path) -> bool {
+    /// Whether there may be something at this path. False only where there is nothing for certain. Folders that `access` refuses are not looked into.
+    pub fn may_have(&mut self, path: &Path, access: &Access) -> bool {
         let (Some(parent), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return true;
         };
+        if !access.covers(path) {
+            return true;
+        }
         // File systems disagree on how other letters are spelt.
         if !name.is_ascii() {
             return true;
@@ -83,15 +88,35 @@ mod tests {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         let mut names = FolderNames::default();
+        let mut may_have = |path: &Path| names.may_have(path, &Access::everywhere());
         for number in 0..20 {
             let absent = folder.path().join(format!("{number}.ply"));
-            assert_eq!(names.may_have(&absent), number < SOUGHT_SINGLY, "{number}");
+            assert_eq!(may_have(&absent), number < SOUGHT_SINGLY, "{number}");
             let in_nothing = folder.path().join(format!("none/{number}.ply"));
-            assert_eq!(names.may_have(&in_nothing), number < SOUGHT_SINGLY, "{number}");
+            assert_eq!(may_have(&in_nothing), number < SOUGHT_SINGLY, "{number}");
         }
         for name in ["a.ply", "B.ply", "b.ply", "größe.ply", ".."] {
-            assert!(names.may_have(&folder.path().join(name)), "{name}");
+            assert!(may_have(&folder.path().join(name)), "{name}");
         }
-        assert!(names.may_have(Path::new("/")));
+        assert!(may_have(Path::new("/")));
+    }
+
+    #[test]
+    fn folders_that_are_refused_are_not_listed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["scene", "other"] {
+            std::fs::create_dir(path(name)).unwrap();
+        }
+        let access = Access::within([path("scene")]);
+        let mut names = FolderNames::default();
+        for number in 0..20 {
+            assert!(
+                names.may_have(&path(&format!("other/{number}.ply")), &access),
+                "{number}"
+            );
+            let inside = names.may_have(&path(&format!("scene/{number}.ply")), &access);
+            assert_eq!(inside, number < SOUGHT_SINGLY, "{number}");
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use crate::files::FolderNames;
+use crate::files::{Access, FolderNames};
 
 /// The time for which a file may be away while it is saved.
 const GRACE: Duration = Duration::from_millis(500);
@@ -23,9 +23,9 @@ impl Presence {
     /// Looks where all the files are: to be done when there are other ones, and when something happens in their folders.
     pub fn look<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) {
         let before = std::mem::take(self);
-        let mut names = FolderNames::default();
+        let (mut names, access) = (FolderNames::default(), Access::everywhere());
         for file in files {
-            if names.may_have(file) && file.is_file() {
+            if names.may_have(file, &access) && file.is_file() {
                 self.there.insert(file.clone());
             } else if let Some(since) = before.away.get(file) {
                 self.away.insert(file.clone(), *since);

@@ -58,7 +58,8 @@ impl Parser {
             &[self.folder_of(span.source), self.folder_of(SourceId(0))],
             &self.search_folders,
         );
-        let likely: Vec<PathBuf> = all.iter().filter(|path| self.names.may_have(path)).cloned().collect();
+        let likely = all.iter().filter(|path| self.names.may_have(path, &self.access));
+        let likely: Vec<PathBuf> = likely.cloned().collect();
         let found = self.access.find(&likely).cloned();
         if found.is_none() {
             let permitted = all.iter().filter(|path| self.access.covers(path));

@@ -136,7 +136,7 @@ impl MeshSearch {
         }
         let likely: Vec<PathBuf> = places
             .iter()
-            .filter(|path| looks.names.may_have(path))
+            .filter(|path| looks.names.may_have(path, &self.access))
             .cloned()
             .collect();
         if let Some(found) = self.access.find(&likely) {
