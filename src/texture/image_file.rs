@@ -47,7 +47,25 @@ pub(crate) fn decode_picture(
     decode_reserved(limited_decoder(bytes, format)?, bytes.len(), more_bytes)
 }
 
-/// A decoder that takes no more memory for itself than the whole budget.
+/// The most memory in bytes that a decoder of PNG takes beside the picture: for colour profiles, texts and rows.
+const BESIDE_PNG: u64 = 64 << 20;
+
+/// The most memory that a decoder may take for itself. The picture is reserved, and what a PNG file has packed beside it is not.
+fn most_memory(bytes: &[u8], format: ImageFormat) -> u64 {
+    let budget = memory::budget().limit();
+    // The size stands in the first chunk.
+    let sides = bytes.get(16..24).filter(|_| format == ImageFormat::Png);
+    let Some(sides) = sides.map(|sides| sides.as_chunks::<4>().0) else {
+        return budget;
+    };
+    let pixels = sides
+        .iter()
+        .map(|&side| u64::from(u32::from_be_bytes(side)))
+        .product::<u64>();
+    pixels.saturating_mul(8).saturating_add(BESIDE_PNG).min(budget)
+}
+
+/// A decoder that takes no more memory for itself than [`most_memory`].
 fn limited_decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecoder, ImageFileError> {
     if format == ImageFormat::Jpeg && !jpeg_file::is_whole(bytes) {
         return Err(ImageFileError::Damaged(
@@ -56,7 +74,7 @@ fn limited_decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecode
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
-    limits.max_alloc = Some(memory::budget().limit());
+    limits.max_alloc = Some(most_memory(bytes, format));
     reader.limits(limits);
     reader.into_decoder().map_err(damaged)
 }
@@ -124,4 +142,44 @@ fn every<T: Copy>(stride: usize, keep: usize, mut samples: Vec<T>) -> Vec<T> {
     samples.truncate(keep * pixels);
     samples.shrink_to_fit();
     samples
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+
+    use super::*;
+
+    /// A PNG file of one pixel, with a colour profile of so many bytes, all zero.
+    fn with_profile(length: usize) -> Vec<u8> {
+        let mut picture = Cursor::new(Vec::new());
+        let pixel = DynamicImage::new_luma8(1, 1);
+        pixel.write_to(&mut picture, ImageFormat::Png).expect("a picture");
+        let mut profile = ZlibEncoder::new(b"iCCPzeros\0\0".to_vec(), Compression::fast());
+        let zeros = vec![0; 1 << 20];
+        for _ in 0..length >> 20 {
+            profile.write_all(&zeros).expect("memory");
+        }
+        let chunk = profile.finish().expect("memory");
+        let mut crc = flate2::Crc::new();
+        crc.update(&chunk);
+        // Behind the signature and the first chunk.
+        let (start, rest) = picture.get_ref().split_at(8 + 25);
+        let size = (chunk.len() as u32 - 4).to_be_bytes();
+        [start, &size, &chunk, &crc.sum().to_be_bytes(), rest].concat()
+    }
+
+    #[test]
+    fn the_profile_of_a_picture_unpacks_to_little_memory() {
+        for (length, is_kept) in [(1 << 20, true), (80 << 20, false)] {
+            let bytes = with_profile(length);
+            let mut decoder = limited_decoder(&bytes, ImageFormat::Png).expect("a picture");
+            let profile = decoder.icc_profile().expect("it is read already");
+            assert_eq!(profile.map(|profile| profile.len()), is_kept.then_some(length));
+            assert_eq!(load_image(&bytes).expect("a picture").width(), 1);
+        }
+    }
 }
