@@ -126,3 +126,24 @@ fn a_thing_has_a_thousand_values_with_keys() {
         assert_eq!(kept.tracks().count(), count.min(1000));
     }
 }
+
+#[test]
+fn a_scene_names_so_many_grids_of_a_file() {
+    let medium = |i: usize| {
+        format!(
+            "<medium type='heterogeneous' id='m{i}'><volume type='vdbvolume' name='sigma_t'><string name='filename' value='smoke.vdb'/>\
+             <string name='grid' value='g{}'/></volume></medium>",
+            // Each grid is named twice.
+            i / 2
+        )
+    };
+    for (count, is_bounded) in [(128, false), (132, true)] {
+        let media: String = (0..count).map(medium).collect();
+        let (scene, said) = describe(&media);
+        let refused = said
+            .iter()
+            .filter(|said| *said == "more than 64 grids of one file are named");
+        assert_eq!(refused.count(), if is_bounded { 4 } else { 0 }, "{said:?}");
+        assert_eq!(scene.volume_places.len(), 64);
+    }
+}

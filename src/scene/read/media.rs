@@ -381,7 +381,7 @@ fn placed_file(reader: &mut Reader, format: VolumeFormat, files: &mut PictureSea
         return None;
     };
     Some(GridFile {
-        path: files.find_volume(name, &format, reader),
+        path: files.find_volume(name, &format, reader)?,
         format,
         to_world: to_world?,
         ..GridFile::default()

@@ -1,12 +1,17 @@
 //! Finds the picture files and the volume files that a scene names, and notes what is missing.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::mesh_search::{Found, MeshSearch};
 use crate::document::paths::settle;
 use crate::document::{Reader, Span};
 use crate::scene::description::PicturePlaces;
+use crate::scene::medium::GRID;
 use crate::scene::{FileKind, MissingFile, MissingFiles, VolumeFormat};
+
+/// The most grids of one file that a scene may name, more than any file has. The file is read for each of them.
+const MOST_GRIDS: usize = 64;
 
 /// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
 pub struct PictureSearch {
@@ -14,6 +19,8 @@ pub struct PictureSearch {
     pub places: PicturePlaces,
     /// The places of volumes by the paths of their assets.
     pub volume_places: PicturePlaces,
+    /// The number of grids that are named of each volume file.
+    pub grids: HashMap<PathBuf, usize>,
     /// Files of all kinds that were not found.
     pub missing: MissingFiles,
 }
@@ -26,11 +33,20 @@ impl PictureSearch {
         path
     }
 
-    /// The file of a volume, found as a picture is.
-    pub fn find_volume(&mut self, name: &str, format: &VolumeFormat, reader: &mut Reader) -> PathBuf {
+    /// The file of a volume, found as a picture is. None (reported) if too many grids of it are named.
+    pub fn find_volume(&mut self, name: &str, format: &VolumeFormat, reader: &mut Reader) -> Option<PathBuf> {
         let (path, span) = self.look(FileKind::Volume, name, reader);
-        self.volume_places.entry(format.asset_path(&path)).or_insert(span);
-        path
+        let asset = format.asset_path(&path);
+        if !self.volume_places.contains_key(&asset) {
+            let grids = self.grids.entry(path.clone()).or_default();
+            if *grids == MOST_GRIDS {
+                reader.error_at(GRID, format!("more than {MOST_GRIDS} grids of one file are named"));
+                return None;
+            }
+            *grids += 1;
+            self.volume_places.insert(asset, span);
+        }
+        Some(path)
     }
 
     fn look(&mut self, kind: FileKind, name: &str, reader: &mut Reader) -> (PathBuf, Span) {

@@ -110,6 +110,7 @@ impl<'a> SceneReader<'a> {
                 folders: meshes.clone(),
                 places: HashMap::new(),
                 volume_places: HashMap::new(),
+                grids: HashMap::new(),
                 missing: MissingFiles::new(),
             },
             meshes,
