@@ -7,6 +7,8 @@ use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;
 use sunroom::scene::{Material, SceneDescription};
 
+use crate::workshop::Workshop;
+
 /// A scene with this body, and the errors and warnings about it.
 fn describe(body: &str) -> (SceneDescription, Vec<String>) {
     describe_text(&format!(
@@ -146,4 +148,30 @@ fn a_scene_names_so_many_grids_of_a_file() {
         assert_eq!(refused.count(), if is_bounded { 4 } else { 0 }, "{said:?}");
         assert_eq!(scene.volume_places.len(), 64);
     }
+}
+
+#[test]
+fn an_export_leaves_out_a_picture_as_wide_as_one_and_as_high_as_another() {
+    let shop = Workshop::new();
+    for (name, width, height) in [("wide.png", 1_000_000, 1), ("tall.png", 1, 1_000_000)] {
+        let picture = image::GrayImage::new(width, height);
+        picture.save(shop.path(name)).expect("a picture");
+    }
+    let bitmap = |name: &str, file: &str| {
+        format!(
+            "<texture type='bitmap' name='{name}'><string name='filename' value='{file}'/><boolean name='raw' value='true'/></texture>"
+        )
+    };
+    let scene = format!(
+        "<scene version='3.0.0'><sensor type='perspective'/><emitter type='point'/><shape type='rectangle'><bsdf type='twosided'>\
+         <bsdf type='principled'>{}{}</bsdf></bsdf></shape></scene>",
+        bitmap("roughness", "wide.png"),
+        bitmap("metallic", "tall.png")
+    );
+    shop.put("scene.xml", scene);
+    let output = shop.sunroom(&["convert", "scene.xml", "scene.glb"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let expected = "the picture of 1000000 x 1000000 pixels cannot be made: it needs 40.0 TB of memory";
+    assert!(said.contains(expected), "{said}");
 }

@@ -24,6 +24,9 @@ use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, Texture
 /// Pixels along each side of a picture that is made of textures which lie differently.
 const BAKED: u32 = 1024;
 
+/// Bytes per pixel while such a picture is made: the values, their codes with 16 bits and with 8, and the file.
+const BAKED_BYTES: u64 = 40;
+
 /// What a picture holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Planes {
@@ -188,6 +191,16 @@ impl<'a> Pictures<'a> {
         name: &str,
         messages: &mut Messages,
     ) -> Option<(Vec<u8>, f32)> {
+        let pixels = u64::from(width) * u64::from(height);
+        // The sides may be those of different pictures, so that it is far larger than any of them.
+        let _memory = match memory::reserve(BAKED_BYTES.saturating_mul(pixels)) {
+            Ok(reserved) => reserved,
+            Err(shortage) => {
+                let what = format!("the picture of {width} x {height} pixels cannot be made: it needs {shortage}");
+                messages.note("texture", name, what);
+                return None;
+            }
+        };
         let mut textures = Vec::new();
         let place = lies_alike.then_some(Affine2::IDENTITY);
         let mut pack = |varying: &Varying| self.pack(&varying.texture, place, &mut textures, messages);
