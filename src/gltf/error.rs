@@ -73,6 +73,8 @@ pub enum GltfError {
     Reach { reach: f32, limit: f32 },
     #[error("the URI `{uri}` {what}")]
     Uri { uri: String, what: &'static str },
+    #[error("the objects of the file need {0}")]
+    Objects(Shortage),
     #[error("the buffers and meshes need {0}")]
     Memory(Shortage),
     #[error("{name}: {source}")]

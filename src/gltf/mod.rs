@@ -74,12 +74,29 @@ pub struct Gltf {
     zeros: usize,
     /// The number of vectors in the morph targets that shape meshes at rest.
     moves: usize,
-    /// The memory reserved for the buffers and the mesh that is being made of them.
+    /// The memory reserved for the objects, the buffers and the mesh that is being made of them.
     _memory: Held,
 }
 
 /// A buffer, a mesh that is made of it, and the file of that mesh.
 const COPIES: u64 = 3;
+/// The memory in bytes that the objects of a JSON take at most: each of them as much as a material, the largest one, and every other value as much as a
+/// name or a value that is kept as it is. Lists that grow have room for twice as many.
+fn json_bytes(json: &[u8]) -> u64 {
+    let (mut objects, mut values) = (0, 0);
+    for byte in json {
+        match byte {
+            b'{' => objects += 1,
+            b',' | b':' | b'[' => values += 1,
+            _ => {}
+        }
+    }
+    json.len() as u64 + 2 * (objects * size_of::<Material>() as u64 + values * VALUE_BYTES)
+}
+
+/// Bytes of a value that is no object, with its name.
+const VALUE_BYTES: u64 = 64;
+
 
 impl Gltf {
     /// Whether bytes are a glTF file of one kind or the other, rather than XML.
@@ -101,6 +118,8 @@ impl Gltf {
         let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
         let mut root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
         root.materials.iter_mut().for_each(Material::settle);
+        let mut needed = json_bytes(json);
+        let mut memory = memory::reserve(needed).map_err(GltfError::Objects)?;
         if !root.asset.version.starts_with("2.") {
             return Err(GltfError::Version(root.asset.version));
         }
@@ -108,8 +127,8 @@ impl Gltf {
             return Err(GltfError::Extension(name.clone()));
         }
         let zeros = zeros::count_zeros(&root);
-        let mut needed = zeros::zero_bytes(zeros);
-        let mut memory = memory::reserve(needed).map_err(GltfError::Memory)?;
+        needed = needed.saturating_add(zeros::zero_bytes(zeros));
+        memory.resize(needed).map_err(GltfError::Memory)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let content = match (&buffer.uri, binary) {
@@ -202,4 +221,30 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     }
     let json = json.ok_or(GltfError::Container("the container has no JSON"))?;
     Ok((json, binary))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_objects_take_as_much_memory_as_full_ones() {
+        use schema::{Accessor, Animation, Image, Mesh, Node, Primitive};
+        let sizes = [
+            size_of::<Accessor>(),
+            size_of::<Animation>(),
+            size_of::<Image>(),
+            size_of::<Mesh>(),
+            size_of::<Node>(),
+            size_of::<Primitive>(),
+        ];
+        assert!(sizes.iter().all(|&size| size <= size_of::<Material>()), "{sizes:?}");
+        let json = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "materials": [{}]}}"#,
+            ["{}"; 1000].join(",")
+        );
+        let root: Root = serde_json::from_str(&json).expect("a file");
+        let taken = root.materials.capacity() * size_of::<Material>();
+        assert!(taken as u64 <= json_bytes(json.as_bytes()), "{taken}");
+    }
 }

@@ -309,6 +309,21 @@ mod memory {
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     }
 
+    /// Each object of three bytes would take more than a kilobyte.
+    #[test]
+    fn objects_of_a_model_count_in_the_budget() {
+        let shop = Workshop::new();
+        let materials = vec!["{}"; 100_000].join(",");
+        shop.write(
+            "many.gltf",
+            format!(r#"{{"asset": {{"version": "2.0"}}, "materials": [{materials}]}}"#),
+        );
+        let outcome = run(shop.folder(), &["check", "--memory", "20MB", "many.gltf"]);
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        let expected = "the objects of the file need";
+        assert!(outcome.stderr.contains(expected), "{}", outcome.stderr);
+    }
+
     /// Their content is not read, or the process would need all of it in memory.
     #[test]
     fn files_longer_than_the_budget_are_refused() {
