@@ -22,6 +22,9 @@ use crate::math::{Aabb, is_invertible};
 
 /// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
 pub trait References {
+/// The most characters of a name that ids have. A file may say the name of a mesh once, and place it thousands of times.
+const LONGEST_NAME: usize = 256;
+
     /// The shape for a mesh of the file.
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
     /// The name of a picture's file; `index` numbers the pictures through.
@@ -430,7 +433,7 @@ impl Builder<'_> {
                 '_'
             }
         };
-        let name: String = name.chars().map(plain).collect();
+        let name: String = name.chars().take(LONGEST_NAME).map(plain).collect();
         let name = if name.trim().is_empty() { "unnamed" } else { &name };
         let base = format!("{folder}{name}");
         let next = self.next_numbers.entry(format!("{base}{end}")).or_insert(1);

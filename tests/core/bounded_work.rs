@@ -4,11 +4,14 @@ use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 
+use crate::gltf_support::{Parts, SQUARE, nothing_beside, open};
 use crate::mesh_support::assert_sound;
 use sunroom::document::{self, Document};
 use sunroom::geometry::mesh_file::MeshError;
 use sunroom::geometry::obj::load_obj;
 use sunroom::geometry::ply::load_ply;
+use sunroom::gltf::files::take_apart;
+use sunroom::gltf::scene::Imported;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
 
@@ -148,4 +151,24 @@ fn names_that_may_be_meant_are_sought_while_there_are_few_messages() {
     assert_eq!(helped(&scene, "give it with `-D alhpa=...`"), (200, 100));
     let scene = parse(format!("<scene version='3.0.0'>{}</scene>", "<shpae/>".repeat(200)));
     assert_eq!(helped(&scene, "did you mean `shape`?"), (200, 100));
+}
+
+fn import(text: &str) -> Imported {
+    let gltf = open(text).expect("opens");
+    let mut keep = |name: &str, _: &[u8]| Ok(name.to_owned());
+    take_apart(&gltf, &mut keep, &mut nothing_beside).expect("imports")
+}
+
+#[test]
+fn a_long_name_of_a_mesh_is_not_repeated_as_it_is() {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE);
+    let name = "n".repeat(100_000);
+    let scene = import(&parts.text(&format!(
+        r#""meshes": [{{"name": "{name}", "primitives": [{{"attributes": {{"POSITION": 0}}}}]}}], "nodes": [{}]"#,
+        [r#"{"mesh": 0}"#; 3].join(",")
+    )));
+    let ids = scene.root.objects().filter_map(|object| object.id.as_ref());
+    let named: Vec<usize> = ids.map(|id| id.len()).filter(|&length| length > 200).collect();
+    assert_eq!(named, [256, 258, 258]);
 }
