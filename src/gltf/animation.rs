@@ -60,18 +60,34 @@ enum Part {
     Scale(Curve<3>),
 }
 
-/// The accessors that were read already, because many curves share their times.
-#[derive(Default)]
+/// The elements of an accessor.
+#[derive(Clone)]
+struct Elements<const N: usize> {
+    list: Rc<[[f32; N]]>,
+    /// What is wrong with them, if anything is.
+    fault: Option<&'static str>,
+}
+
+/// The accessors that were read already, because many curves share their times; those that cannot be read have the reason.
+type Read<const N: usize> = HashMap<usize, Result<Elements<N>, String>>;
+
 struct Known {
-    times: HashMap<usize, Rc<[[f32; 1]]>>,
-    triples: HashMap<usize, Rc<[[f32; 3]]>>,
-    quadruples: HashMap<usize, Rc<[[f32; 4]]>>,
+    times: Read<1>,
+    triples: Read<3>,
+    quadruples: Read<4>,
+    /// The bytes of elements that may still be read.
+    left: u64,
 }
 
 impl Gltf {
     pub(super) fn animations(&self) -> Animations {
         let mut all = Animations::default();
-        let mut known = Known::default();
+        let mut known = Known {
+            times: HashMap::new(),
+            triples: HashMap::new(),
+            quadruples: HashMap::new(),
+            left: self.curve_allowance(),
+        };
         // The indices of the animations that drive a part of a node.
         let mut drivers: HashMap<(usize, &str), usize> = HashMap::new();
         for (index, animation) in self.root.animations.iter().enumerate() {
@@ -182,8 +198,9 @@ impl Gltf {
             "CUBICSPLINE" => Way::Cubic,
             other => return Err(bad(format!("has the unknown interpolation `{other}`"))),
         };
-        let times: Rc<[[f32; 1]]> = self.shared::<1>(sampler.input, "SCALAR", known)?;
-        let values = self.shared(sampler.output, kind, known)?;
+        let input = self.shared::<1>(sampler.input, "SCALAR", known, fault_of_times)?;
+        let output = self.shared::<N>(sampler.output, kind, known, fault_of_values)?;
+        let (times, values) = (input.list, output.list);
         let expected = match way {
             Way::Cubic => times.len().saturating_mul(3),
             Way::Step | Way::Linear => times.len(),
@@ -197,51 +214,75 @@ impl Gltf {
                 "has {keys} times, to which {expected} values belong, but {found} values"
             )));
         }
-        if !times.is_sorted_by(|a, b| a[0] < b[0]) || !times.iter().all(|time| time[0].is_finite()) {
-            return Err(bad("has times that do not rise".to_owned()));
+        match input.fault.or(output.fault) {
+            Some(fault) => Err(bad(fault.to_owned())),
+            None => Ok(Curve { times, values, way }),
         }
-        if times.iter().any(|time| f64::from(time[0].abs()) > MOST_TIME) {
-            return Err(bad("has times beyond 1e9 s".to_owned()));
-        }
-        if !values.iter().flatten().all(|number| number.is_finite()) {
-            return Err(bad("has values that are not finite".to_owned()));
-        }
-        Ok(Curve { times, values, way })
     }
 
-    /// The elements of an accessor, which are read once.
-    fn shared<const N: usize>(&self, index: usize, kind: &str, known: &mut Known) -> Result<Rc<[[f32; N]]>, GltfError>
+    /// The elements of an accessor, which are read and looked through once.
+    fn shared<const N: usize>(
+        &self,
+        index: usize,
+        kind: &str,
+        known: &mut Known,
+        fault: fn(&[[f32; N]]) -> Option<&'static str>,
+    ) -> Result<Elements<N>, GltfError>
     where
         Known: Holds<N>,
     {
-        if let Some(elements) = known.of_width().get(&index) {
-            return Ok(elements.clone());
+        let bad = |what: String| GltfError::Accessor { index, what };
+        if let Some(read) = known.of_width().get(&index) {
+            return read.clone().map_err(bad);
         }
-        let elements: Rc<[[f32; N]]> = self.vectors(index, kind, None)?.into();
-        known.of_width().insert(index, elements.clone());
-        Ok(elements)
+        let bytes = 4 * N as u64 * self.accessor(index)?.count as u64;
+        let left = known.left.checked_sub(bytes);
+        known.left = left.ok_or_else(|| bad("is one of too many for the size of the buffers".to_owned()))?;
+        let read = match self.vectors(index, kind, None) {
+            Ok(list) => Ok(Elements {
+                fault: fault(&list),
+                list: list.into(),
+            }),
+            Err(GltfError::Accessor { what, .. }) => Err(what),
+            Err(other) => return Err(other),
+        };
+        known.of_width().insert(index, read.clone());
+        read.map_err(bad)
     }
+}
+
+fn fault_of_times(times: &[[f32; 1]]) -> Option<&'static str> {
+    if !times.is_sorted_by(|a, b| a[0] < b[0]) || !times.iter().all(|time| time[0].is_finite()) {
+        return Some("has times that do not rise");
+    }
+    let is_late = times.iter().any(|time| f64::from(time[0].abs()) > MOST_TIME);
+    is_late.then_some("has times beyond 1e9 s")
+}
+
+fn fault_of_values<const N: usize>(values: &[[f32; N]]) -> Option<&'static str> {
+    let are_finite = values.iter().flatten().all(|number| number.is_finite());
+    (!are_finite).then_some("has values that are not finite")
 }
 
 /// Accessors whose elements have so many numbers.
 trait Holds<const N: usize> {
-    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; N]]>>;
+    fn of_width(&mut self) -> &mut Read<N>;
 }
 
 impl Holds<1> for Known {
-    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 1]]>> {
+    fn of_width(&mut self) -> &mut Read<1> {
         &mut self.times
     }
 }
 
 impl Holds<3> for Known {
-    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 3]]>> {
+    fn of_width(&mut self) -> &mut Read<3> {
         &mut self.triples
     }
 }
 
 impl Holds<4> for Known {
-    fn of_width(&mut self) -> &mut HashMap<usize, Rc<[[f32; 4]]>> {
+    fn of_width(&mut self) -> &mut Read<4> {
         &mut self.quadruples
     }
 }

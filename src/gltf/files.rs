@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 
+use super::allowances::PictureAllowance;
 use super::objects::{object, with};
 use super::picture::{Picture, PictureFile};
 use super::scene::{Imported, References};
@@ -23,6 +24,7 @@ pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Resu
         keep,
         read,
         last: None,
+        allowance: PictureAllowance::default(),
         replaced: BTreeSet::new(),
     };
     let mut imported = gltf.scene(&mut parts)?;
@@ -39,6 +41,7 @@ struct Parts<'a, 'k, 'r> {
     read: &'a mut ReadFile<'r>,
     /// The picture that was made last, whose mean may be asked for next.
     last: Option<(Picture, PictureFile)>,
+    allowance: PictureAllowance<'a>,
     /// The images whose files are not those that were written with the glTF file.
     replaced: BTreeSet<usize>,
 }
@@ -56,7 +59,8 @@ impl References for Parts<'_, '_, '_> {
     }
 
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError> {
-        let made = self.gltf.picture(picture, self.read)?;
+        let make = || self.gltf.picture(picture, self.read);
+        let made = self.allowance.spend(self.gltf, picture.image, make)?;
         if !made.is_as_written {
             self.replaced.insert(picture.image);
         }

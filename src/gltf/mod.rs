@@ -5,6 +5,7 @@
 //! and morph targets are not read: meshes have their shape at rest, skinned ones at the place where their bones hold them then.
 
 mod accessor;
+mod allowances;
 mod animation;
 mod camera;
 mod emission;
@@ -12,6 +13,7 @@ mod error;
 pub mod files;
 mod folders;
 mod instances;
+mod known_pictures;
 mod lighting;
 mod lights;
 mod limits;
@@ -78,8 +80,6 @@ pub struct Gltf {
     _memory: Held,
 }
 
-/// A buffer, a mesh that is made of it, and the file of that mesh.
-const COPIES: u64 = 3;
 /// The memory in bytes that the objects of a JSON take at most: each of them as much as a material, the largest one, and every other value as much as a
 /// name or a value that is kept as it is. Lists that grow have room for twice as many.
 fn json_bytes(json: &[u8]) -> u64 {
@@ -97,6 +97,8 @@ fn json_bytes(json: &[u8]) -> u64 {
 /// Bytes of a value that is no object, with its name.
 const VALUE_BYTES: u64 = 64;
 
+/// A buffer, a mesh that is made of it, and the file of that mesh.
+const COPIES: u64 = 3;
 
 impl Gltf {
     /// Whether bytes are a glTF file of one kind or the other, rather than XML.
@@ -116,10 +118,10 @@ impl Gltf {
             false => (bytes, None),
         };
         let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
-        let mut root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
-        root.materials.iter_mut().for_each(Material::settle);
         let mut needed = json_bytes(json);
         let mut memory = memory::reserve(needed).map_err(GltfError::Objects)?;
+        let mut root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
+        root.materials.iter_mut().for_each(Material::settle);
         if !root.asset.version.starts_with("2.") {
             return Err(GltfError::Version(root.asset.version));
         }

@@ -71,6 +71,8 @@ pub struct PictureFile {
     pub extension: &'static str,
     /// False if another picture has taken the place of the one that was written with the glTF file.
     pub is_as_written: bool,
+    /// The number of pixels that were made; 0 if the file is as it was.
+    pub pixels: u64,
 }
 
 impl Gltf {
@@ -95,6 +97,7 @@ impl Gltf {
                 bytes: bytes.into_owned(),
                 extension,
                 is_as_written,
+                pixels: 0,
             });
         }
         let (image, _memory) =
@@ -116,6 +119,7 @@ impl Gltf {
             shining.as_ref().map_or(&image, |(image, _)| image),
             picture.made,
         );
+        let pixels = u64::from(made.width()) * u64::from(made.height());
         let (format, extension) = match made {
             DynamicImage::ImageRgb32F(_) => (image::ImageFormat::OpenExr, "exr"),
             _ => (image::ImageFormat::Png, "png"),
@@ -127,6 +131,7 @@ impl Gltf {
             bytes: bytes.into_inner(),
             extension,
             is_as_written,
+            pixels,
         })
     }
 }

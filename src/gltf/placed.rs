@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
+use super::allowances::MeshAllowance;
 use super::instances::MOST_INSTANCES;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
@@ -15,6 +16,7 @@ impl Gltf {
     /// out, as in [`Self::scene`]. Meshes that are placed several times are shared.
     pub fn placed_meshes(&self) -> Result<Vec<(Arc<MeshData>, Affine3A)>, GltfError> {
         let first = self.first_primitives();
+        let mut allowance = MeshAllowance::of(self);
         let mut known: BTreeMap<u32, Option<Arc<MeshData>>> = BTreeMap::new();
         let mut placed = Vec::new();
         let mut instances_left = MOST_INSTANCES;
@@ -40,10 +42,15 @@ impl Gltf {
                 None => vec![pose],
             };
             for (number, primitive) in (first[mesh]..).zip(&about.primitives) {
-                let read = || self.read_primitive(number, primitive, &about.weights).ok();
-                let mesh = known
-                    .entry(number)
-                    .or_insert_with(|| read().map(|loaded| Arc::new(loaded.mesh)));
+                let read = || {
+                    if allowance.is_spent() {
+                        return None;
+                    }
+                    let mesh = self.read_primitive(number, primitive, &about.weights).ok()?.mesh;
+                    allowance.spend(&mesh);
+                    Some(Arc::new(mesh))
+                };
+                let mesh = known.entry(number).or_insert_with(read);
                 if let Some(mesh) = mesh {
                     placed.extend(poses.iter().map(|pose| (mesh.clone(), *pose)));
                 }

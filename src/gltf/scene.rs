@@ -7,7 +7,9 @@ use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
+use super::allowances::MeshAllowance;
 use super::instances::MOST_INSTANCES;
+use super::known_pictures::KnownPicture;
 use super::lighting::{Glow, Lighting};
 use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
@@ -20,11 +22,11 @@ use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
 use crate::math::{Aabb, is_invertible};
 
-/// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
-pub trait References {
 /// The most characters of a name that ids have. A file may say the name of a mesh once, and place it thousands of times.
 const LONGEST_NAME: usize = 256;
 
+/// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
+pub trait References {
     /// The shape for a mesh of the file.
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
     /// The name of a picture's file; `index` numbers the pictures through.
@@ -48,17 +50,18 @@ pub struct Imported {
 
 pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
-    references: &'a mut dyn References,
+    pub(super) references: &'a mut dyn References,
     warnings: Vec<String>,
     warned: HashSet<String>,
     /// The number of each mesh's first primitive among all.
     first_primitives: Vec<u32>,
     /// The meshes by the number of the primitive; None for those that cannot be read.
     meshes: BTreeMap<u32, Option<KnownMesh>>,
-    /// The pictures with the names of their files; None for those that cannot be read.
-    pictures: Vec<(Picture, Option<String>)>,
+    mesh_allowance: MeshAllowance,
+    /// The pictures, by what they are of in words.
+    pub(super) pictures: HashMap<String, KnownPicture>,
     /// The reason why the first picture could not be kept.
-    failure: Option<GltfError>,
+    pub(super) failure: Option<GltfError>,
     /// The reason why the first primitive that was left out could not be read.
     unreadable: Option<GltfError>,
     ids: HashSet<String>,
@@ -106,7 +109,8 @@ impl Gltf {
             warned: HashSet::new(),
             first_primitives: self.first_primitives(),
             meshes: BTreeMap::new(),
-            pictures: Vec::new(),
+            mesh_allowance: MeshAllowance::of(self),
+            pictures: HashMap::new(),
             failure: None,
             unreadable: None,
             ids: HashSet::new(),
@@ -168,36 +172,6 @@ impl Builder<'_> {
             ));
         }
         possible
-    }
-
-    /// The name of the picture's file; None (reported) if the picture cannot be read.
-    pub fn reference_picture(&mut self, picture: Picture) -> Option<String> {
-        if let Some((_, name)) = self.pictures.iter().find(|(other, _)| *other == picture) {
-            return name.clone();
-        }
-        let name = match self.references.picture(self.pictures.len(), &picture) {
-            Ok(name) => Some(name),
-            Err(error @ GltfError::Keep { .. }) => {
-                self.failure.get_or_insert(error);
-                None
-            }
-            Err(error) => {
-                let image = self.gltf.root.images.get(picture.image);
-                let title = match image.and_then(|image| image.name.as_deref()) {
-                    Some(name) => format!("picture {} ({name})", picture.image),
-                    None => format!("picture {}", picture.image),
-                };
-                self.warn(format!("{title} is left out: {error}"));
-                None
-            }
-        };
-        self.pictures.push((picture, name.clone()));
-        name
-    }
-
-    /// The mean colour of a picture that has a file, linear.
-    pub fn mean_of_picture(&mut self, picture: Picture) -> Vec3 {
-        self.references.mean(&picture).unwrap_or(Vec3::ONE)
     }
 
     /// The name of the file with the picture of the studio.
@@ -349,8 +323,14 @@ impl Builder<'_> {
         if let Some(known) = self.meshes.get(&number) {
             return Ok(known.clone());
         }
+        if self.mesh_allowance.is_spent() {
+            let what = "the meshes of the file would be far larger than its buffers, whose vertices they share: the last ones are left out";
+            self.warn(what.to_owned());
+            return Ok(None);
+        }
         let known = match self.gltf.read_primitive(number, primitive, weights) {
             Ok(loaded) => {
+                self.mesh_allowance.spend(&loaded.mesh);
                 loaded.warnings.into_iter().for_each(|warning| self.warn(warning));
                 Some(KnownMesh {
                     shape: self.references.shape(number, &loaded.mesh)?,

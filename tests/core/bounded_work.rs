@@ -172,3 +172,83 @@ fn a_long_name_of_a_mesh_is_not_repeated_as_it_is() {
     let named: Vec<usize> = ids.map(|id| id.len()).filter(|&length| length > 200).collect();
     assert_eq!(named, [256, 258, 258]);
 }
+
+#[test]
+fn primitives_of_the_same_vertices_become_a_bounded_number_of_meshes() {
+    // A megabyte, of which each primitive makes three.
+    let vertex = |i: u32| [i % 1000, i * 7 % 977, i % 13].map(|x| x as f32);
+    let positions: Vec<f32> = (0..90_000).flat_map(vertex).collect();
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &positions);
+    let text = |primitives: usize| {
+        let primitives = vec![r#"{"attributes": {"POSITION": 0}}"#; primitives].join(",");
+        parts.text(&format!(
+            r#""meshes": [{{"primitives": [{primitives}]}}], "nodes": [{{"mesh": 0}}]"#
+        ))
+    };
+    for (primitives, expected) in [(10, 10), (60, 32)] {
+        let text = text(primitives);
+        let scene = import(&text);
+        let shapes = scene.root.objects().filter(|object| object.plugin == "ply");
+        assert_eq!(shapes.count(), expected);
+        let warned = scene
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("far larger than its buffers"));
+        assert_eq!(warned, primitives > expected, "{:?}", scene.warnings);
+        let placed = open(&text).and_then(|gltf| gltf.placed_meshes()).expect("opens");
+        assert_eq!(placed.len(), expected);
+    }
+}
+
+/// A square at a node, behind so many nodes with nothing.
+fn placed_square(parts: &mut Parts, others: usize) -> String {
+    let positions = parts.floats("VEC3", &SQUARE);
+    let others = "{},".repeat(others);
+    format!(
+        r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}}}}}]}}], "nodes": [{others}{{"mesh": 0}}]"#
+    )
+}
+
+#[test]
+fn curves_are_looked_through_once_for_all_that_they_move() {
+    const MANY: usize = 30_000;
+    let mut parts = Parts::default();
+    let times: Vec<f32> = (0..MANY).map(|i| i as f32).collect();
+    parts.floats("SCALAR", &times);
+    parts.floats("VEC3", &[times.as_slice(); 3].concat());
+    let channel = |node: usize| format!(r#"{{"sampler": 0, "target": {{"node": {node}, "path": "translation"}}}}"#);
+    let channels: Vec<String> = (0..MANY).map(channel).collect();
+    let rest = placed_square(&mut parts, MANY);
+    let scene = import(&parts.text(&format!(
+        r#"{rest}, "animations": [{{"samplers": [{{"input": 0, "output": 1}}], "channels": [{}]}}]"#,
+        channels.join(",")
+    )));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
+#[test]
+fn curves_of_the_same_numbers_are_bounded_by_the_buffers() {
+    const KEYS: usize = 10_000;
+    let times: Vec<f32> = (0..KEYS).map(|i| i as f32).collect();
+    for (count, is_bounded) in [(100, false), (400, true)] {
+        let mut parts = Parts::default();
+        parts.floats("SCALAR", &times);
+        let bytes = [times.as_slice(); 3].concat();
+        let bytes: Vec<u8> = bytes.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let view = parts.view(&bytes, "");
+        let animation = |node: usize| {
+            let output = parts.accessor(view, 5126, "VEC3", KEYS, "");
+            format!(
+                r#"{{"samplers": [{{"input": 0, "output": {output}}}],
+                    "channels": [{{"sampler": 0, "target": {{"node": {node}, "path": "translation"}}}}]}}"#
+            )
+        };
+        let animations: Vec<String> = (0..count).map(animation).collect();
+        let rest = placed_square(&mut parts, count);
+        let scene = import(&parts.text(&format!(r#"{rest}, "animations": [{}]"#, animations.join(","))));
+        let left_out = "is one of too many for the size of the buffers; so it is with 255 other animations";
+        let said = scene.warnings.iter().any(|warning| warning.contains(left_out));
+        assert_eq!(said, is_bounded, "{:?}", scene.warnings);
+    }
+}
