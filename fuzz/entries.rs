@@ -3,6 +3,8 @@
 //! The fuzz target and the test that replays the corpus share this file and those in `entries`, so that both do the same. An entry panics where the program
 //! breaks a promise: a panic of the parser itself, a mesh that contradicts its documentation, a document that changes when it is written.
 
+#[path = "entries/beside.rs"]
+mod beside;
 #[path = "entries/documents.rs"]
 pub mod documents;
 #[path = "entries/meshes.rs"]
@@ -14,6 +16,7 @@ mod progress;
 #[path = "entries/volumes.rs"]
 mod volumes;
 
+pub use beside::{libraries, noise, spectrum_file};
 pub use documents::{animation, numbers, spectra, transforms, xml};
 pub use meshes::{gltf, mtl, obj, ply, serialized, serialized_shape};
 pub use pictures::{bmp, exr, hdr, jpeg, pfm, png, pnm, tga};
@@ -24,7 +27,7 @@ pub use volumes::{media, vdb, vol};
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 25] = [
+pub const ENTRIES: [(&str, Entry); 28] = [
     ("xml", xml),
     ("dialect", xml),
     ("animation", |bytes| _ = animation(bytes)),
@@ -50,6 +53,9 @@ pub const ENTRIES: [(&str, Entry); 25] = [
     ("media", |bytes| _ = media(bytes)),
     ("bake", |bytes| _ = bake(bytes)),
     ("part", |bytes| _ = part(bytes)),
+    ("libraries", libraries),
+    ("spectrum_file", spectrum_file),
+    ("noise", noise),
 ];
 
 /// No file has this name, and none has a name relative to its folder.
