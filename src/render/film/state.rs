@@ -71,7 +71,7 @@ impl Film {
                 let (values, mattes) = (self.kept.values(), self.kept.matte_count());
                 from.finites(&mut self.layers.values[index * values..][..values])?;
                 for matte in &mut self.layers.mattes[index * mattes..][..mattes] {
-                    *matte = read_matte(self.counts[index], from)?;
+                    *matte = read_matte(u32::MAX, from)?;
                 }
             }
             let blocks = self.tile_index(tile.x, tile.y) * BLOCKS;
@@ -86,20 +86,25 @@ impl Film {
                 };
             }
             self.find_efficiency(self.tile_index(tile.x, tile.y));
-            // The counts have the samples of the chunk that is not whole, which are added below.
             let chunks = from.u32()?;
-            if chunks > 0 {
-                let chunk = read_chunk(tile, pixels, self.kept, from)?;
-                let length = chunk.samples.len() as u32;
-                for index in self.places_of(tile).collect::<Vec<_>>() {
-                    self.counts[index] = self.counts[index].checked_sub(length).ok_or(Damaged)?;
-                    let total = |matte: &Matte| matte.entries().map(|entry| u64::from(entry.samples)).sum::<u64>();
-                    let mut totals = self.mattes_of(&self.layers, index).iter().map(total);
-                    if totals.any(|total| total > u64::from(self.counts[index])) {
-                        return Err(Damaged);
-                    }
+            let chunk = match chunks {
+                0 => None,
+                _ => Some(read_chunk(tile, pixels, self.kept, from)?),
+            };
+            // The counts have the samples of the chunk that is not whole, which are added below.
+            let length = chunk.as_ref().map_or(0, |chunk| chunk.samples.len() as u32);
+            for index in self.places_of(tile).collect::<Vec<_>>() {
+                let count = self.counts[index].checked_sub(length).ok_or(Damaged)?;
+                self.counts[index] = count;
+                let total = |matte: &Matte| matte.entries().map(|entry| u64::from(entry.samples)).sum::<u64>();
+                let mut totals = self.mattes_of(&self.layers, index).iter().map(total);
+                // Where there are no other samples, old values may stand, which are not read.
+                if count > 0 && totals.any(|total| total > u64::from(count)) {
+                    return Err(Damaged);
                 }
-                self.add(&chunk);
+            }
+            if let Some(chunk) = &chunk {
+                self.add(chunk);
             }
             return if chunks > 1 { Err(Damaged) } else { Ok(end) };
         }
@@ -259,7 +264,7 @@ fn write_layers(values: &[f32], mattes: &[Matte], to: &mut Writer) {
     }
 }
 
-/// Reads the ids in a pixel, which have at most all of its samples together.
+/// Reads the ids in a pixel, which have at most so many samples together.
 fn read_matte(mut samples_left: u32, from: &mut Reader) -> Result<Matte, Damaged> {
     let mut matte = Matte::default();
     for _ in 0..from.u32()? {
