@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use bevy_egui::egui::text::{CCursor, CCursorRange};
 use bevy_egui::egui::text_edit::TextEditState;
-use bevy_egui::egui::{self, Button, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use bevy_egui::egui::{self, Button, Event, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
 use crate::app::editor::window::dialog;
@@ -277,6 +277,11 @@ impl FileDialog {
             true => self.name = typed,
             false => self.path = Some(typed),
         }
+        // The field may be shown after the search in this frame: what was typed is not for it a second time.
+        context.input_mut(|input| {
+            let is_typed = |event: &Event| matches!(event, Event::Text(_) | Event::Paste(_));
+            input.events.retain(|event| !is_typed(event));
+        });
         context.memory_mut(|memory| memory.request_focus(field));
         select(context, field, CCursorRange::one(end));
     }
