@@ -302,7 +302,10 @@ impl Part {
 /// alone is a weight of the vertex, which polygons do not have.
 #[inline]
 fn color_of_vertex(words: &mut Words) -> Option<Vec3> {
-    let mut next = || words.next_if(leading_f32);
+    let mut next = || {
+        let plain = words.next_if(leading_f32);
+        plain.or_else(|| std::str::from_utf8(words.next()?).ok()?.parse().ok())
+    };
     let color = Vec3::new(next()?, next()?, next()?);
     color.is_finite().then_some(color)
 }

@@ -908,6 +908,15 @@ fn colours_of_an_obj_file_are_no_brighter_than_light_may_be() {
 }
 
 #[test]
+fn colours_of_an_obj_file_may_have_all_digits() {
+    let loaded = obj("v 0 0 0 0.12500000000000000001 1e-30 1\nv 1 0 0 1 1 1\nv 1 1 0 1 1 1\nf 1 2 3\n").unwrap();
+    assert_eq!(loaded.warnings, [""; 0]);
+    let color = loaded.mesh.attribute("vertex_color").expect("an attribute");
+    let first = color.value(&loaded.mesh.triangles, 0, Vec3::X);
+    assert_eq!(first, Vec3::new(0.125, 1e-30, 1.0));
+}
+
+#[test]
 fn a_number_with_something_behind_it_is_read_as_far_as_it_is_one() {
     let text = "v 3.1+e2 0 0.5f\nv 1 0 0\nv 0 -1e2x 0\nvt 0.25a 0.5.5\nvn 0 0 1e\nf 1/1/1 2/1/1 3/1/1\n";
     let loaded = obj(text).expect("is read");
