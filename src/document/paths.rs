@@ -5,6 +5,11 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::files::Access;
 
+/// The path after all links, or itself if no file is there.
+pub(super) fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
 /// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
 /// folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that does not exist, stays.
 pub fn file_name(path: &Path, folder: &Path) -> String {

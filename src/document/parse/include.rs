@@ -6,7 +6,7 @@ use smol_str::SmolStr;
 
 use super::names::Names;
 use super::parser::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Parser};
-use crate::document::paths::file_candidates;
+use crate::document::paths::{canonical, file_candidates};
 use crate::document::source::read_text_within;
 use crate::document::value::quote;
 use crate::document::{Category, Include, Object, Severity, SourceId, Span};
@@ -177,8 +177,4 @@ impl Parser {
 fn is_markup(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     text.is_empty() || text.starts_with('<')
-}
-
-pub(super) fn canonical(path: &Path) -> PathBuf {
-    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }

@@ -14,12 +14,12 @@ mod spectrum_files;
 use std::path::Path;
 use std::sync::Arc;
 
-use self::include::canonical;
 use self::parser::Parser;
 pub(super) use self::parser::parse_children;
 use super::define::Defines;
 use super::dialect;
 use super::links::link;
+use super::paths::canonical;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
 use super::unit::{UNIT, is_unit_name};
 use super::unpack::{keep_known, pack_rest};

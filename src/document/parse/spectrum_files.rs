@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::include::canonical;
+use crate::document::paths::canonical;
 use crate::document::spectrum::{Role, SampledSpectrum};
 
 /// A colour and whether it was clamped, or the reason why there is none.
