@@ -33,9 +33,10 @@ step() {
 # The table of all steps so far, also when one has failed.
 print_steps() {
     end_step
+    rm -f "$times_file"
+    [ "${#steps[@]}" -gt 0 ] || return 0
     printf '\n%8s %8s  %s\n' seconds 'of CPU' step
     printf '%s\n' "${steps[@]}"
-    rm -f "$times_file"
 }
 trap print_steps EXIT
 
