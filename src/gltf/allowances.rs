@@ -8,6 +8,12 @@ use super::zeros::MOST_ZEROS;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 
+/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each becomes a shape.
+pub(super) const MOST_INSTANCES: usize = 1 << 16;
+
+/// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any number of vectors.
+pub(super) const MOST_MOVES: usize = 1 << 28;
+
 /// The bytes of meshes for each byte of the buffers. Where primitives share nothing, a byte becomes at most twenty.
 const MESH_BYTES: u64 = 32;
 /// The bytes of meshes beside these, for small files whose primitives share their vertices.

@@ -4,14 +4,12 @@ use std::collections::HashMap;
 
 use glam::{Mat4, Quat, Vec3};
 
+use super::allowances::MOST_INSTANCES;
 use super::animation::rotation;
 use super::motion::Placement;
 use super::scene::Builder;
 use super::schema::Node;
 use super::{Gltf, GltfError};
-
-/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each becomes a shape.
-pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
 /// The instances of a node.
 pub(super) struct Instances {

@@ -3,16 +3,8 @@
 use glam::Vec3;
 
 use super::GltfError;
-use super::picture::Picture;
+use super::picture::{KnownPicture, Picture};
 use super::scene::Builder;
-
-/// A picture that materials have asked for.
-pub(super) struct KnownPicture {
-    /// The name of its file; None if it cannot be read.
-    name: Option<String>,
-    /// Its mean colour, once that was asked for.
-    mean: Option<Vec3>,
-}
 
 impl Builder<'_> {
     /// The name of the picture's file; None (reported) if the picture cannot be read.

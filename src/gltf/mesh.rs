@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::morph::MOST_MOVES;
+use super::allowances::MOST_MOVES;
 use super::schema::{Material, Mesh, Primitive};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};

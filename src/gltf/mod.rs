@@ -157,7 +157,7 @@ impl Gltf {
             buffers.push(content);
         }
         Ok(Self {
-            moves: morph::count_moves(&root),
+            moves: root.moves(),
             root,
             buffers,
             zeros,

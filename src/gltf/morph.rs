@@ -4,12 +4,10 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
+use super::allowances::MOST_MOVES;
 use super::mesh::into_vectors;
 use super::schema::{Primitive, Root};
 use super::{Gltf, GltfError};
-
-/// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any number of vectors.
-pub(super) const MOST_MOVES: usize = 1 << 28;
 
 /// The attributes that targets move.
 const MOVED: [&str; 2] = ["POSITION", "NORMAL"];
@@ -23,15 +21,17 @@ fn weighted<'a>(
     targets.filter(|(_, weight)| *weight != 0.0 && weight.is_finite())
 }
 
-/// The number of vectors in the targets that move something.
-pub(super) fn count_moves(root: &Root) -> usize {
-    let targets = root.meshes.iter().flat_map(|mesh| {
-        let primitives = mesh.primitives.iter();
-        primitives.flat_map(|primitive| weighted(primitive, &mesh.weights))
-    });
-    let accessors = targets.flat_map(|(target, _)| MOVED.iter().filter_map(|name| target.get(*name)));
-    let counts = accessors.filter_map(|&index| Some(root.accessors.get(index)?.count));
-    counts.fold(0, usize::saturating_add)
+impl Root {
+    /// The number of vectors in the targets that move something.
+    pub(super) fn moves(&self) -> usize {
+        let targets = self.meshes.iter().flat_map(|mesh| {
+            let primitives = mesh.primitives.iter();
+            primitives.flat_map(|primitive| weighted(primitive, &mesh.weights))
+        });
+        let accessors = targets.flat_map(|(target, _)| MOVED.iter().filter_map(|name| target.get(*name)));
+        let counts = accessors.filter_map(|&index| Some(self.accessors.get(index)?.count));
+        counts.fold(0, usize::saturating_add)
+    }
 }
 
 impl Gltf {

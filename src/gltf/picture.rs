@@ -1,11 +1,20 @@
 //! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut off, normals scaled. The
 //! format has no textures that are products of others, and neither metals nor roughness share a picture there.
 
+use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgb32FImage};
 
 use super::{Gltf, GltfError, ReadFile};
 use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::texture::decode_picture;
+
+/// A picture that materials have asked for.
+pub(super) struct KnownPicture {
+    /// The name of its file; None if it cannot be read.
+    pub name: Option<String>,
+    /// Its mean colour, once that was asked for.
+    pub mean: Option<Vec3>,
+}
 
 /// A picture that materials of the file use. Two that are equal are one.
 #[derive(Clone, Debug, PartialEq)]

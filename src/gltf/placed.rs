@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
-use super::allowances::MeshAllowance;
-use super::instances::MOST_INSTANCES;
+use super::allowances::{MOST_INSTANCES, MeshAllowance};
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;

@@ -7,14 +7,12 @@ use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::allowances::MeshAllowance;
-use super::instances::MOST_INSTANCES;
-use super::known_pictures::KnownPicture;
+use super::allowances::{MOST_INSTANCES, MeshAllowance};
 use super::lighting::{Glow, Lighting};
 use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
-use super::picture::Picture;
+use super::picture::{KnownPicture, Picture};
 use super::schema::{Node, Primitive};
 use super::{Gltf, GltfError, is_supported, studio};
 use crate::document::write::check_finite;
