@@ -59,7 +59,7 @@ impl Gltf {
 pub(super) struct MeshAllowance(u64);
 
 impl MeshAllowance {
-    /// That of a file of which nothing was made yet.
+    /// What a file may have before any of its meshes is made.
     pub fn of(gltf: &Gltf) -> Self {
         let [bytes, zeros] = gltf.sizes();
         Self(MESH_BYTES * bytes + (VERTEX_BYTES + TRIANGLE_BYTES) * zeros + MORE_MESH_BYTES)

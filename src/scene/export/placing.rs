@@ -28,9 +28,9 @@ impl Placing {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     All,
-    /// Those on which pictures are seen as they are.
+    /// The triangles on which pictures are seen as they are.
     Upright,
-    /// Those on which they lie mirrored.
+    /// The triangles on which pictures lie mirrored.
     Mirrored,
 }
 

@@ -6,7 +6,8 @@ use bevy_egui::egui::text::{CCursor, CCursorRange};
 use bevy_egui::egui::{self, Align, ComboBox, Id, Layout, TextEdit, Ui};
 
 use super::listing::{Entry, changed_text};
-use super::{FileDialog, NAME, Outcome, Purpose, in_format, is_entered, select};
+use super::names::in_format;
+use super::{FileDialog, NAME, Outcome, Purpose, is_entered, select};
 use crate::app::editor::panels::look;
 use crate::app::editor::words::files::{extension, size_text};
 

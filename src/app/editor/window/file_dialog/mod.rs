@@ -2,11 +2,12 @@
 
 mod foot;
 pub mod listing;
+mod names;
 mod table;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy_egui::egui::text::{CCursor, CCursorRange};
@@ -15,8 +16,9 @@ use bevy_egui::egui::{self, Button, Event, Id, Key, Modifiers, RichText, ScrollA
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
 use crate::app::editor::window::dialog;
-use crate::app::editor::words::files::{extension, home_for_tilde};
+use crate::app::editor::words::files::home_for_tilde;
 use listing::{Entry, Filter, Listed, Order};
+use names::{is_of, is_path, with_end, without_dots};
 
 /// What the dialog is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -449,12 +451,6 @@ impl FileDialog {
     }
 }
 
-/// Whether a text is a path, and not a part of a name: names have no separators.
-fn is_path(text: &str) -> bool {
-    let is_drive = matches!(Path::new(text).components().next(), Some(Component::Prefix(_)));
-    is_drive || text.contains(std::path::is_separator)
-}
-
 /// Selects letters of a text field.
 fn select(context: &egui::Context, field: Id, letters: CCursorRange) {
     let mut state = TextEditState::load(context, field).unwrap_or_default();
@@ -465,41 +461,4 @@ fn select(context: &egui::Context, field: Id, letters: CCursorRange) {
 /// Whether Enter was pressed. Nothing else gets it then.
 fn is_entered(ui: &Ui) -> bool {
     ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
-}
-
-/// A path without `.` and `..`. Links are not followed, so that one comes back to where one came from.
-fn without_dots(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                plain.pop();
-            }
-            part => plain.push(part),
-        }
-    }
-    plain
-}
-
-/// Whether the name of a file ends as those of one of the formats.
-fn is_of(formats: &[(&str, &str)], path: &Path) -> bool {
-    formats.iter().any(|(_, known)| *known == extension(path))
-}
-
-/// The path with `.` and an extension after all that it has.
-fn with_end(path: PathBuf, extension: &str) -> PathBuf {
-    let mut name = path.into_os_string();
-    name.push(format!(".{extension}"));
-    name.into()
-}
-
-/// The name of a file in the format with this extension.
-fn in_format(name: &str, formats: &[(&str, &str)], extension: &str) -> String {
-    let path = Path::new(name);
-    let bare = match is_of(formats, path) {
-        true => path.with_extension(""),
-        false => path.to_path_buf(),
-    };
-    with_end(bare, extension).to_string_lossy().into_owned()
 }
