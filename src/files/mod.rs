@@ -21,4 +21,4 @@ pub use self::folder_names::FolderNames;
 pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};
 pub use self::record::{SameFiles, is_same_file, keep_reads, note_read, record_reads, recorded_reads};
-pub use self::set::{FileSet, WriteError, checksum, finish_set};
+pub use self::set::{FileSet, WriteError, checksum, finish_set, finish_set_within};

@@ -18,6 +18,7 @@ use std::time::{Duration, Instant, UNIX_EPOCH};
 use flate2::Crc;
 use serde::{Deserialize, Serialize};
 
+use super::access::Access;
 use super::atomic::{PREFIX, Target, Waiting, fill, followed, is_file_of_write, remove_leftovers_once};
 use super::reading::{FileError, LARGEST_NOTE, content, open};
 use super::record::Identity;
@@ -172,6 +173,13 @@ impl Stamp {
         about.is_file().then(|| Self::new(&about))
     }
 
+    /// The stamp of a plain file that is below a folder or that `access` permits.
+    fn within(folder: &Path, name: &Path, access: &Access) -> Option<Self> {
+        let path = folder.join(name);
+        let is_seen = access.covers(&path) || is_inside(folder, name);
+        is_seen.then(|| Self::of(&path)).flatten()
+    }
+
     fn matches(self, other: Self) -> bool {
         self.length == other.length && self.time.abs_diff(other.time) <= CLOCK
     }
@@ -216,19 +224,21 @@ impl Plan {
         })
     }
 
-    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot.
-    fn finish(&self, folder: &Path) -> Result<(), String> {
+    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot. Files elsewhere that `access` does not permit count as not
+    /// there.
+    fn finish(&self, folder: &Path, access: &Access) -> Result<(), String> {
+        let stamp = |name: &Path| Stamp::within(folder, name, access);
         let mut renames = Vec::new();
         for file in &self.files {
             let place = folder.join(&file.to);
             let name = file.to.display();
-            let Some(from) = Stamp::of(&folder.join(&file.from)) else {
-                match Stamp::of(&place).is_some_and(|there| there.matches(file.new)) {
+            let Some(from) = stamp(&file.from) else {
+                match stamp(&file.to).is_some_and(|there| there.matches(file.new)) {
                     true => continue,
                     false => return Err(format!("{name} is not the new one, which is gone")),
                 }
             };
-            let is_old = match (Stamp::of(&place), file.old) {
+            let is_old = match (stamp(&file.to), file.old) {
                 (Some(there), Some(old)) => there.matches(old),
                 (there, old) => there == old,
             };
@@ -252,10 +262,11 @@ impl Plan {
         Ok(())
     }
 
-    /// Whether no file has been renamed.
-    fn is_not_begun(&self, folder: &Path) -> bool {
-        let is_there = |file: &Rename| Stamp::of(&folder.join(&file.from)).is_some_and(|from| from.matches(file.new));
-        self.files.iter().all(is_there)
+    /// Whether no file has been renamed, as far as `access` lets that be seen.
+    fn is_not_begun(&self, folder: &Path, access: &Access) -> bool {
+        let stamp = |name: &Path| Stamp::within(folder, name, access);
+        let mut files = self.files.iter();
+        files.all(|file| stamp(&file.from).is_some_and(|from| from.matches(file.new)))
     }
 
     /// The files that wait to be renamed.
@@ -268,10 +279,12 @@ impl Plan {
 
 /// Whether a relative name stays below the folder, also by the links on its way.
 fn is_inside(folder: &Path, name: &Path) -> bool {
-    let is_plain = name.components().all(|part| matches!(part, Component::Normal(_)));
+    if !name.components().all(|part| matches!(part, Component::Normal(_))) {
+        return false;
+    }
     let around = folder.join(name.parent().unwrap_or(Path::new("")));
     let real = around.canonicalize().ok().zip(folder.canonicalize().ok());
-    is_plain && real.is_some_and(|(around, folder)| around.starts_with(folder))
+    real.is_some_and(|(around, folder)| around.starts_with(folder))
 }
 
 /// A note that is in its place, locked for as long as this value lives.
@@ -292,7 +305,7 @@ impl Note {
         }
         let deadline = Instant::now() + LONGEST_WAIT;
         loop {
-            let left = finish(&path);
+            let left = finish(&path, &Access::everywhere());
             if let Err(FileError::Io(error)) = left {
                 return Err(failed(&set.main)(error));
             }
@@ -354,15 +367,20 @@ fn sync_folder(folder: &Path) {
 /// Finishes what a killed program has begun: the replacement of a file and of those that belong to it. To be called before the file is read. An
 /// error says that the files do not belong together and cannot be made to.
 pub fn finish_set(main: &Path) -> Result<(), FileError> {
+    finish_set_within(main, &Access::everywhere())
+}
+
+/// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the error tells nothing of it.
+pub fn finish_set_within(main: &Path, access: &Access) -> Result<(), FileError> {
     match followed(main) {
-        Ok(main) => finish(&note_path(&main)),
+        Ok(main) => finish(&note_path(&main), access),
         // Reading it says what is wrong.
         Err(_) => Ok(()),
     }
 }
 
 /// Finishes what the note says, if there is one. Waits for a program that is doing so.
-fn finish(note: &Path) -> Result<(), FileError> {
+fn finish(note: &Path, access: &Access) -> Result<(), FileError> {
     let deadline = Instant::now() + LONGEST_WAIT;
     let broken = |why: String| {
         let note = note.display();
@@ -397,10 +415,10 @@ fn finish(note: &Path) -> Result<(), FileError> {
         }
         let folder = note.parent().unwrap_or(Path::new(""));
         let plan = read_plan(&file).map_err(broken)?;
-        return match plan.finish(folder) {
+        return match plan.finish(folder, access) {
             Ok(()) => fs::remove_file(note).map_err(|error| broken(error.to_string())),
             // The old files belong together. If the note cannot be removed, it needs the others.
-            Err(_) if plan.is_not_begun(folder) => {
+            Err(_) if plan.is_not_begun(folder, access) => {
                 if fs::remove_file(note).is_ok() {
                     plan.waiting(folder).for_each(|path| drop(fs::remove_file(path)));
                 }
@@ -427,7 +445,7 @@ fn waiting_for(note: &Path, folder: &Path) -> Vec<PathBuf> {
 pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
     let mut waiting = HashSet::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if is_note(entry.file_name().as_encoded_bytes()) && finish(&entry.path()).is_err() {
+        if is_note(entry.file_name().as_encoded_bytes()) && finish(&entry.path(), &Access::everywhere()).is_err() {
             waiting.extend(waiting_for(&entry.path(), folder));
         }
     }

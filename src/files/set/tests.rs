@@ -187,12 +187,49 @@ fn notes_of_others_rename_and_remove_nothing_elsewhere() {
         };
         let note = note_path(&inner.join(MAIN));
         fs::write(&note, serde_json::to_vec(&plan).expect("a text")).expect("a writable folder");
-        let why = plan.finish(&inner).expect_err(to);
+        let why = plan.finish(&inner, &Access::everywhere()).expect_err(to);
         assert!(why.contains("in another folder"), "{why}");
         finish_set(&inner.join(MAIN)).expect("nothing was begun");
         assert!(!note.exists() && !absolute.exists() && shop.path("scene.bin").exists());
         assert!(inner.join("own.txt").exists());
         fs::write(&part, "evil").expect("a writable folder");
+    }
+}
+
+#[test]
+fn notes_of_others_tell_nothing_of_what_may_not_be_read() {
+    let shop = Shop::new();
+    let inner = shop.path("inner");
+    fs::create_dir(&inner).expect("a writable folder");
+    let secret = shop.path("scene.bin");
+    let stamp = Stamp::of(&secret).expect("it is there");
+    let other = Stamp { length: 77, ..stamp };
+    let access = Access::within([inner.clone()]);
+    let message = |from: &Path, to: &Path, new: Stamp| {
+        let plan = Plan {
+            files: vec![Rename {
+                from: from.to_owned(),
+                to: to.to_owned(),
+                new,
+                old: None,
+            }],
+            outdated: Vec::new(),
+        };
+        let note = note_path(&inner.join(MAIN));
+        fs::write(&note, serde_json::to_vec(&plan).expect("a text")).expect("a writable folder");
+        finish_set_within(&inner.join(MAIN), &access)
+            .expect_err("the note is broken")
+            .to_string()
+    };
+    let absent = shop.path("nothing");
+    for new in [stamp, other] {
+        assert_eq!(
+            message(&secret, Path::new("x"), new),
+            message(&absent, Path::new("x"), new)
+        );
+        let [there, missing] =
+            [&secret, &absent].map(|to| message(Path::new("x"), to, new).replace(&to.display().to_string(), ""));
+        assert_eq!(there, missing);
     }
 }
 

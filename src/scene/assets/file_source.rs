@@ -12,7 +12,7 @@ use bevy::asset::io::{
 };
 use bevy::prelude::*;
 
-use crate::files::{FileError, finish_set};
+use crate::files::{FileError, finish_set_within};
 use crate::memory;
 use crate::scene::{SceneAccess, VolumeFormat};
 
@@ -41,7 +41,7 @@ impl AssetReader for FileSource {
         let check = || memory::check_data(path, &self.access.get());
         let checked = check().or_else(|error| match error.is_not_found() {
             // A program that was killed may have left it beside its place.
-            true => finish_set(path).and_then(|()| check()),
+            true => finish_set_within(path, &self.access.get()).and_then(|()| check()),
             false => Err(error),
         });
         match checked {

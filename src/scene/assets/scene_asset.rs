@@ -78,8 +78,9 @@ impl AssetLoader for SceneLoader {
         context: &mut LoadContext<'_>,
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
-        files::finish_set(&path)?;
-        let bytes = self.access.of_scene(&path).read(&path, largest(&path))?;
+        let access = self.access.of_scene(&path);
+        files::finish_set_within(&path, &access)?;
+        let bytes = access.read(&path, largest(&path))?;
         if is_gltf(&bytes, &path) {
             allow_parts(|folder| self.access.allow(folder));
         }
@@ -129,7 +130,7 @@ fn read_scene_within(
 
 /// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
-    let read = files::finish_set(path).and_then(|()| access.read(path, largest(path)));
+    let read = files::finish_set_within(path, &access).and_then(|()| access.read(path, largest(path)));
     let bytes = read.map_err(|source| unreadable(path, source))?;
     parse(bytes, path, defines, access)
 }
