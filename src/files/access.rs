@@ -148,6 +148,11 @@ impl Access {
         self.opened(path, limit).inspect(|_| note_read(path))
     }
 
+    /// Opens a permitted file, as [`Self::open`] does, that is no part of the scene: it may be replaced.
+    pub fn open_apart(&self, path: &Path, limit: u64) -> Result<File, FileError> {
+        self.opened(path, limit)
+    }
+
     /// Reads a permitted file, as [`reading::read`] does, and opens it as [`Self::open`] does.
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
         let file = self.opened(path, limit)?;

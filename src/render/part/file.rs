@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use flate2::Crc;
 
 use super::PartHeader;
-use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
+use crate::files::{Access, FileError, LARGEST_DATA, write_atomically_with};
 use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
 use crate::render::film::Film;
 use crate::render::tile::Tile;
@@ -95,6 +95,7 @@ pub fn write_part(
 /// The file of a part, of which the header was read.
 pub struct PartFile {
     path: PathBuf,
+    access: Access,
     header: PartHeader,
     /// Where the state begins, and its length.
     state: [u64; 2],
@@ -105,7 +106,12 @@ pub struct PartFile {
 impl PartFile {
     /// Reads the header.
     pub fn open(path: &Path) -> Result<Self, PartError> {
-        let mut file = files::open(path, LARGEST_DATA)?;
+        Self::open_within(path, &Access::everywhere())
+    }
+
+    /// [`Self::open`] for a file that comes from others, and is opened as far as `access` permits.
+    pub fn open_within(path: &Path, access: &Access) -> Result<Self, PartError> {
+        let mut file = access.open_apart(path, LARGEST_DATA)?;
         let length = file.metadata()?.len();
         let mut start = Vec::new();
         (&mut file).take(4).read_to_end(&mut start)?;
@@ -143,6 +149,7 @@ impl PartFile {
         }
         Ok(Self {
             path: path.to_owned(),
+            access: access.clone(),
             header,
             state: [start, state_length],
             tiles_at: 8 + length as u64,
@@ -156,7 +163,7 @@ impl PartFile {
 
     /// Adds the samples to a film of the picture's size and layers, and returns what the engine has written of its job. The film is spoilt after an error.
     pub fn read_into(&self, film: &mut Film) -> Result<Vec<u8>, PartError> {
-        let mut file = files::open(&self.path, LARGEST_DATA)?;
+        let mut file = self.access.open_apart(&self.path, LARGEST_DATA)?;
         let [start, length] = self.state;
         // Another file may have its name by now.
         check_sum(&mut file, self.state)?;

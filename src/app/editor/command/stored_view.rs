@@ -29,6 +29,13 @@ struct Written {
     hides_walls: bool,
 }
 
+impl StoredView {
+    /// Whether something can be seen in it. A file may say anything.
+    pub fn is_possible(&self) -> bool {
+        self.pose.is_finite() && self.pose.matrix3.determinant() != 0.0
+    }
+}
+
 impl From<StoredView> for Written {
     fn from(view: StoredView) -> Self {
         let axes = view.pose.matrix3;

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::app::editor::command::stored_view::StoredView;
+use crate::document::animation::MOST_TIME;
 use crate::render::part::PartFile;
 
 /// The rendering in seconds that is worth a question before it is lost.
@@ -39,6 +40,24 @@ pub struct Shown {
     pub region: Option<[[f32; 2]; 2]>,
     /// Whether the light of each light is kept by itself.
     pub keeps_lights_apart: bool,
+}
+
+impl Shown {
+    /// Reads what the file of a kept picture says, without what cannot be: the file may come from others.
+    pub fn read(text: &str) -> Option<Self> {
+        let shown: Self = serde_json::from_str(text).ok()?;
+        let is_part = |corners: &[[f32; 2]; 2]| corners.as_flattened().iter().all(|side| (0.0..=1.0).contains(side));
+        Some(Self {
+            view: shown.view.filter(StoredView::is_possible),
+            time: if shown.time.abs() <= MOST_TIME { shown.time } else { 0.0 },
+            samples: shown.samples.map(|samples| samples.max(1)),
+            seconds: shown.seconds.filter(|seconds| seconds.is_finite() && *seconds > 0.0),
+            // 0 is no limit.
+            noise: shown.noise.filter(|noise| (0.0..=1.0).contains(noise)),
+            region: shown.region.filter(is_part),
+            ..shown
+        })
+    }
 }
 
 /// A kept picture that is resumed as soon as the scene is as it was then.
@@ -112,6 +131,8 @@ impl KeptPictures {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Affine3A;
+
     use super::*;
 
     #[test]
@@ -138,6 +159,51 @@ mod tests {
         assert!(!kept.take_opened(2, false), "it was read again");
         assert!(kept.take_opened(3, true));
         assert!(!KeptPictures::new(false).take_opened(1, true));
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_left_out() {
+        let view = StoredView {
+            pose: Affine3A::IDENTITY,
+            orthographic: false,
+            hides_walls: false,
+        };
+        let shown = Shown {
+            camera: 1,
+            view: Some(view),
+            time: -2.5,
+            samples: Some(7),
+            seconds: Some(60.0),
+            noise: Some(0.0),
+            adaptive: Some(true),
+            region: Some([[0.0, 0.25], [0.5, 1.0]]),
+            keeps_lights_apart: true,
+        };
+        let text = serde_json::to_string(&shown).expect("a text");
+        assert_eq!(Shown::read(&text), Some(shown.clone()));
+        let wild = [
+            ("-2.5", "1e300"),
+            ("\"samples\":7", "\"samples\":0"),
+            ("60.0", "1e39"),
+            ("\"noise\":0.0", "\"noise\":-1.0"),
+            ("[0.5,1.0]", "[1e39,1.0]"),
+            ("[1.0,0.0,0.0]", "[0.0,0.0,0.0]"),
+        ];
+        let wild = wild.into_iter().fold(text, |text, (from, to)| {
+            assert!(text.contains(from), "{text}");
+            text.replacen(from, to, 1)
+        });
+        let expected = Shown {
+            view: None,
+            time: 0.0,
+            samples: Some(1),
+            seconds: None,
+            noise: None,
+            region: None,
+            ..shown
+        };
+        assert_eq!(Shown::read(&wild), Some(expected), "{wild}");
+        assert_eq!(Shown::read("{}"), None);
     }
 
     #[test]

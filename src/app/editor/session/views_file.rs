@@ -153,7 +153,7 @@ fn read(path: &Path) -> Vec<SceneViews> {
 
 fn without_nonsense(mut of_scene: SceneViews) -> SceneViews {
     for place in of_scene.views.iter_mut().chain([&mut of_scene.last]) {
-        *place = place.filter(|view| view.pose.is_finite() && view.pose.matrix3.determinant() != 0.0);
+        *place = place.filter(StoredView::is_possible);
     }
     if let Some(bake) = &mut of_scene.bake {
         bake.choices = bake.choices.within_range();
