@@ -14,6 +14,7 @@
 
 mod between;
 
+use std::collections::HashSet;
 use std::mem::discriminant;
 use std::sync::Arc;
 
@@ -241,6 +242,23 @@ pub fn is_animated(object: &Object) -> bool {
     object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(is_animated)
 }
 
+/// The addresses of the objects under `root`, and of itself, for which [`is_animated`] is true: for all of them in the time of one walk.
+pub fn animated_objects(root: &Object) -> HashSet<usize> {
+    fn note(object: &Object, animated: &mut HashSet<usize>) -> bool {
+        let mut is_animated = object.properties.iter().any(|property| property.keys.is_some());
+        for inner in object.objects() {
+            is_animated |= note(inner, animated);
+        }
+        if is_animated {
+            animated.insert(std::ptr::from_ref(object).addr());
+        }
+        is_animated
+    }
+    let mut animated = HashSet::new();
+    note(root, &mut animated);
+    animated
+}
+
 /// The greatest time of a key in seconds, before or after 0.
 pub const MOST_TIME: f64 = 1e9;
 
@@ -273,6 +291,7 @@ fn steps_of(key: &Key) -> &[TransformOp] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Category;
 
     fn track(interpolation: Interpolation, keys: &[(f64, Value)]) -> Track {
         let keys = keys.iter().cloned().map(|(time, value)| Key { time, value });
@@ -280,6 +299,35 @@ mod tests {
             keys: keys.collect(),
             interpolation,
         }
+    }
+
+    #[test]
+    fn all_that_moves_is_found_in_one_walk() {
+        let key = Key {
+            time: 0.0,
+            value: Value::Float(1.0),
+        };
+        let track = Track {
+            keys: vec![key],
+            interpolation: Interpolation::Linear,
+        };
+        let object = |plugin: &str| Object::new(Category::Texture, plugin);
+        let mut moving = object("moving").with("scale", Value::Float(1.0));
+        moving.properties[0].keys = Some(Arc::new(track));
+        let root = object("root")
+            .with_child(object("around").with_child(object("still")).with_child(moving))
+            .with_child(object("beside"));
+        let animated = animated_objects(&root);
+        let mut found = Vec::new();
+        let mut waiting = vec![&root];
+        while let Some(object) = waiting.pop() {
+            let is_found = animated.contains(&std::ptr::from_ref(object).addr());
+            assert_eq!(is_found, is_animated(object), "{}", object.plugin);
+            found.extend(is_found.then_some(object.plugin.as_str()));
+            waiting.extend(object.objects());
+        }
+        assert_eq!(found, ["root", "around", "moving"]);
+        assert_eq!(animated.len(), 3);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! file, so that everything that a file can say can move in one way: [`super::posing`] writes the values of a time into the plugins of the file and
 //! reads the components from them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::{self, Display};
 use std::sync::Arc;
 
@@ -62,14 +62,15 @@ pub struct Keys {
 pub struct IntegratorKeys(pub Keys);
 
 impl Keys {
-    /// The tracks of a plugin in the file. None if nothing of it moves.
-    pub(super) fn of(object: &Object, index: &Index) -> Option<Self> {
+    /// The tracks of a plugin in the file. None if nothing of it moves. `animated`: the [`animated_objects`](crate::document::animation::animated_objects) of
+    /// the file. Many plugins may refer to one large object, which is not walked through for each of them.
+    pub(super) fn of(object: &Object, index: &Index, animated: &HashSet<usize>) -> Option<Self> {
         let mut keys = Self::default();
-        keys.collect(object, index, "");
+        keys.collect(object, index, animated, "");
         (!keys.is_empty()).then_some(keys)
     }
 
-    fn collect(&mut self, object: &Object, index: &Index, before: &str) {
+    fn collect(&mut self, object: &Object, index: &Index, animated: &HashSet<usize>, before: &str) {
         for property in &object.properties {
             if let Some(track) = &property.keys
                 && self.tracks.len() < MOST_TRACKS
@@ -84,12 +85,12 @@ impl Keys {
             let Some(inner) = index.resolve(child).filter(|inner| is_part(inner)) else {
                 continue;
             };
+            if !animated.contains(&std::ptr::from_ref(inner).addr()) {
+                continue;
+            }
             match child {
-                Child::Object(_) if is_animated(inner) => {
-                    self.collect(inner, index, &format!("{before}{step}."));
-                }
-                Child::Object(_) => {}
-                Child::Reference { .. } => self.follows |= is_animated(inner),
+                Child::Object(_) => self.collect(inner, index, animated, &format!("{before}{step}.")),
+                Child::Reference { .. } => self.follows = true,
             }
         }
     }

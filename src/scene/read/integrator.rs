@@ -4,7 +4,7 @@ use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader, Severity};
 use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
-use crate::scene::{AuthoredScene, IntegratorSettings, Keys, PathPlugin};
+use crate::scene::{AuthoredScene, IntegratorSettings, PathPlugin};
 
 /// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
@@ -19,9 +19,7 @@ impl<'a> SceneReader<'a> {
         }
         let settings = self.read_integrator_settings(object, 0);
         self.description.integrator = settings;
-        if self.is_animated {
-            self.description.integrator_keys = Keys::of(object, &self.index).unwrap_or_default();
-        }
+        self.description.integrator_keys = self.keys(object).unwrap_or_default();
         let authored = self.authored(object, objects::integrator(&settings));
         remains.integrator = Some((self.order(object), authored));
         true

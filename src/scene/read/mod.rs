@@ -167,7 +167,7 @@ impl SceneReader<'_> {
 impl SceneReader<'_> {
     /// Reports things of which more values have keys than can move.
     fn report_tracks(&mut self) {
-        if !self.is_animated {
+        if self.animated.is_empty() {
             return;
         }
         let things = self

@@ -1,7 +1,7 @@
 //! The description while it grows, and what every kind of object is read with.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use smol_str::SmolStr;
 
 use super::mesh_search::MeshSearch;
 use super::picture_search::PictureSearch;
-use crate::document::animation::is_animated;
+use crate::document::animation::animated_objects;
 use crate::document::paths::settle;
 use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span, Value};
 use crate::scene::description::{Identity, SceneDescription};
@@ -43,8 +43,8 @@ pub struct SceneReader<'a> {
     pub crowd_orders: Vec<u32>,
     /// The number of crowds that have become shapes.
     pub crowds_read: usize,
-    /// Whether anything in the document has keys.
-    pub is_animated: bool,
+    /// The addresses of the objects of which a value, or one in them, has keys.
+    pub animated: HashSet<usize>,
     pub description: SceneDescription,
 }
 
@@ -123,7 +123,7 @@ impl<'a> SceneReader<'a> {
             crowds: &document.crowds,
             crowd_orders,
             crowds_read: 0,
-            is_animated: is_animated(&document.root),
+            animated: animated_objects(&document.root),
             description: SceneDescription {
                 path,
                 sources,
@@ -166,8 +166,14 @@ impl<'a> SceneReader<'a> {
             span: object.span,
             authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
             angles: angles_of(object),
-            keys: self.is_animated.then(|| Keys::of(object, &self.index)).flatten(),
+            keys: self.keys(object),
         }
+    }
+
+    /// The tracks of an object; None if nothing of it moves.
+    pub fn keys(&self, object: &Object) -> Option<Keys> {
+        let moves = !self.animated.is_empty();
+        moves.then(|| Keys::of(object, &self.index, &self.animated)).flatten()
     }
 
     pub fn authored(&self, object: &Object, as_read: Object) -> Authored {
