@@ -138,6 +138,11 @@ impl Diagnostics {
         self.list.len() >= MAX_STORED
     }
 
+    /// Counts warnings for which there is no place any more.
+    pub(crate) fn count_warnings(&mut self, count: usize) {
+        self.dropped_warnings += count;
+    }
+
     /// Whether there are so many messages that the next one gets no help that is slow to find.
     pub(crate) fn has_many(&self) -> bool {
         self.list.len() >= MAX_HELPED

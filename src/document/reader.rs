@@ -298,6 +298,11 @@ impl<'a, 'd> Reader<'a, 'd> {
 
     /// Warns of each property and plugin that was not read.
     pub fn finish(self) {
+        if self.diagnostics.is_full() {
+            // Many things may refer to one that has very many mistakes.
+            let unread = self.property_read.iter().filter(|read| !**read).count() + self.unread_children().count();
+            return self.diagnostics.count_warnings(unread);
+        }
         let owner = || self.object.title();
         let dictionary = || self.asked.iter().map(SmolStr::as_str);
         for (property, read) in self.object.properties.iter().zip(&self.property_read) {
@@ -319,14 +324,7 @@ impl<'a, 'd> Reader<'a, 'd> {
                     .push(Severity::Warning, Some(property.span), message, help);
             }
         }
-        for (child, read) in self.object.children.iter().zip(&self.child_read) {
-            if *read {
-                continue;
-            }
-            // A reference that leads nowhere has been reported where it was read.
-            let Some(object) = self.index.resolve(child) else {
-                continue;
-            };
+        for (child, object) in self.unread_children().collect::<Vec<_>>() {
             let (message, help) = match child.name() {
                 Some(name) => (
                     format!(
@@ -341,6 +339,13 @@ impl<'a, 'd> Reader<'a, 'd> {
             self.diagnostics
                 .push(Severity::Warning, Some(child.span()), message, help);
         }
+    }
+
+    /// The children that were not read, with what they stand for. A reference that leads nowhere has been reported where it was read.
+    fn unread_children(&self) -> impl Iterator<Item = (&'a Child, &'a Object)> {
+        let children = self.object.children.iter().zip(&self.child_read);
+        let unread = children.filter(|(_, read)| !**read);
+        unread.filter_map(|(child, _)| Some((child, self.index.resolve(child)?)))
     }
 
     fn ask(&mut self, name: &str) {

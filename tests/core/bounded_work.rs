@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::io;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use crate::gltf_support::{Parts, SQUARE, nothing_beside, open};
 use crate::mesh_support::assert_sound;
-use sunroom::document::{self, Document};
+use sunroom::document::{self, Document, Reader};
 use sunroom::geometry::mesh_file::MeshError;
 use sunroom::geometry::obj::load_obj;
 use sunroom::geometry::ply::load_ply;
@@ -251,4 +252,42 @@ fn curves_of_the_same_numbers_are_bounded_by_the_buffers() {
         let said = scene.warnings.iter().any(|warning| warning.contains(left_out));
         assert_eq!(said, is_bounded, "{:?}", scene.warnings);
     }
+}
+
+#[test]
+fn an_object_has_thousands_of_parameters_at_most() {
+    let given = |count: usize| {
+        let floats: String = (0..count).map(|i| format!("<float name='p{i}' value='1'/>")).collect();
+        parse(format!(
+            "<scene version='3.0.0'><bsdf type='diffuse'>{floats}</bsdf></scene>"
+        ))
+    };
+    assert!(!given(4096).diagnostics.has_errors());
+    let scene = given(5000);
+    let bsdf = scene.root.objects().next().expect("a bsdf");
+    assert_eq!(bsdf.properties.len(), 4096);
+    let said = scene.diagnostics.list.iter().map(|message| message.message.as_str());
+    let expected = "bsdf `diffuse` has more than 4096 parameters: the others are left out";
+    assert_eq!(said.collect::<Vec<_>>(), [expected]);
+}
+
+#[test]
+fn very_many_parameters_without_effect_are_counted() {
+    // Each reading of the plugin says it of each parameter: 12 million sentences.
+    const READINGS: usize = 3000;
+    let floats: String = (0..4000).map(|i| format!("<float name='p{i}' value='1'/>")).collect();
+    let scene = parse(format!(
+        "<scene version='3.0.0'><bsdf type='diffuse'>{floats}</bsdf></scene>"
+    ));
+    let (mut diagnostics, index) = (scene.diagnostics.clone(), scene.index());
+    let bsdf = scene.root.objects().next().expect("a bsdf");
+    let begin = Instant::now();
+    for _ in 0..READINGS {
+        Reader::new(&index, bsdf, &mut diagnostics).finish();
+    }
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+    assert_eq!(
+        (diagnostics.list.len(), diagnostics.warning_count()),
+        (1000, 4000 * READINGS)
+    );
 }

@@ -3,7 +3,7 @@
 use smol_str::SmolStr;
 
 use super::names::Names;
-use super::parser::{Frame, Parser};
+use super::parser::{Frame, MAX_PROPERTIES, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::{rename, snake_case};
 use crate::document::property::{
@@ -264,7 +264,13 @@ impl Parser {
 
     pub(super) fn add_property(&mut self, object: &mut Object, names: &mut Names, mut property: Property) {
         rename(object, &mut property.name);
-        if !names.contain(&property.name, &object.properties) {
+        if object.properties.len() >= MAX_PROPERTIES {
+            let message = format!(
+                "{} has more than {MAX_PROPERTIES} parameters: the others are left out",
+                object.title()
+            );
+            self.diagnostics.error(object.span, message);
+        } else if !names.contain(&property.name, &object.properties) {
             object.properties.push(property);
         } else {
             let message = format!("{} is given twice in {}", quote(&property.name), object.title());

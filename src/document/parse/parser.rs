@@ -33,6 +33,8 @@ pub(super) const MAX_INCLUDE_DEPTH: usize = 15;
 pub(super) const MAX_SEARCH_FOLDERS: usize = 100;
 /// The most includes of a document, each counted as often as it is read.
 pub(super) const MAX_INCLUDES: usize = 10_000;
+/// The most parameters of one object, all of which are looked through each time that something refers to it. Plugins know a few dozen.
+pub(super) const MAX_PROPERTIES: usize = 4096;
 /// The most tags of a document, each include counted each time: they suffice for a million instances with a few steps each.
 const MAX_ELEMENTS: usize = 10_000_000;
 /// The most bytes of text of a document, likewise.
