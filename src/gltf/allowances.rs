@@ -11,6 +11,9 @@ use crate::geometry::mesh::MeshData;
 /// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each becomes a shape.
 pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
+/// The most places of primitives that stand elsewhere as well. In a file of 200 kB, thousands of nodes may each place thousands of primitives.
+pub(super) const MOST_REPEATS: usize = 1 << 20;
+
 /// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any number of vectors.
 pub(super) const MOST_MOVES: usize = 1 << 28;
 
@@ -77,6 +80,31 @@ impl MeshAllowance {
     }
 }
 
+/// How often primitives may still be placed that stand elsewhere as well.
+pub(super) struct RepeatAllowance {
+    placed: HashSet<u32>,
+    left: usize,
+}
+
+impl Default for RepeatAllowance {
+    fn default() -> Self {
+        Self {
+            placed: HashSet::new(),
+            left: MOST_REPEATS,
+        }
+    }
+}
+
+impl RepeatAllowance {
+    /// Counts places of a primitive. Returns how many of them there may be.
+    pub fn spend(&mut self, primitive: u32, places: usize) -> usize {
+        let first = usize::from(places > 0 && self.placed.insert(primitive));
+        let again = (places - first).min(self.left);
+        self.left -= again;
+        first + again
+    }
+}
+
 /// The file that an image is read from.
 #[derive(PartialEq, Eq, Hash)]
 enum Source<'a> {
@@ -128,6 +156,17 @@ impl<'a> PictureAllowance<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_place_of_a_primitive_is_free() {
+        let mut repeats = RepeatAllowance {
+            left: 3,
+            ..RepeatAllowance::default()
+        };
+        let places = [(0, 0), (0, 1), (1, 2), (0, 1), (0, 5), (1, 1), (2, 2)];
+        let placed = places.map(|(primitive, places)| repeats.spend(primitive, places));
+        assert_eq!(placed, [0, 1, 2, 1, 1, 0, 1]);
+    }
 
     #[test]
     fn the_first_picture_of_an_image_is_free() {

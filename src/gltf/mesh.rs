@@ -269,8 +269,8 @@ fn triangles(mode: u32, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
         // Every other triangle of a strip turns the other way.
         STRIP => indices
             .windows(3)
-            .zip(0..)
-            .map(|(three, i)| match i % 2 {
+            .enumerate()
+            .map(|(i, three)| match i % 2 {
                 0 => [three[0], three[1], three[2]],
                 _ => [three[1], three[0], three[2]],
             })

@@ -5,20 +5,22 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
-use super::allowances::{MOST_INSTANCES, MeshAllowance};
+use super::allowances::{MOST_INSTANCES, MeshAllowance, RepeatAllowance};
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
 
 impl Gltf {
     /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read, points and lines, and flattened nodes are left
-    /// out, as in [`Self::scene`]. Meshes that are placed several times are shared.
+    /// out, as in [`Self::scene`]. Meshes that are placed several times are shared, and those of very many places
+    /// are left out in the last ones.
     pub fn placed_meshes(&self) -> Result<Vec<(Arc<MeshData>, Affine3A)>, GltfError> {
         let first = self.first_primitives();
         let mut allowance = MeshAllowance::of(self);
         let mut known: BTreeMap<u32, Option<Arc<MeshData>>> = BTreeMap::new();
         let mut placed = Vec::new();
         let mut instances_left = MOST_INSTANCES;
+        let mut repeats = RepeatAllowance::default();
         let nodes = self.placed_nodes(&self.animations())?;
         let rest = self.rest_poses(&nodes);
         for place in nodes.nodes {
@@ -51,6 +53,7 @@ impl Gltf {
                 };
                 let mesh = known.entry(number).or_insert_with(read);
                 if let Some(mesh) = mesh {
+                    let poses = &poses[..repeats.spend(number, poses.len())];
                     placed.extend(poses.iter().map(|pose| (mesh.clone(), *pose)));
                 }
             }

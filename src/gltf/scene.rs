@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::allowances::{MOST_INSTANCES, MeshAllowance};
+use super::allowances::{MOST_INSTANCES, MOST_REPEATS, MeshAllowance, RepeatAllowance};
 use super::lighting::{Glow, Lighting};
 use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
@@ -56,6 +56,7 @@ pub(super) struct Builder<'a> {
     /// The meshes by the number of the primitive; None for those that cannot be read.
     meshes: BTreeMap<u32, Option<KnownMesh>>,
     mesh_allowance: MeshAllowance,
+    repeats: RepeatAllowance,
     /// The pictures, by what they are of in words.
     pub(super) pictures: HashMap<String, KnownPicture>,
     /// The reason why the first picture could not be kept.
@@ -108,6 +109,7 @@ impl Gltf {
             first_primitives: self.first_primitives(),
             meshes: BTreeMap::new(),
             mesh_allowance: MeshAllowance::of(self),
+            repeats: RepeatAllowance::default(),
             pictures: HashMap::new(),
             failure: None,
             unreadable: None,
@@ -260,6 +262,13 @@ impl Builder<'_> {
             if !primitive.has_triangles() {
                 self.warn(format!("points and lines are left out ({name})"));
                 continue;
+            }
+            if self.repeats.spend(number, 1) == 0 {
+                // The other primitives stand elsewhere as well.
+                self.warn(format!(
+                    "the file places the same primitives again more than {MOST_REPEATS} times: the last places are left out"
+                ));
+                return Ok(());
             }
             let Some(mesh) = self.known_mesh(number, primitive, &about.weights, name)? else {
                 continue;

@@ -53,11 +53,24 @@ fn instances_count_for_each_primitive_and_no_other_node_takes_their_place() {
     };
     assert!(warning.contains("more than 65536 instances"), "{warning}");
     assert_eq!(many.placed_meshes().expect("reads").len(), 65_000);
-    // Nodes that are no instances have no limit, and take nothing from it.
+    // Nodes that are no instances take nothing from it.
     let mut nodes = vec![r#"{"mesh": 0}"#; 1 << 16];
     nodes.push(INSTANCED);
     let placed = file(2, 1, &nodes).placed_meshes().expect("reads");
     assert_eq!(placed.len(), (1 << 16) + 2);
+}
+
+#[test]
+fn primitives_have_a_bounded_number_of_places() {
+    // 2.25 million places, in 100 kB.
+    let count = 1500;
+    let text = square_and_places(1).text(&format!(
+        r#""meshes": [{{"primitives": [{}]}}], "nodes": [{}]"#,
+        vec![PRIMITIVE; count].join(","),
+        vec![r#"{"mesh": 0}"#; count].join(",")
+    ));
+    let placed = open(&text).and_then(|gltf| gltf.placed_meshes()).expect("reads");
+    assert_eq!(placed.len(), count + (1 << 20));
 }
 
 #[test]

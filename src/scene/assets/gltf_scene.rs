@@ -3,6 +3,7 @@
 //! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are keep their names,
 //! and are not loaded again.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -43,10 +44,11 @@ pub(crate) fn largest(path: &Path) -> u64 {
 /// The scene in a file of these bytes. The files it is read from are the diagnostics' sources, without their text.
 pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     let mut sources = vec![path.to_owned()];
+    let mut known: HashSet<PathBuf> = sources.iter().cloned().collect();
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut read = |name: &str| {
         let file = folder.join(name);
-        if !sources.contains(&file) {
+        if known.insert(file.clone()) {
             sources.push(file.clone());
         }
         Ok(access.read(&file, MAX_GLTF_BYTES)?)
