@@ -61,14 +61,22 @@ fn is_convex(outline: &[DVec2]) -> bool {
 
 fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     let mut left: Vec<usize> = (0..outline.len()).collect();
+    let mut is_left = vec![true; outline.len()];
+    // What was found to keep a corner from being an ear. It is not looked for again while it and the neighbours of the corner are left.
+    let mut obstacles: Vec<Option<usize>> = vec![None; outline.len()];
     let mut tip = 1;
     let mut tried = 0;
     while left.len() > 3 && tried < left.len() {
         let count = left.len();
         let [before, at, after] = [tip + count - 1, tip, tip + 1].map(|i| left[i % count]);
-        if is_ear(outline, &left, [before, at, after]) {
+        if !obstacles[at].is_some_and(|other| is_left[other]) {
+            obstacles[at] = obstacle(outline, &left, [before, at, after]);
+        }
+        if obstacles[at].is_none() {
             emit([before, at, after]);
             left.remove(tip % count);
+            is_left[at] = false;
+            (obstacles[before], obstacles[after]) = (None, None);
             tip = (tip + count - 1) % count % left.len();
             tried = 0;
         } else {
@@ -81,15 +89,17 @@ fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-fn is_ear(outline: &[DVec2], left: &[usize], ear: [usize; 3]) -> bool {
+/// What keeps a corner, with its neighbours, from being an ear: a corner in their triangle, or the corner itself, where the outline turns inwards.
+fn obstacle(outline: &[DVec2], left: &[usize], ear: [usize; 3]) -> Option<usize> {
     let [a, b, c] = ear.map(|i| outline[i]);
     if turn(a, b, c) <= 0.0 {
-        return false;
+        return Some(ear[1]);
     }
-    left.iter().all(|&i| {
+    let is_outside = |p: DVec2| turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0;
+    left.iter().copied().find(|&i| {
         let p = outline[i];
         // Corners may coincide (a bridge to a hole); such a twin does not spoil the ear.
-        p == a || p == b || p == c || turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0
+        p != a && p != b && p != c && !is_outside(p)
     })
 }
 
@@ -166,6 +176,27 @@ mod tests {
             "{sum} {absolute}"
         );
         assert_eq!(triangles(&comb).len(), comb.len() - 2);
+    }
+
+    #[test]
+    fn a_spiral_keeps_its_area_whichever_corner_comes_first() {
+        // Three turns of a band, whose outer and inner outline follow each other.
+        let place = |i: usize, out: f32| {
+            let angle = 0.2 * i as f32;
+            let radius = 1.0 + 0.1 * angle + out;
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        let outer = (0..94).map(|i| place(i, 0.3));
+        let mut spiral: Vec<Vec3> = outer.chain((0..94).rev().map(|i| place(i, 0.0))).collect();
+        let (expected, _) = areas(&spiral, Vec3::Z);
+        for _ in 0..spiral.len() {
+            spiral.rotate_left(1);
+            let (sum, absolute) = areas(&spiral, Vec3::Z);
+            assert!(
+                (sum - expected).abs() < 1e-3 && (absolute - expected).abs() < 1e-3,
+                "{sum} {absolute}"
+            );
+        }
     }
 
     #[test]
