@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::Category;
 use super::cie::{D65, FIRST_NM, OBSERVER, SAMPLES, STEP_NM};
-use super::value::{ValueError, fields, parse_float};
+use super::value::{ValueError, fields, parse_float, quote};
 
 /// Linear Rec. 709 from CIE XYZ (ITU-R BT.709 primaries, D65 white).
 const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
@@ -53,7 +53,7 @@ pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum
 pub enum SpectrumError {
     #[error(transparent)]
     Value(#[from] ValueError),
-    #[error("expected `wavelength:value`, found `{0}`")]
+    #[error("expected `wavelength:value`, found {0}")]
     NoPair(String),
     #[error("line {0}: {1}")]
     Line(usize, ValueError),
@@ -82,9 +82,7 @@ impl SampledSpectrum {
     /// Parses a list such as "400:0.1, 500:0.2, 700:0.9".
     pub fn parse_list(text: &str) -> Result<Self, SpectrumError> {
         let pairs = fields(text).map(|pair| {
-            let (wavelength, value) = pair
-                .split_once(':')
-                .ok_or_else(|| SpectrumError::NoPair(pair.to_owned()))?;
+            let (wavelength, value) = pair.split_once(':').ok_or_else(|| SpectrumError::NoPair(quote(pair)))?;
             Ok((parse_float(wavelength)?, parse_float(value)?))
         });
         Self::new(pairs.collect::<Result<_, SpectrumError>>()?)

@@ -42,7 +42,7 @@ impl Parser {
         match parts {
             Ok(parts) if parts.len() <= 3 => {
                 if parts[0] > 3 {
-                    let message = format!("version {version} is newer than this reader, which knows 3");
+                    let message = format!("version {} is newer than this reader, which knows 3", quote(version));
                     self.diagnostics.warn(span, message);
                 }
             }

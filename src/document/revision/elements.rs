@@ -5,6 +5,8 @@ use std::ops::Range;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
+use crate::document::value::quote;
+
 /// One element; places are byte offsets of the text.
 #[derive(Debug)]
 pub struct Element {
@@ -73,7 +75,7 @@ impl Elements {
                 Ok(Event::Eof) => {
                     let unclosed = open.pop().map(|index| {
                         let tag = all[index].tag.clone();
-                        (tag.start, format!("{} is never closed", &text[tag]))
+                        (tag.start, format!("{} is never closed", quote(&text[tag])))
                     });
                     return (Self(all), unclosed);
                 }
