@@ -21,6 +21,8 @@ use crate::render::layered_image::LayeredImage;
 const LEVEL: &str = "level.glb";
 /// It names the others.
 const MANIFEST: &str = "lightmaps.json";
+/// The most bytes of it: enough for a million nodes.
+const LARGEST_MANIFEST: u64 = 256 << 20;
 /// How the names of all other files begin.
 const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
 
@@ -242,7 +244,7 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
 
 /// The manifest of the bake that is in the folder.
 fn manifest_of(folder: &Path) -> Option<Value> {
-    let text = read_text(&folder.join(MANIFEST), LARGEST_DATA).ok()?;
+    let text = read_text(&folder.join(MANIFEST), LARGEST_MANIFEST).ok()?;
     let manifest: Value = serde_json::from_str(&text).ok()?;
     (manifest["format"] == Manifest::FORMAT).then_some(manifest)
 }

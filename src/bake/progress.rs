@@ -159,6 +159,20 @@ impl Progress {
 
     /// The time left at the same speed; None before there is any.
     pub fn left(&self) -> Option<Duration> {
-        (self.done > 0.0).then(|| self.spent.mul_f64((1.0 / self.done - 1.0).max(0.0)))
+        let left = self.spent.as_secs_f64() * (1.0 / self.done - 1.0).max(0.0);
+        Duration::try_from_secs_f64(left).ok().filter(|_| self.done > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_may_be_longer_than_times_can_be() {
+        let left = |done: f64, seconds: u64| Progress::new(Stage::Lightmaps, done, Duration::from_secs(seconds)).left();
+        assert_eq!(left(0.25, 4), Some(Duration::from_secs(12)));
+        assert_eq!(left(0.0, 4), None);
+        assert_eq!(left(1e-20, 1_000_000_000), None);
     }
 }

@@ -189,14 +189,9 @@ impl LayeredImage {
 
     /// The names of the layers in the order of their first channels; the picture itself has an empty name.
     pub fn layers(&self) -> Vec<&str> {
-        let mut layers: Vec<&str> = Vec::new();
-        for channel in &self.channels {
-            let layer = split_name(&channel.name).0;
-            if !layers.contains(&layer) {
-                layers.push(layer);
-            }
-        }
-        layers
+        let mut known = HashSet::new();
+        let layers = self.channels.iter().map(|channel| split_name(&channel.name).0);
+        layers.filter(|layer| known.insert(*layer)).collect()
     }
 
     /// The channels that are the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`, `Y`, `Z`, or `X`, `Y`, or `U`, `V`,

@@ -13,6 +13,7 @@ use sunroom::geometry::obj::load_obj;
 use sunroom::geometry::ply::load_ply;
 use sunroom::gltf::files::take_apart;
 use sunroom::gltf::scene::Imported;
+use sunroom::render::layered_image::LayeredImage;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
 
@@ -290,4 +291,16 @@ fn very_many_parameters_without_effect_are_counted() {
         (diagnostics.list.len(), diagnostics.warning_count()),
         (1000, 4000 * READINGS)
     );
+}
+
+#[test]
+fn a_picture_may_have_very_many_layers() {
+    const LAYERS: usize = 60_000;
+    let mut image = LayeredImage::new(1, 1);
+    for i in 0..LAYERS {
+        image.add_float(&format!("a layer that is called {i}.Y"), vec![0.0]);
+    }
+    let begin = Instant::now();
+    assert_eq!(image.layers().len(), LAYERS);
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
 }
