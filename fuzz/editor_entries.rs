@@ -22,6 +22,7 @@ use sunroom::app::editor::command::{Command, Effect};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::kept_picture::Shown;
 use sunroom::app::editor::session::layout::Layout;
 use sunroom::app::editor::session::preferences::PreferencesFile;
 use sunroom::app::editor::session::recovery::{self, Recovery, discard, recover};
@@ -41,13 +42,14 @@ use tempfile::{TempDir, tempdir};
 use crate::meaning::meaning;
 
 /// All entries by the names of their folders in the corpus.
-pub const ENTRIES: [(&str, fn(&[u8])); 6] = [
+pub const ENTRIES: [(&str, fn(&[u8])); 7] = [
     ("scripts", scripts),
     ("scenes", scenes),
     ("preferences", preferences),
     ("recovery", recovery_notes),
     ("views", views),
     ("trust", trusted_folders),
+    ("shown", shown),
 ];
 
 /// No file has this name.
@@ -375,6 +377,19 @@ fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::edito
     act(&mut world);
     world.run_system(follow).expect("all resources are there");
     world.resource::<ViewSettings>().bookmarks
+}
+
+/// How the window showed a scene whose picture is kept: what cannot be shown is left out, and what is left can be written and read again.
+pub fn shown(bytes: &[u8]) {
+    let Some(shown) = Shown::read(&String::from_utf8_lossy(bytes)) else {
+        return;
+    };
+    assert!(shown.time.abs() <= 1e9 && shown.samples != Some(0), "{shown:?}");
+    assert!(shown.view.is_none_or(|view| view.pose.is_finite()), "{shown:?}");
+    let limits = [shown.seconds, shown.noise];
+    assert!(limits.iter().flatten().all(|limit| limit.is_finite()), "{shown:?}");
+    let text = serde_json::to_string(&shown).expect("plain data");
+    assert!(Shown::read(&text).is_some(), "{text}");
 }
 
 /// The file of folders that scenes may read: each is named in full.

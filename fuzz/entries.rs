@@ -7,6 +7,8 @@
 mod beside;
 #[path = "entries/documents.rs"]
 pub mod documents;
+#[path = "entries/folders.rs"]
+mod folders;
 #[path = "entries/meshes.rs"]
 pub mod meshes;
 #[path = "entries/pictures.rs"]
@@ -18,8 +20,9 @@ mod volumes;
 
 pub use beside::{libraries, noise, spectrum_file};
 pub use documents::{animation, numbers, spectra, transforms, xml};
+pub use folders::{includes, manifest, set};
 pub use meshes::{gltf, mtl, obj, ply, serialized, serialized_shape};
-pub use pictures::{bmp, exr, hdr, jpeg, pfm, png, pnm, tga};
+pub use pictures::{bmp, exr, hdr, jpeg, layered, pfm, png, pnm, tga};
 pub use progress::{bake, part};
 pub use volumes::{media, vdb, vol};
 
@@ -27,7 +30,7 @@ pub use volumes::{media, vdb, vol};
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 28] = [
+pub const ENTRIES: [(&str, Entry); 32] = [
     ("xml", xml),
     ("dialect", xml),
     ("animation", |bytes| _ = animation(bytes)),
@@ -47,6 +50,7 @@ pub const ENTRIES: [(&str, Entry); 28] = [
     ("pnm", pnm),
     ("hdr", hdr),
     ("exr", exr),
+    ("layered", |bytes| _ = layered(bytes)),
     ("pfm", pfm),
     ("vdb", vdb),
     ("vol", vol),
@@ -56,6 +60,9 @@ pub const ENTRIES: [(&str, Entry); 28] = [
     ("libraries", libraries),
     ("spectrum_file", spectrum_file),
     ("noise", noise),
+    ("includes", |bytes| _ = includes(bytes)),
+    ("set", |bytes| _ = set(bytes)),
+    ("manifest", |bytes| _ = manifest(bytes)),
 ];
 
 /// No file has this name, and none has a name relative to its folder.

@@ -1,11 +1,14 @@
 //! Pictures.
 
+use sunroom_core::render::image_io::{FileFormat, FileOptions, encode_layered, load_picture};
 use sunroom_core::texture::load_image;
 
 use super::{beginning_with, crc};
 
 /// The beginning of a PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+/// The beginning of an EXR file.
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// A PNG picture, with the checksums that its chunks should have: hardly any mutation would get past them.
 pub fn png(bytes: &[u8]) {
@@ -44,7 +47,34 @@ pub fn hdr(bytes: &[u8]) {
 }
 
 pub fn exr(bytes: &[u8]) {
-    picture(&beginning_with(&[0x76, 0x2f, 0x31, 0x01], bytes));
+    picture(&beginning_with(&EXR, bytes));
+}
+
+/// An EXR file with all channels that it has, of all parts. Those of each layer have a sample for each pixel, and are there again after they were written. Returns
+/// whether they were.
+pub fn layered(bytes: &[u8]) -> bool {
+    let picture = match load_picture(&beginning_with(&EXR, bytes)) {
+        Ok(picture) => picture,
+        Err(error) => {
+            let _ = error.to_string();
+            return false;
+        }
+    };
+    let image = picture.image;
+    let pixels = u64::from(image.width) * u64::from(image.height);
+    assert!(pixels > 0);
+    let layers = image.layers();
+    for layer in &layers {
+        let channels = image.channels_of(layer).unwrap_or_default();
+        assert!(channels.iter().all(|channel| channel.samples.len() as u64 == pixels));
+    }
+    let is_small = pixels <= 1 << 12;
+    if is_small {
+        let written = encode_layered(&image, FileFormat::Exr, &FileOptions::default());
+        let again = written.map(|written| load_picture(&written).expect("it was just written").image);
+        assert!(again.is_ok_and(|again| again.layers().len() == layers.len()));
+    }
+    is_small && !layers.is_empty()
 }
 
 pub fn pfm(bytes: &[u8]) {

@@ -36,11 +36,15 @@ fn the_corpus_breaks_no_parser() {
 /// Some entries leave most inputs aside. If they did so with all of them, they would find nothing.
 #[test]
 fn some_inputs_come_to_the_end_of_their_entries() {
-    let entries: [(&str, fn(&[u8]) -> bool); 4] = [
+    let entries: [(&str, fn(&[u8]) -> bool); 8] = [
         ("animation", entries::animation),
         ("media", entries::media),
         ("bake", entries::bake),
         ("part", entries::part),
+        ("layered", entries::layered),
+        ("includes", entries::includes),
+        ("set", entries::set),
+        ("manifest", entries::manifest),
     ];
     for (name, entry) in entries {
         assert!(corpus(name).iter().any(|(_, bytes)| entry(bytes)), "{name}");
