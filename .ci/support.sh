@@ -81,10 +81,13 @@ on_display() {
     return "$result"
 }
 
+# What has to be found in tests and not by users.
+checked=(--config .ci/checked.toml)
+
 # monkey TIME: a monkey uses the editor for this time, in a window where there is a display and a driver. Its bounds are of memory, threads, files,
 # undo and saving; how long frames take depends on the machine and is not judged here.
 monkey() {
-    local command=(cargo run --release --quiet -- edit scenes/cornell-box-water.xml scenes/materials.xml --monkey "$1" --longest-frame none)
+    local command=(cargo run --release "${checked[@]}" --quiet -- edit scenes/cornell-box-water.xml scenes/materials.xml --monkey "$1" --longest-frame none)
     if command -v Xvfb >/dev/null && [ -n "$(software_driver)" ]; then
         step "the monkey in a window for $1"
         on_display "${command[@]}"
@@ -92,13 +95,6 @@ monkey() {
         step "the monkey without a window for $1"
         "${command[@]}" --no-window
     fi
-}
-
-# test_kernel PROCESSOR PROFILE: the kernel's tests as they are on other machines. Sums are rounded in another order there, so pictures differ in
-# their last bits from build to build, but the tests hold.
-test_kernel() {
-    step "cargo test of the kernel for $1, profile $2"
-    RUSTFLAGS="-C target-cpu=$1" cargo test --profile "$2" -p sunroom-core --no-default-features --lib --test core --target-dir "target/$1"
 }
 
 # All scripts of the repository, as far as their language can tell without running them.
