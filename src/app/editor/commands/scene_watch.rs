@@ -25,7 +25,10 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::gone;
 use crate::document::Severity;
 use crate::engine::{PackedScene, RenderControl, SightControl};
-use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
+use crate::math::Ray;
+use crate::scene::{
+    ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, Sensor, ToWorld, find_camera,
+};
 
 /// Holds changes of the scene's file back while the user is asked about them, and while it is being saved.
 pub(crate) fn hold_reloads(requests: Res<Requests>, history: Res<History>, mut file: ResMut<SceneFile>) {
@@ -100,9 +103,6 @@ pub fn follow_scene(
             paths.wanted = None;
             if control.region.is_some() {
                 control.region = None;
-            }
-            if status.path.is_none() {
-                settings.navigation.scene_size = NEW_SCENE;
             }
             if status.path.is_some() && !recovery.is_returning() {
                 toasts.info(format!("Opened {file}"));
@@ -259,30 +259,39 @@ fn failure(path: &Path, has_good_scene: bool) -> String {
     }
 }
 
-/// Keeps the size that flying is scaled by: that of everything, but no more than the first view of a scene suggests. A floor of a
-/// kilometre must not make a still life on it a matter of one key press.
+/// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the same steps however it was opened.
 pub fn measure_scene(
     packed: Res<PackedScene>,
-    status: Res<SceneStatus>,
+    active: Res<ActiveSensor>,
+    sensors: Query<(&Sensor, &ToWorld)>,
     mut settings: ResMut<ViewSettings>,
-    mut looked_at: Local<Option<(u64, f32)>>,
 ) {
-    if !packed.is_changed() {
-        return;
-    }
-    let Some(bounds) = picking::scene_bounds(&packed) else {
-        return;
-    };
-    let is_other_scene = |(load, _)| status.fresh_load && load != status.revision;
-    if looked_at.is_none_or(is_other_scene) {
-        let distance = picking::distance_ahead(&packed).unwrap_or(f32::INFINITY);
-        *looked_at = Some((status.revision, distance));
-    }
-    let ahead = looked_at.map_or(f32::INFINITY, |(_, distance)| distance);
-    let size = bounds.extent().length().min(SIZE_PER_DISTANCE * ahead);
+    let camera = active.0.and_then(|sensor| sensors.get(sensor).ok());
+    let size = size_of_scene(&packed, camera);
     if size.is_finite() && size > 0.0 && size != settings.navigation.scene_size {
         settings.navigation.scene_size = size;
     }
+}
+
+/// The size of everything with the camera, since a first small thing is not all there will be. A floor of a kilometre must not make a still life
+/// on it a matter of one key press, so that it is no more than what the camera is directed at suggests; and a camera with a long lens may be far away.
+fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f32 {
+    let Some(bounds) = picking::scene_bounds(packed) else {
+        return NEW_SCENE;
+    };
+    let size = bounds.extent().length();
+    let Some((sensor, ToWorld(pose))) = camera else {
+        return size;
+    };
+    let place = Vec3::from(pose.translation);
+    let axis = Ray {
+        t_min: sensor.near_clip,
+        ..Ray::new(place, Vec3::from(pose.matrix3.z_axis).normalize_or_zero())
+    };
+    let ahead = picking::surface(packed, &axis, |_| false);
+    let ahead = ahead.map_or(f32::INFINITY, |seen| seen.position.distance(place));
+    let with_camera = bounds.grown(place).extent().length();
+    with_camera.min(MOST_WITH_CAMERA * size).min(SIZE_PER_DISTANCE * ahead)
 }
 
 /// World units, of one in which there is nothing yet.
@@ -291,10 +300,13 @@ const NEW_SCENE: f32 = 5.0;
 /// A subject is about as large as it is far, and there is something around it.
 const SIZE_PER_DISTANCE: f32 = 2.0;
 
+/// The most that the camera adds to the size of everything.
+const MOST_WITH_CAMERA: f32 = 4.0;
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{DocumentOrder, FileKind, FileProblem, SceneId, Sensor};
+    use crate::scene::{DocumentOrder, FileKind, FileProblem, SceneId};
 
     #[test]
     fn a_file_that_is_missing_for_two_things_is_named_once() {

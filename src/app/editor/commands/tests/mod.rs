@@ -15,6 +15,7 @@ mod placing;
 mod projecting;
 mod saving;
 mod seeing;
+mod steps;
 mod views;
 
 use std::path::{Path, PathBuf};
