@@ -140,6 +140,11 @@ impl RenderStatus {
         by_samples.max(by_time).max(by_noise).clamp(0.0, 1.0)
     }
 
+    /// Whether no samples are added because the picture has all of them, or is paused.
+    pub fn rests(&self) -> bool {
+        matches!(self.state, RenderState::Done | RenderState::Paused)
+    }
+
     /// The limit of noise, if there is one that the picture has not reached: also while it is under way.
     pub fn missed_noise(&self) -> Option<f32> {
         let is_missed = |limit: &f32| self.noise.is_none_or(|noise| noise > *limit);

@@ -544,6 +544,19 @@ fn the_full_film_of_an_image_can_be_given_up() {
     );
     click(&mut harness, "Cancel");
     assert_eq!(harness.state().commands, [Command::StopFull]);
+    // All samples are there, and the filter is at work.
+    let status = &mut harness.state_mut().it;
+    status.status.state = RenderState::Done;
+    status
+        .awaited_image
+        .iter_mut()
+        .for_each(|image| image.is_denoised = true);
+    harness.run_steps(3);
+    assert!(
+        harness
+            .query_by_label("Denoising 1000 × 1000 pixels for a.png")
+            .is_some()
+    );
 }
 
 #[test]

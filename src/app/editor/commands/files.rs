@@ -15,6 +15,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::figures::counted;
 use crate::app::editor::words::files::noisy_beside;
 use crate::document;
 use crate::engine::{RenderFilm, RenderState, RenderStatus, file_options, single_picture};
@@ -213,10 +214,11 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         write_layered(&path, &noisy, &options).map_err(CommandError::file)?;
         say_saved(world, format!("Saved the picture as sampled as {}", path.display()));
     }
-    let mut shown = match is_displayed && display.mode.is_light() {
-        true => format!(" with the tone map {}", display.tone_map.name()),
-        false => String::new(),
-    };
+    let samples = counted(world.resource::<RenderStatus>().samples.into(), "sample");
+    let mut shown = format!(" with {samples} per pixel");
+    if is_displayed && display.mode.is_light() {
+        shown.push_str(&format!(" and the tone map {}", display.tone_map.name()));
+    }
     if !is_exr && !world.resource::<IntegratorSettings>().layers.is_empty() {
         shown.push_str(", without layers: only EXR files have them");
     }

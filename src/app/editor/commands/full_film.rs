@@ -117,6 +117,23 @@ pub fn confirm(world: &mut World) -> Result<(), CommandError> {
     }
 }
 
+/// Cancels the image that is waited for. The film that was begun for it stays with its samples, unless it has none or is so large that the user was
+/// asked about it. Without such an image it goes back to the pixels of the window.
+pub fn stop(world: &mut World) {
+    let Some(file) = world.get_resource::<AwaitedImage>().map(AwaitedImage::file_name) else {
+        return control(world, RenderControl::forget_size_until_change);
+    };
+    let status = world.resource::<RenderStatus>();
+    let layers = world.resource::<RenderFilm>().film.layers();
+    let has_samples = status.samples > 0 && !is_smaller(world);
+    if !has_samples || is_large(full_film_bytes(status.full_size, layers)) {
+        control(world, RenderControl::forget_size_until_change);
+    }
+    let error = ImageNotSaved::Cancelled { file };
+    world.resource_mut::<Toasts>().info(error.to_string());
+    end(world, Err(error));
+}
+
 /// Ends the wait for an image.
 fn end(world: &mut World, outcome: Result<(), ImageNotSaved>) {
     if let Some(image) = world.remove_resource::<AwaitedImage>() {
@@ -150,8 +167,7 @@ pub fn follow_awaited_image(world: &mut World) {
         world.resource_mut::<Toasts>().reject(error.to_string());
         return end(world, Err(error));
     }
-    let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
-    let is_complete = rests && status.samples >= image.samples && !is_smaller(world);
+    let is_complete = status.rests() && status.samples >= image.samples && !is_smaller(world);
     if !is_complete || (image.is_denoised && finished::owes_denoised(world)) {
         return;
     }

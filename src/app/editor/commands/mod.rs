@@ -72,7 +72,7 @@ use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{InputStamp, PackedScene, RenderControl};
+use crate::engine::{InputStamp, PackedScene};
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
 };
@@ -303,7 +303,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SetResolution(resolution) => full_film::set_resolution(world, resolution),
         Command::SetEnlarging(enlarging) => world.resource_mut::<ViewSettings>().enlarging = enlarging,
         Command::RenderFull(request) => full_film::render(world, request)?,
-        Command::StopFull => control(world, RenderControl::forget_size_until_change),
+        Command::StopFull => full_film::stop(world),
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
         Command::SetSeeing(seen) => seeing::set(world, seen),

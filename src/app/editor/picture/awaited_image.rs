@@ -54,6 +54,12 @@ pub enum ImageNotSaved {
         /// The message of the renderer.
         reason: String,
     },
+    /// The user has cancelled it.
+    #[error("{file} was not saved: it was cancelled.")]
+    Cancelled {
+        /// The name of the file.
+        file: String,
+    },
     /// The full film was given up.
     #[error("{file} was not saved: the scene, the view or the resolution was changed before the full film was there.")]
     Changed {

@@ -64,8 +64,11 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(320.0);
                 let size = status.status.full_size;
+                // Nobody knows how long the filter takes.
+                let is_filtered = image.is_denoised && status.status.rests() && status.status.size == size;
+                let does = if is_filtered { "Denoising" } else { "Rendering all" };
                 ui.label(format!(
-                    "Rendering all {} × {} pixels for {}",
+                    "{does} {} × {} pixels for {}",
                     size.x,
                     size.y,
                     image.file_name()
@@ -75,10 +78,12 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
                         Some(seconds) => format!("{:.0} %, {} left", 100.0 * done, clock(seconds)),
                         None => format!("{:.0} %", 100.0 * done),
                     };
-                    ui.add(ProgressBar::new(done).desired_width(240.0).text(text));
+                    if !is_filtered {
+                        ui.add(ProgressBar::new(done).desired_width(240.0).text(text));
+                    }
                     let cancel = ui
                         .button("Cancel")
-                        .on_hover_text("Save nothing, and go back to the pixels that the window shows");
+                        .on_hover_text("Save nothing; the picture keeps the samples that it has");
                     if cancel.clicked() {
                         commands.push(Command::StopFull);
                     }

@@ -102,6 +102,9 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     let control = app.world().resource::<RenderControl>();
     assert_eq!((control.exact_samples, control.full_until_change), (None, true));
     assert!(samples >= 3);
+    let told = format!("with {samples} samples per pixel and the tone map");
+    let texts: Vec<&str> = app.world().resource::<Toasts>().texts().collect();
+    assert!(texts.iter().any(|text| text.contains(&told)), "{texts:?}");
     // Now the full film is there, so that the image is saved at once.
     let again = folder.path().join("again.png");
     apply(app.world_mut(), Command::SaveImage(again.clone())).expect("saved");
@@ -212,6 +215,34 @@ fn a_change_in_between_saves_nothing_and_says_so() {
         );
         assert_eq!(app.world().resource::<RenderControl>().exact_samples, None);
     }
+}
+
+#[test]
+fn an_image_that_is_cancelled_leaves_the_samples_of_its_film() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.png");
+    let mut app = app();
+    begin_to_save(&mut app, &path);
+    const MANY: u32 = 1_000_000_000;
+    app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
+    app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
+    update_until(&mut app, |world| {
+        size(world) == (120, 80) && world.resource::<RenderStatus>().samples >= 3
+    });
+    let job = app.world().resource::<RenderFilm>().job;
+    apply(app.world_mut(), Command::StopFull).expect("it is cancelled");
+    for _ in 0..3 {
+        app.update();
+    }
+    let world = app.world();
+    assert!(!world.contains_resource::<AwaitedImage>() && !path.exists());
+    assert_eq!((world.resource::<RenderFilm>().job, size(world)), (job, (120, 80)));
+    assert!(world.resource::<RenderStatus>().samples >= 3);
+    let texts: Vec<&str> = world.resource::<Toasts>().texts().collect();
+    assert_eq!(texts, ["sky.png was not saved: it was cancelled."]);
+    // Asked for again, it goes back to the pixels of the window.
+    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    update_until(&mut app, |world| size(world) == (60, 40));
 }
 
 #[test]
