@@ -279,7 +279,7 @@ pub enum Command {
         /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
-    /// Gives this shape a new grey material of its own.
+    /// Gives this shape a material of its own: a copy of the one that it has, or a grey one.
     GiveMaterial {
         /// The shape that gets it.
         shape: Entity,

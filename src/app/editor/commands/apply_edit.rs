@@ -16,11 +16,8 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::{Edit, StepKind};
 use crate::app::editor::session::trust;
 use crate::document::paths::settle;
-use crate::scene::insert::next_order;
-use crate::scene::names::free_name_for;
 use crate::scene::{
-    AccelMethod, AreaLight, DocumentOrder, Hidden, IntegratorSettings, Locked, Material, MemberOf, SamplerSettings,
-    SceneId, UsesMaterial,
+    AccelMethod, AreaLight, Hidden, IntegratorSettings, Locked, Material, MemberOf, SamplerSettings, UsesMaterial,
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
@@ -119,9 +116,8 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
         Command::ProjectTextures { shapes, projection } => uv_projection::project(edit, &shapes, projection)?,
         Command::GiveMaterial { shape } => {
             need_surface(edit, shape)?;
-            let order = DocumentOrder(next_order(edit.world));
-            let name = free_name_for(edit.world, "material");
-            let material = edit.spawn((Material::default(), order, SceneId(name.clone()), Name::new(name)));
+            let before = edit.world.get::<UsesMaterial>(shape).map(|uses| uses.0);
+            let material = materials::copy_or_grey(edit, before);
             edit.set(shape, UsesMaterial(material));
         }
         Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::material_names::{name_after_preset, name_as_id};
 use super::preset_media;
 use super::things::{delete, need_surface, outer_materials};
 use crate::app::editor::camera::picking;
@@ -83,9 +84,7 @@ pub fn of_their_own(edit: &mut Edit, shapes: &[Entity]) -> Vec<Entity> {
 /// The material itself if only these shapes have it, else a copy; a grey one for none.
 fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity {
     let Some(material) = material else {
-        let made = spawn(edit, "material");
-        name_as_id(edit, made, "material");
-        return made;
+        return copy_or_grey(edit, None);
     };
     let users = edit.world.get::<MaterialUsers>(material);
     let is_shared = users.is_some_and(|users| users.iter().any(|user| !shapes.contains(&user)));
@@ -97,11 +96,10 @@ fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity
     copy.unwrap_or(material)
 }
 
-/// Gives a new material its name as id, so that shapes can refer to it in the file.
-fn name_as_id(edit: &mut Edit, material: Entity, otherwise: &str) {
-    let name = edit.world.get::<Name>(material);
-    let name = name.map_or_else(|| otherwise.to_owned(), |name| name.as_str().to_owned());
-    edit.set(material, SceneId(name));
+/// A copy of the material with all that are nested in it; a grey one for none.
+pub fn copy_or_grey(edit: &mut Edit, material: Option<Entity>) -> Entity {
+    let copy = material.and_then(|material| copied(edit, material));
+    copy.unwrap_or_else(|| made(edit, "material", &Material::default().into()))
 }
 
 /// A new material of the scene, under this name if it is free.
@@ -158,6 +156,7 @@ pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result
         };
         if !done.contains(&material) {
             become_tree(edit, material, tree);
+            name_after_preset(edit, material, tree);
             done.push(material);
         }
     }

@@ -22,6 +22,7 @@ pub(crate) mod full_film;
 mod grouping;
 pub(crate) mod kept_picture;
 mod limits;
+mod material_names;
 mod materials;
 mod media;
 mod media_boxes;

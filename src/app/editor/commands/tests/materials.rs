@@ -1,6 +1,7 @@
 //! Commands about materials.
 
 use super::*;
+use crate::app::editor::model::EditorModel;
 use crate::scene::{Medium, PhaseFunction};
 
 #[test]
@@ -18,6 +19,37 @@ fn a_new_material_belongs_to_its_shape() {
         },
     );
     assert!(world.get::<UsesMaterial>(shape).is_none());
+}
+
+#[test]
+fn a_material_of_its_own_begins_as_a_copy_and_is_named_after_a_preset() {
+    let mut world = bare_world();
+    let presets = crate::app::editor::command::presets::built_in();
+    world.resource_mut::<EditorModel>().0.presets = presets.into();
+    let [one, two] = [0; 2].map(|_| add(&mut world, AdditionKind::Cube));
+    let red = Material::Diffuse {
+        reflectance: Rgb::X.into(),
+    };
+    let wood = world.spawn((red.clone(), DocumentOrder(0), Name::new("wood"))).id();
+    world.entity_mut(wood).insert(SceneId("wood".to_owned()));
+    let (shapes, material) = (vec![one, two], Some(wood));
+    say(&mut world, Command::UseMaterial { shapes, material });
+    say(&mut world, Command::GiveMaterial { shape: one });
+    let own = world.get::<UsesMaterial>(one).expect("a material").0;
+    assert_eq!(world.get::<Material>(own), Some(&red));
+    assert_eq!(world.get::<UsesMaterial>(two), Some(&UsesMaterial(wood)));
+    let choose = |world: &mut World, path: &str| {
+        let presets = world.resource::<EditorModel>().0.presets.clone();
+        let preset = presets.iter().find(|preset| preset.path() == path).expect(path);
+        let (targets, tree) = (vec![own], Box::new(preset.tree.clone()));
+        say(world, Command::BuildMaterial { targets, tree });
+        world.get::<SceneId>(own).expect("an id").0.clone()
+    };
+    assert_eq!(world.get::<SceneId>(own).map(|id| id.0.as_str()), Some("wood-2"));
+    assert_eq!(choose(&mut world, "Metal/copper"), "copper");
+    assert_eq!(choose(&mut world, "Metal/gold"), "gold");
+    say(&mut world, Command::Rename(own, "handle".to_owned()));
+    assert_eq!(choose(&mut world, "Metal/copper"), "handle");
 }
 
 #[test]
