@@ -680,6 +680,43 @@ fn preferences_are_said_when_they_change_and_only_then() {
     );
 }
 
+/// A window with nothing but a picture.
+fn around(egui: &Context) -> toasts::Surroundings {
+    toasts::Surroundings {
+        panel: egui.content_rect(),
+        bar: None,
+        has_question: false,
+    }
+}
+
+#[test]
+fn messages_leave_the_bar_and_questions_free() {
+    let mut said = Toasts::default();
+    said.add(Tone::Note, Topic::Other, "Saved".into(), None);
+    let bar = egui::Rect::from_min_size(egui::pos2(800.0, 120.0), egui::vec2(380.0, 30.0));
+    let harness = show(said.clone(), |egui, shown| {
+        let bar = egui::Rect::from_min_size(egui::pos2(800.0, 120.0), egui::vec2(380.0, 30.0));
+        let around = toasts::Surroundings {
+            bar: Some(bar),
+            ..around(egui)
+        };
+        toasts::show(&mut shown.it, None, egui, around, &mut shown.commands);
+    });
+    assert!(harness.get_by_label("Saved").rect().top() > bar.bottom());
+    // The message is below the veil of a question.
+    let harness = show(said, |egui, shown| {
+        recovery_question::question(egui, &mut Some(offer()), &mut shown.commands);
+        let around = toasts::Surroundings {
+            has_question: true,
+            ..around(egui)
+        };
+        toasts::show(&mut shown.it, None, egui, around, &mut shown.commands);
+    });
+    let at = harness.get_by_label("Saved").rect().center();
+    let top = harness.ctx.layer_id_at(at).expect("a layer");
+    assert_ne!(top.id, egui::Id::new("toasts"));
+}
+
 #[test]
 fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
     let mut toasts = Toasts::default();
@@ -696,14 +733,14 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
             &mut shown.it,
             Some(Tone::Error),
             egui,
-            egui.content_rect(),
+            around(egui),
             &mut shown.commands,
         );
     });
     // While a question is open.
     assert!(harness.query_by_label(line).is_none() && harness.query_by_label("Saved").is_some());
     let mut harness = show(toasts, |egui, shown| {
-        toasts::show(&mut shown.it, None, egui, egui.content_rect(), &mut shown.commands);
+        toasts::show(&mut shown.it, None, egui, around(egui), &mut shown.commands);
     });
     assert!(harness.query_by_label(line).is_some());
     click(&mut harness, "Messages");

@@ -2,7 +2,7 @@
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::camera::screen::Screen;
@@ -43,6 +43,8 @@ pub struct Window {
     is_empty: bool,
     /// Whether the picture is paused and older than the scene.
     is_paused: bool,
+    /// The proportions of the picture that would be rendered, where nothing is rendered yet.
+    unrendered: Option<[u32; 2]>,
 }
 
 pub const SIZE: egui::Vec2 = vec2(800.0, 600.0);
@@ -80,6 +82,7 @@ pub fn window() -> Harness<'static, Window> {
         preset: NavigationPreset::default(),
         is_empty: false,
         is_paused: false,
+        unrendered: None,
     };
     let lamp = Icon {
         entity: entity(7),
@@ -103,6 +106,8 @@ pub fn window() -> Harness<'static, Window> {
                 },
                 preset: window.preset,
                 is_empty: window.is_empty,
+                picture: empty.picture.filter(|_| window.unrendered.is_none()),
+                proportions: window.unrendered.unwrap_or(empty.proportions),
                 outdated: window.is_paused.then_some(Outdated::Scene),
                 keys: ActionContext {
                     gizmo: window.gizmo,
@@ -211,6 +216,39 @@ fn a_handle_is_dragged_and_nothing_else_happens() {
         "{commands:?}"
     );
     assert!(commands.len() >= 4, "it follows the pointer");
+}
+
+#[test]
+fn what_is_over_a_picture_has_its_place_before_there_is_one() {
+    let mut harness = window();
+    let state = harness.state_mut();
+    state.unrendered = Some([800, 400]);
+    state.camera = Camera::new(pose(), 60.0, 2.0, 0.01, 100.0, None);
+    harness.run_steps(3);
+    assert_eq!(harness.state().state.picture, None, "it is being prepared");
+    harness.state_mut().is_paused = true;
+    harness.run_steps(3);
+    let picture = harness.state().state.picture.expect("a place");
+    assert_eq!(picture.size.to_array(), [800, 400]);
+    let screen = Screen {
+        camera: harness.state().camera,
+        picture: egui::Rect::from_center_size(pos2(400.0, 300.0), vec2(800.0, 400.0)),
+    };
+    let at = |x: f32| screen.project(x * Vec3::X).expect("in front");
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        at(0.5),
+        at(2.5),
+        Modifiers::NONE,
+        true,
+    );
+    harness.run_steps(3);
+    assert!(
+        moved_to(&harness).abs_diff_eq(2.0 * Vec3::X, 1e-3),
+        "{}",
+        moved_to(&harness)
+    );
 }
 
 #[test]

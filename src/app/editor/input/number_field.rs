@@ -150,7 +150,7 @@ impl Field {
                 if number < least || number > most {
                     note(&self.context, beyond(number, least, most));
                 } else {
-                    self.context.data_mut(|data| data.remove::<Note>(note_id()));
+                    forget_note(&self.context);
                 }
                 self.is_read.set(true);
                 Some(number)
@@ -193,6 +193,7 @@ impl Field {
         let left_by = |key| response.lost_focus() && ui.input(|input| input.key_pressed(key));
         if left_by(Key::Escape) {
             self.forget();
+            forget_note(&self.context);
         }
         let Some(rejected) = self.rejected() else {
             return response;
@@ -375,6 +376,26 @@ fn note_id() -> Id {
 pub fn note(context: &Context, text: String) {
     let time = context.input(|input| input.time);
     context.data_mut(|data| data.insert_temp(note_id(), Note { text, time }));
+}
+
+/// The note is no longer true. The status line may have been drawn in this frame already.
+fn forget_note(context: &Context) {
+    context.data_mut(|data| data.remove::<Note>(note_id()));
+    context.request_repaint();
+}
+
+/// Brings back the values of all texts that are no numbers, while the status line tells of one. False: there is none, and Esc is for something else.
+pub fn take_back(context: &Context) -> bool {
+    let has_texts = context.data(|data| data.count::<Rejected>() > 0);
+    if told(context).is_none() || !has_texts {
+        return false;
+    }
+    context.data_mut(|data| {
+        data.remove_by_type::<Rejected>();
+        data.remove_by_type::<Entered>();
+    });
+    forget_note(context);
+    true
 }
 
 /// What was wrong with a text just now.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use bevy::math::UVec2;
 use bevy_egui::egui::{self, Ui};
 
 use crate::app::editor::input::number_field;
@@ -137,6 +138,9 @@ fn size(status: &RenderStatus) -> Part {
     let traced = format!("{} × {}", size.x, size.y);
     if size.x >= full.x && size.y >= full.y {
         return Part::new(traced, "Pixels of the picture");
+    }
+    if size == UVec2::ZERO {
+        return Part::new(format!("{} × {}", full.x, full.y), "Pixels of the film");
     }
     Part::new(
         format!("{traced} of {} × {}", full.x, full.y),
@@ -397,6 +401,7 @@ mod tests {
         };
         assert_eq!(text([800, 600], [800, 600]), "800 × 600");
         assert_eq!(text([1000, 562], [3840, 2160]), "1000 × 562 of 3840 × 2160");
+        assert_eq!(text([0, 0], [800, 600]), "800 × 600", "nothing is rendered yet");
     }
 
     #[test]

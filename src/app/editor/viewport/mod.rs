@@ -82,14 +82,20 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     let pixels = ui.ctx().pixels_per_point();
     let room = pixels_of(panel, pixels);
     state.room = Some(room);
-    let picture = model
-        .picture
-        .map_or(panel, |_| fitted(panel, fit(model.proportions.into(), room), pixels));
+    let has_place = model.has_place();
+    let picture = match has_place {
+        true => fitted(panel, fit(model.proportions.into(), room), pixels),
+        false => panel,
+    };
     let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
     match model.picture {
         Some((texture, _)) => {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, picture, uv, Color32::WHITE);
+        }
+        // The bar over the picture says why it is black.
+        None if has_place => {
+            ui.painter().rect_filled(picture, 0.0, Color32::BLACK);
         }
         None => {
             let font = FontId::proportional(16.0);
@@ -102,8 +108,9 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
             );
         }
     }
-    let screen = model.camera.map(|camera| Screen { camera, picture });
-    state.picture = model.picture.map(|_| on_screen(ui, picture));
+    let camera = model.camera.filter(|_| has_place);
+    let screen = camera.map(|camera| Screen { camera, picture });
+    state.picture = has_place.then(|| on_screen(ui, picture));
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
     if let Some(screen) = &screen
         && model.enabled
@@ -113,7 +120,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         wipe::handle(ui, picture, model.compared, commands);
     }
     act(ui, panel, &response, screen.as_ref(), model, state, commands);
-    if model.picture.is_some() {
+    if has_place {
         toolbar(ui, panel, model, commands);
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
@@ -124,16 +131,17 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
             texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
         }
     }
+    state.bar = None;
     if !state.gizmo.is_dragging() {
         let handles = screen
             .as_ref()
             .and_then(|screen| place_of_handles(screen, &model.gizmo));
-        paused::bar(ui, panel, picture, handles, model, commands);
+        state.bar = paused::bar(ui, panel, picture, handles, model, commands);
     }
-    if model.is_empty && model.enabled && model.picture.is_some() && !model.keys.tool.blocks_out() {
+    if model.is_empty && model.enabled && has_place && !model.keys.tool.blocks_out() {
         first_steps(ui, picture, &model.keys, commands);
     }
-    if let (Some(pose), Some(screen), true, true) = (model.pose, &screen, model.picture.is_some(), model.enabled) {
+    if let (Some(pose), Some(screen), true) = (model.pose, &screen, model.enabled) {
         let center = || pointer::center(screen, model, pose);
         let bound = model.keys.bound;
         axes_widget(
@@ -292,7 +300,7 @@ fn paint_over(
     state: &ViewportState,
 ) {
     let painter = ui.painter_at(picture);
-    if let Some(screen) = screen.filter(|_| model.picture.is_some()) {
+    if let Some(screen) = screen {
         grid::paint(&painter, screen, model.navigation.up, &model.keys.grid, model.depths);
     }
     model.outline.paint(&painter, picture);
@@ -381,7 +389,7 @@ fn paint_over(
             format!("{total} boxes")
         });
     }
-    if model.keys.paused {
+    if model.keys.paused && paused::words(model).is_none() {
         notes.push("Paused".to_owned());
     }
     // The view may have come to it by itself, or long ago: the key tells how it ends.

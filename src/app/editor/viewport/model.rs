@@ -102,6 +102,11 @@ pub struct ViewportModel<'a> {
 }
 
 impl<'a> ViewportModel<'a> {
+    /// Whether there is a picture, or one that rendering would begin if it were not paused: what is drawn over a picture has its place then.
+    pub(super) fn has_place(&self) -> bool {
+        self.picture.is_some() || self.keys.paused && self.outdated.is_some() && self.camera.is_some()
+    }
+
     /// The data that the tools act on that block out.
     pub(super) fn blocking(&self) -> BlockingModel<'a> {
         BlockingModel {

@@ -1,4 +1,4 @@
-//! The bar over a paused picture that is not the one of the scene, with a button to go on.
+//! The bar over a paused picture that is not the one of the scene, with a button that resumes rendering.
 
 use bevy_egui::egui::{Align, Button, Layout, Margin, Rect, Ui, UiBuilder, pos2, vec2};
 
@@ -16,7 +16,7 @@ const TOP: f32 = 68.0;
 const FOOT: f32 = 84.0;
 
 /// What is told of the picture; nothing if it is the one of the scene.
-fn words(model: &ViewportModel) -> Option<&'static str> {
+pub(super) fn words(model: &ViewportModel) -> Option<&'static str> {
     let outdated = model.outdated.filter(|_| model.keys.paused)?;
     Some(match (model.picture, outdated) {
         (None, _) => "Paused: nothing of this scene is rendered yet",
@@ -36,7 +36,7 @@ fn place(panel: Rect, picture: Rect, handles: Option<Rect>) -> Rect {
     }
 }
 
-/// Shows the bar. `handles`: where handles are.
+/// Shows the bar, and gives its place. `handles`: where handles are.
 pub(super) fn bar(
     ui: &mut Ui,
     panel: Rect,
@@ -44,18 +44,19 @@ pub(super) fn bar(
     handles: Option<Rect>,
     model: &ViewportModel,
     commands: &mut Vec<Command>,
-) {
-    let Some(words) = words(model) else { return };
+) -> Option<Rect> {
+    let words = words(model)?;
     let place = place(panel, picture, handles);
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("paused").max_rect(place).layout(layout));
     bar_frame(&bar, Margin::symmetric(8, 4)).show(&mut bar, |ui| {
         ui.label(words);
         let button = ui
-            .add(Button::new("Go on"))
+            .add(Button::new("Resume"))
             .on_hover_text(hint("Render again", "pause", model.keys.bound));
         if button.clicked() {
             commands.push(Command::SetPaused(false));
         }
     });
+    Some(place)
 }

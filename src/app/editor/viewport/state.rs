@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bevy::math::UVec2;
 use bevy::prelude::Resource;
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{Rect, Ui};
 
 use super::axes_widget::AxesState;
 use super::blocking::BlockingState;
@@ -28,6 +28,8 @@ pub struct ViewportState {
     pub(super) axes: AxesState,
     /// The size of the picture on the screen; None while there is no picture.
     pub picture: Option<ScreenPixels>,
+    /// The place of the bar over a paused picture, if there is one.
+    pub bar: Option<Rect>,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
 }

@@ -14,27 +14,43 @@ const WIDTH: f32 = 380.0;
 /// The room in points from the edges of the picture, and from the axes in its corner.
 const GAP: f32 = 10.0;
 
-/// Shows the messages at the right of `place`, below the axes in its corner, without messages of the tone `hidden`.
+/// What messages have to leave free.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    /// The panel with the picture.
+    pub panel: Rect,
+    /// The bar over a paused picture.
+    pub bar: Option<Rect>,
+    /// Whether a question is asked, which messages are not to cover.
+    pub has_question: bool,
+}
+
+/// Shows the messages at the right of the panel, below the axes in its corner, without messages of the tone `hidden`.
 pub fn show(
     toasts: &mut Toasts,
     hidden: Option<Tone>,
     context: &egui::Context,
-    place: Rect,
+    around: Surroundings,
     commands: &mut Vec<Command>,
 ) {
+    let place = around.panel;
     let current = toasts.current();
     if current.is_empty() {
         return;
     }
     let width = WIDTH.min(place.width() - 24.0).max(120.0);
+    let right = place.right() - GAP;
+    let is_above = |bar: &Rect| bar.right() > right - width && bar.bottom() < place.center().y;
+    let bar = around.bar.filter(is_above).map_or(0.0, |bar| bar.bottom());
+    let top = axes_widget::place(place).bottom().max(bar) + GAP;
     let mut dismissed = None;
     Area::new(Id::new("toasts"))
-        .order(Order::Foreground)
+        .order(match around.has_question {
+            true => Order::Middle,
+            false => Order::Foreground,
+        })
         .pivot(Align2::RIGHT_TOP)
-        .fixed_pos(egui::pos2(
-            place.right() - GAP,
-            axes_widget::place(place).bottom() + GAP,
-        ))
+        .fixed_pos(egui::pos2(right, top))
         .constrain_to(place)
         .show(context, |ui| {
             ui.set_width(width);

@@ -21,8 +21,8 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::input::actions::ActionContext;
-use crate::app::editor::input::keys;
 use crate::app::editor::input::press::Press;
+use crate::app::editor::input::{keys, number_field};
 use crate::app::editor::model::{EditorModel, Inspected};
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
@@ -141,20 +141,27 @@ pub fn show_window(
     widgets.assets.is_shown = false;
     let layout = &mut *shell.layout;
     // A question or a sheet that closes in this frame still had its keys.
-    let is_free = requests.dialog.is_none()
-        && requests.save_question.is_none()
-        && requests.full_film_question.is_none()
-        && requests.scene_question.is_none()
-        && requests.sheet.is_none()
-        && shell.recovery.offer.is_none()
-        && shell.trusted.question.is_none()
-        && !shell.unsaved_question.is_asking()
-        && !shell.picture_question.is_asking()
-        && !shell.bake_question.is_asking();
+    let has_question = requests.save_question.is_some()
+        || requests.full_film_question.is_some()
+        || requests.scene_question.is_some()
+        || shell.recovery.offer.is_some()
+        || shell.trusted.question.is_some()
+        || shell.unsaved_question.is_asking()
+        || shell.picture_question.is_asking()
+        || shell.bake_question.is_asking();
+    let is_free = requests.dialog.is_none() && requests.sheet.is_none() && !has_question;
     // A field that is left and a list that closes in this frame still had its keys.
     let bound = &shell.preferences.keys;
     let presses = match is_free {
-        true => typing.fields.take(&context, pressed.clone(), *typing.keyboard, bound),
+        true => {
+            let mut presses = typing.fields.take(&context, pressed.clone(), *typing.keyboard, bound);
+            // Esc does one thing at a time: what the status line says.
+            let is_escape = |press: &Press| press.key == egui::Key::Escape;
+            if presses.iter().any(is_escape) && number_field::take_back(&context) {
+                presses.retain(|press| !is_escape(press));
+            }
+            presses
+        }
         false => {
             typing.fields.drop_waiting();
             Vec::new()
@@ -199,7 +206,8 @@ pub fn show_window(
         picture: seen.picture,
         proportions: seen.proportions,
         placeholder: &seen.placeholder,
-        outdated: model.status.status.outdated,
+        // While a scene is being read the camera is still that of the scene before.
+        outdated: (model.status.status.outdated).filter(|_| scene.status.state == SceneState::Ready),
         pose: seen.pose,
         camera: scene.packed.view.as_ref().map(|view| view.camera),
         boxes: seen.boxes(),
@@ -342,7 +350,12 @@ pub fn show_window(
         Some(Sheet::Start) => Some(Tone::Note),
         _ => None,
     };
-    toasts::show(&mut said.toasts, hidden, &context, widgets.viewport_place, commands);
+    let around = toasts::Surroundings {
+        panel: widgets.viewport_place,
+        bar: state.bar,
+        has_question,
+    };
+    toasts::show(&mut said.toasts, hidden, &context, around, commands);
     said.queue.0.append(commands);
     typing.fields.end_frame(&context);
     let is_picture = context.memory(|memory| memory.has_focus(egui::Id::new(PICTURE)));

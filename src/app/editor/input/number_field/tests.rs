@@ -67,6 +67,19 @@ fn press(harness: &mut Harness<(f64, usize)>, key: Key) {
 }
 
 #[test]
+fn esc_brings_back_what_the_status_line_says_and_does_nothing_else() {
+    let mut harness = field(3.0);
+    assert!(!take_back(&harness.ctx));
+    type_text(&mut harness, "abc");
+    press(&mut harness, Key::Tab);
+    assert!(shows(&harness, "abc") && told(&harness.ctx).is_some());
+    assert!(take_back(&harness.ctx));
+    assert_eq!(told(&harness.ctx), None);
+    harness.run_steps(3);
+    assert!(shows(&harness, "3.00") && !take_back(&harness.ctx));
+}
+
+#[test]
 fn what_is_typed_counts_once_it_is_finished() {
     for (text, expected) in [("0,5", 0.5), ("1/4", 0.25), ("2*3+1", 7.0), ("500", 100.0)] {
         let mut harness = field(3.0);
