@@ -61,6 +61,8 @@ pub fn context(selection: &Selection) -> ActionContext<'_> {
         isolated: false,
         has_textures: false,
         has_kept_picture: false,
+        has_missing: false,
+        can_revert: false,
         timeline_shown: false,
         playing: false,
         flying: false,

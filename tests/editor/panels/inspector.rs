@@ -6,10 +6,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::shell::{ShellCommand, SoughtFile};
 use sunroom::app::editor::model::mixed::Mixed;
-use sunroom::app::editor::model::{Inspected, InspectedMesh, Model, Outline};
+use sunroom::app::editor::model::{Inspected, InspectedMesh, MissingItem, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
-use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
+use sunroom::scene::{FileKind, Lens, Material, MeshFile, Sensor, Shape, ShapeKind};
 
 use super::subjects::{awkward, every_inspected, with_material};
 use super::{Shown, click, drag, entity, item, light, slide};
@@ -44,6 +45,42 @@ fn inspect_in(width: f32, inspected: Inspected) -> Harness<'static, Shown<Model>
     );
     harness.run_steps(3);
     harness
+}
+
+#[test]
+fn a_mesh_that_is_missing_is_said_to_be_and_can_be_found() {
+    let path = std::path::PathBuf::from("/models/chair.obj");
+    let shape = Shape {
+        kind: ShapeKind::Mesh(MeshFile {
+            path: path.clone(),
+            ..MeshFile::default()
+        }),
+        ..Shape::default()
+    };
+    let mut harness = inspect(Inspected {
+        shape: Some(shape),
+        ..Inspected::new(entity(5), "chair")
+    });
+    const WORDS: &str = "The file is missing";
+    assert!(harness.query_by_label_contains(WORDS).is_none());
+    let kind = FileKind::Mesh;
+    harness.state_mut().given.missing = vec![MissingItem {
+        kind,
+        path: path.clone(),
+    }]
+    .into();
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains(WORDS).is_some());
+    click(&mut harness, "Find…");
+    let sought = SoughtFile {
+        kind,
+        path,
+        others: true,
+    };
+    assert_eq!(
+        harness.state().commands,
+        [Command::Shell(ShellCommand::FindFile(sought))]
+    );
 }
 
 #[test]

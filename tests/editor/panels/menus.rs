@@ -58,6 +58,8 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 isolated: false,
                 has_textures: false,
                 has_kept_picture: false,
+                has_missing: false,
+                can_revert: false,
                 timeline_shown: false,
                 playing: false,
                 flying: false,
@@ -101,6 +103,28 @@ fn menus_say_commands() {
         Command::SetDenoising(true),
     ];
     assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn what_has_nothing_to_do_is_grey() {
+    let mut harness = menus(DenoiserState::Off);
+    click(&mut harness, "File");
+    for entry in ["Missing files…", "Revert to the file"] {
+        assert!(
+            harness.get_by_label_contains(entry).accesskit_node().is_disabled(),
+            "{entry}"
+        );
+    }
+    let selection = Selection::default();
+    let context = ActionContext {
+        has_missing: true,
+        can_revert: true,
+        ..context(&selection)
+    };
+    for name in ["missing-files", "revert"] {
+        let action = find(name).expect("an action");
+        assert!((action.command)(&context).is_some(), "{name}");
+    }
 }
 
 #[test]

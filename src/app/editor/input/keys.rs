@@ -148,6 +148,8 @@ mod tests {
             isolated: false,
             has_textures: false,
             has_kept_picture: false,
+            has_missing: false,
+            can_revert: false,
             timeline_shown: false,
             playing: false,
             flying: false,

@@ -13,12 +13,14 @@ use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
 use super::medium_section::{EditedMedia, medium_rows};
 use super::section::section;
-use super::{camera_angles, dimensions, emission, fields, lengths, look, medium_section, sensor, solid, transform};
+use super::{
+    camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
+};
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::model::freedom::Freedom;
-use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, Model};
+use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
 use crate::math::Aabb;
-use crate::scene::{EmitterKind, EulerAngles, Material, MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, MeshFormat, Shape, ShapeKind};
 use transform::PoseEdit;
 
 /// The state that the panel keeps between frames.
@@ -108,6 +110,7 @@ fn sections(
             if shape_rows(ui, &mut edited, inspected.mesh) {
                 commands.push(Command::SetShape(inspected.entity, edited));
             }
+            missing_mesh(ui, shape, &model.missing, commands);
         });
     }
     let has_surface = inspected.shape.as_ref().is_some_and(|shape| !shape.is_frame());
@@ -326,6 +329,19 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
     }
     changed |= fields::checkbox(ui, ("Flip normals", "flip_normals"), &mut shape.flip_normals);
     lightmap_scale(ui, shape) || changed
+}
+
+/// Says that the file of a mesh is missing, and offers to find it.
+fn missing_mesh(ui: &mut Ui, shape: &Shape, missing: &[MissingItem], commands: &mut Vec<Command>) {
+    let ShapeKind::Mesh(mesh) = &shape.kind else { return };
+    let is_it = |item: &&MissingItem| item.kind == FileKind::Mesh && item.path == mesh.path;
+    if let Some(item) = missing.iter().find(is_it) {
+        ui.colored_label(
+            ui.visuals().warn_fg_color,
+            "The file is missing: a box stands in place of the mesh.",
+        );
+        missing_files::find_button(ui, item, true, commands);
+    }
 }
 
 fn lightmap_scale(ui: &mut Ui, shape: &mut Shape) -> bool {

@@ -54,20 +54,22 @@ pub fn missing_files(
     closes
 }
 
+/// The button that asks where a file is. `others`: whether the other missing files are looked for there as well.
+pub(super) fn find_button(ui: &mut Ui, item: &MissingItem, others: bool, commands: &mut Vec<Command>) {
+    let button = ui.button("Find…").on_hover_text("Choose the file where it is now");
+    if button.clicked() {
+        commands.push(Command::Shell(ShellCommand::FindFile(SoughtFile {
+            kind: item.kind,
+            path: item.path.clone(),
+            others,
+        })));
+    }
+}
+
 fn row(ui: &mut Ui, form: MissingForm, item: &MissingItem, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui
-                .button("Find…")
-                .on_hover_text("Choose the file where it is now")
-                .clicked()
-            {
-                commands.push(Command::Shell(ShellCommand::FindFile(SoughtFile {
-                    kind: item.kind,
-                    path: item.path.clone(),
-                    others: form.others,
-                })));
-            }
+            find_button(ui, item, form.others, commands);
             ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
                 let name = item.path.file_name().unwrap_or_default().to_string_lossy();
                 ui.add(egui::Label::new(RichText::new(name).strong()).truncate());

@@ -1,4 +1,4 @@
-//! The question to the user when a file was changed by others since it was read, or when there are newer edits of it to recover.
+//! The question to the user when a file was changed by others since it was read, or when there are other edits of it to recover.
 
 use std::path::{Path, PathBuf};
 

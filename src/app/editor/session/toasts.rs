@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use crate::app::editor::command::Command;
+use crate::app::editor::words::files::without_numbers;
 
 /// The severity of a message, which decides its colour and how long it stays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +131,7 @@ impl Toasts {
 
     /// Adds a message without a line in the log.
     pub fn add(&mut self, tone: Tone, topic: Topic, text: String, excerpt: Option<String>) {
+        let text = without_numbers(&text);
         // A message that is repeated replaces its older copy.
         self.0.retain(|toast| toast.text != text);
         if tone == Tone::Error && topic != Topic::Other {

@@ -129,8 +129,8 @@ pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Comm
     let color = ui.visuals().warn_fg_color;
     ui.label(RichText::new(count_of(left)).strong().color(color));
     let named = short_names(left).into_iter().zip(times_of(left)).zip(left);
-    for ((name, time), offer) in named.take(MOST_SHOWN) {
-        let mut button = Button::new(format!("Recover {name}"))
+    for (place, ((name, time), offer)) in named.take(MOST_SHOWN).enumerate() {
+        let mut button = look::primary_if(ui, place == 0, &format!("Recover {name}"))
             .truncate()
             .min_size(egui::vec2(ui.available_width(), 26.0));
         if let Some(clock) = time {

@@ -1,5 +1,5 @@
 //! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side; and whether to save one of
-//! which there are newer edits to recover.
+//! which there are other edits to recover.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -82,14 +82,15 @@ fn ask(context: &egui::Context, question: &SaveQuestion) -> Option<Answer> {
 }
 
 fn ask_about_copy(context: &egui::Context, question: &SaveQuestion, copy: Offer) -> Option<Answer> {
-    let heading = "There are newer edits of this scene";
+    // Those of the window may be newer still.
+    let heading = "There are other edits of this scene";
     let modal = dialog::question(context, "newer copy", 480.0, heading, |ui| {
         ui.label(format!(
             "{}. The scene that is open does not have them.",
             question.reason
         ));
         ui.add_space(6.0);
-        let recover = "the copy opens in place of this scene, and the file stays as it is until you save.";
+        let recover = "the copy opens in place of this scene, after a question about the edits here; the file stays as it is until you save.";
         dialog::consequence(ui, "Recover", recover);
         dialog::consequence(ui, SAVE_ANYWAY, "the scene is saved as it is here. The copy stays.");
         let save_as = "the scene is saved under another name; the file and the copy stay.";

@@ -62,8 +62,13 @@ pub fn show(
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
                 recovery_question::on_start_page(ui, left, commands);
-                let is_new = preferences.recent_files.is_empty();
-                closes |= begin(ui, actions, is_new, presses, commands);
+                // Work that would be lost comes first.
+                let first = match preferences.recent_files.is_empty() {
+                    _ if !left.is_empty() => None,
+                    true => Some("tutorial"),
+                    false => Some("new"),
+                };
+                closes |= begin(ui, actions, first, presses, commands);
                 mouse(ui, preferences.navigation, commands);
                 recent(ui, &preferences.recent_files, commands);
             });
@@ -159,8 +164,14 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.add_space(GAP);
 }
 
-/// The ways to begin, by buttons and by their keys; true if one was chosen. `is_new`: nothing was opened before.
-fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, presses: &[Press], commands: &mut Vec<Command>) -> bool {
+/// The ways to begin, by buttons and by their keys; true if one was chosen. `first`: what most users want.
+fn begin(
+    ui: &mut Ui,
+    context: &ActionContext,
+    first: Option<&str>,
+    presses: &[Press],
+    commands: &mut Vec<Command>,
+) -> bool {
     ui.label(RichText::new("Begin").strong());
     let mut is_chosen = false;
     for (name, help) in [
@@ -172,8 +183,8 @@ fn begin(ui: &mut Ui, context: &ActionContext, is_new: bool, presses: &[Press], 
         ("open", "A scene from a file"),
     ] {
         let Some(action) = actions::find(name) else { continue };
-        let first = if is_new { "tutorial" } else { "new" };
-        let button = look::primary_if(ui, name == first, action.label).min_size(egui::vec2(ui.available_width(), 26.0));
+        let button =
+            look::primary_if(ui, Some(name) == first, action.label).min_size(egui::vec2(ui.available_width(), 26.0));
         let button = ui.add(button).on_hover_text(actions::hint(help, name, context.bound));
         let is_pressed = presses.iter().any(|press| action.is_pressed(press, context.bound));
         if button.clicked() || is_pressed && !is_chosen {

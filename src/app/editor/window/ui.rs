@@ -184,6 +184,8 @@ pub fn show_window(
         isolated: !settings.isolated.is_empty(),
         has_textures: model.inspected.as_ref().is_some_and(Inspected::has_textures),
         has_kept_picture: shell.kept_pictures.is_there,
+        has_missing: !model.missing.is_empty(),
+        can_revert: model.status.scene.is_some() && (model.status.unsaved || model.status.load_failed),
         timeline_shown: model.timeline.is_shown(settings.timeline_shown),
         playing: settings.playback.is_playing(),
         flying: false,

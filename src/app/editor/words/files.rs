@@ -29,6 +29,20 @@ pub fn home_for_tilde(path: &str) -> PathBuf {
     }
 }
 
+/// A message without the numbers that the system has for its errors.
+pub fn without_numbers(message: &str) -> String {
+    let mut parts = message.split(" (os error ");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        text.push_str(
+            part.trim_start_matches(|letter: char| letter.is_ascii_digit())
+                .strip_prefix(')')
+                .unwrap_or(part),
+        );
+    }
+    text
+}
+
 /// The message about a file that was deleted or moved away.
 pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
@@ -87,6 +101,15 @@ pub fn size_text(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_have_no_numbers_of_the_system() {
+        let error = std::io::Error::from_raw_os_error(2).to_string();
+        assert!(error.contains("(os error 2)"), "{error}");
+        let text = without_numbers(&format!("a.xml: {error}, and b.xml: {error}."));
+        assert_eq!(text.matches("os error").count(), 0, "{text}");
+        assert!(text.ends_with('.') && text.contains(", and b.xml: "), "{text}");
+    }
 
     #[test]
     fn the_noisy_picture_is_beside_the_other_whatever_dots_its_name_has() {

@@ -136,6 +136,8 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         isolated: !settings.isolated.is_empty(),
         has_textures: true,
         has_kept_picture: true,
+        has_missing: true,
+        can_revert: true,
         timeline_shown: model.timeline.is_shown(settings.timeline_shown),
         playing: settings.playback.is_playing(),
         flying: false,

@@ -49,6 +49,10 @@ pub struct ActionContext<'a> {
     pub has_textures: bool,
     /// Whether a picture of the scene is kept beside it.
     pub has_kept_picture: bool,
+    /// Whether files of the scene are missing.
+    pub has_missing: bool,
+    /// Whether the scene has a file, and edits that it has not.
+    pub can_revert: bool,
     /// Whether the timeline is shown.
     pub timeline_shown: bool,
     /// Whether the timeline plays.
@@ -120,6 +124,8 @@ impl Action {
     pub fn missing(&self) -> &'static str {
         match self.name {
             "continue-picture" | "discard-picture" => "No picture is kept beside this scene",
+            "missing-files" => "All files of the scene are there",
+            "revert" => "There are no edits that the file of the scene has not",
             "place-texture" => "For a selected shape with a picture or a checkerboard in its material",
             _ => "For what is selected",
         }

@@ -63,8 +63,8 @@ pub const FILE: &[Action] = &[
         &[plain(Key::F5)],
         |_| Some(Command::ReloadScene),
     ),
-    action(Group::File, "revert", "Revert to the file", &[], |_| {
-        Some(Command::RevertScene)
+    action(Group::File, "revert", "Revert to the file", &[], |context| {
+        context.can_revert.then_some(Command::RevertScene)
     }),
     action(Group::File, "recover", "Recover…", &[], |_| {
         Some(Command::Shell(ShellCommand::ShowRecovery))
@@ -72,8 +72,9 @@ pub const FILE: &[Action] = &[
     action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
         Some(Command::ShowDialog(FileDialogKind::Import))
     }),
-    action(Group::File, "missing-files", "Missing files…", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Missing)))
+    action(Group::File, "missing-files", "Missing files…", &[], |context| {
+        let list = Command::Shell(ShellCommand::ShowSheet(Sheet::Missing));
+        context.has_missing.then_some(list)
     }),
     action(Group::File, "save", "Save", &[command(Key::S)], |_| Some(Command::Save)),
     action(Group::File, "save-as", "Save as…", &[command_shift(Key::S)], |_| {

@@ -9,7 +9,7 @@ use super::listing::{Entry, changed_text};
 use super::names::in_format;
 use super::{FileDialog, NAME, Outcome, Purpose, is_entered, select};
 use crate::app::editor::panels::look;
-use crate::app::editor::words::files::{extension, size_text};
+use crate::app::editor::words::files::{extension, size_text, without_numbers};
 
 impl FileDialog {
     /// The name and the format, or what is listed; the buttons.
@@ -120,7 +120,7 @@ impl FileDialog {
         let folder = self.folder.join(name.trim());
         match std::fs::create_dir(&folder) {
             Ok(()) => self.go_to(&folder),
-            Err(error) => self.problem = Some(format!("{}: {error}", folder.display())),
+            Err(error) => self.problem = Some(without_numbers(&format!("{}: {error}", folder.display()))),
         }
     }
 

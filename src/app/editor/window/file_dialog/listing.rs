@@ -7,7 +7,7 @@ use std::time::UNIX_EPOCH;
 use bevy::log::error;
 use crossbeam_channel::{Receiver, bounded};
 
-use crate::app::editor::words::files::extension;
+use crate::app::editor::words::files::{extension, without_numbers};
 use crate::app::editor::words::times::clock_of;
 
 /// A file or a folder.
@@ -72,7 +72,10 @@ pub fn begin(folder: PathBuf) -> Receiver<Listed> {
 fn read(folder: &Path) -> Listed {
     let listed = match std::fs::read_dir(folder) {
         Ok(listed) => listed,
-        Err(error) => return (Vec::new(), Some(format!("{}: {error}", folder.display()))),
+        Err(error) => {
+            let problem = without_numbers(&format!("{}: {error}", folder.display()));
+            return (Vec::new(), Some(problem));
+        }
     };
     let mut found = listed.filter_map(|entry| entry_of(&entry.ok()?.path()));
     let entries = found.by_ref().take(MOST).collect();

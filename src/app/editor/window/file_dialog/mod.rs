@@ -160,8 +160,17 @@ impl FileDialog {
         (self.reading, self.shown_for) = (None, None);
     }
 
-    /// Goes to a folder. A path to a file is that file.
-    fn go_or_accept(&mut self, path: &Path) -> Option<Outcome> {
+    /// Goes to a folder. A path to a file is that file. A path to nothing stays to be mended, and so does the list.
+    fn go_or_accept(&mut self, path: &Path, context: &egui::Context) -> Option<Outcome> {
+        if !path.exists() {
+            self.problem = Some(format!("There is no {}", path.display()));
+            let path = path.display().to_string();
+            let end = CCursor::new(path.chars().count());
+            self.path = Some(path);
+            context.memory_mut(|memory| memory.request_focus(Id::new(PATH)));
+            select(context, Id::new(PATH), CCursorRange::one(end));
+            return None;
+        }
         if !path.is_file() {
             self.go_to(path);
             return None;
@@ -209,7 +218,7 @@ impl FileDialog {
                 return outcome;
             }
             if let Some(path) = went {
-                return self.go_or_accept(&path);
+                return self.go_or_accept(&path, ui.ctx());
             }
             let accepted = picked.or_else(|| self.keys(ui, focused).filter(|_| !has_field));
             accepted.and_then(|name| self.accept(&name))

@@ -190,6 +190,28 @@ fn a_path_in_the_search_is_a_path() {
 }
 
 #[test]
+fn a_path_to_nothing_is_kept_with_the_list() {
+    let folder = folder();
+    let mut harness = shown(Purpose::Open(SCENES), folder.path());
+    harness.event(egui::Event::Text("./wrong.xml".to_owned()));
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    let wrong = folder.path().join("./wrong.xml").display().to_string();
+    assert!(harness.query_by_label(&format!("There is no {wrong}")).is_some());
+    assert!(harness.query_by_label("room.xml").is_some());
+    let (dialog, end) = harness.state();
+    assert_eq!((dialog.path.as_ref(), end), (Some(&wrong), &None));
+    // The path still has the keyboard.
+    for _ in 0.."wrong.xml".len() {
+        press(&mut harness, Key::Backspace);
+    }
+    harness.event(egui::Event::Text("room.xml".to_owned()));
+    harness.run_steps(3);
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().1, Some(Outcome::Picked(folder.path().join("room.xml"))));
+}
+
+#[test]
 fn the_question_before_replacing_is_for_the_file_that_was_named() {
     let folder = folder();
     std::fs::write(folder.path().join("other.png"), "").expect("a file");
