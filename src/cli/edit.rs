@@ -23,6 +23,10 @@ pub fn run(args: EditArgs) -> ExitCode {
     if let Some(Err(error)) = args.screenshot.as_deref().map(outputs::check_text) {
         return report::error(error);
     }
+    let read: Vec<PathBuf> = args.scene.iter().chain(&args.script).cloned().collect();
+    if let Err(error) = outputs::check_inputs_stay(args.screenshot.as_slice(), &read, "what is opened") {
+        return report::error(error);
+    }
     let begins = args.scene.is_none();
     let scene = args.scene.or_else(first_scene);
     let monkey = args.monkey.options(scene.as_ref());

@@ -71,6 +71,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         |path| has_file(&first_outputs, path),
         share::is_checkpoint_of_picture,
     )?;
+    if !args.shares.is_given() {
+        // A part that is not finished may be finished in its file, which has the exact sums then as before. A picture has none.
+        let resumed = args.checkpoints.resume.as_slice();
+        outputs::check_inputs_stay(&first_outputs, resumed, "what the picture goes on with").map_err(Failure::Usage)?;
+    }
     check_denoiser(args.denoise, RENDERS_WITHOUT)?;
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;

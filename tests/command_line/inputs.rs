@@ -154,6 +154,111 @@ fn measurements_do_not_replace_what_they_are_compared_with() {
     );
 }
 
+/// What is measured is known before anything is, and what else a scene needs once it is loaded.
+#[test]
+fn measurements_do_not_replace_what_is_measured() {
+    let shop = shop();
+    let refused = |line: &str, told: &str| {
+        let before = content(shop.folder());
+        let output = run(&shop, line);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{line}: {said}");
+        assert!(said.contains(told), "{line}: {said}");
+        assert!(content(shop.folder()) == before, "{line}");
+    };
+    let of_scene = "the scene is made of this file; choose another name";
+    let measured = "this output is one of the files that are measured";
+    refused(
+        "bench scene.xml --json ./scene.xml",
+        &format!("./scene.xml: {measured}"),
+    );
+    for name in ["common.xml", "mesh.obj", "wood-0001.png"] {
+        let line = format!("bench scene.xml --spp 1000000 --json {name}");
+        refused(&line, &format!("{name}: {of_scene}"));
+    }
+    // Scenes of the folder that cannot be rendered are left out, but this is another error.
+    std::fs::create_dir(shop.path("scenes")).expect("a writable folder");
+    shop.write(
+        "scenes/a.xml",
+        SCENE
+            .replace("common.xml", "../common.xml")
+            .replace("mesh.obj", "../mesh.obj"),
+    );
+    refused(
+        "bench --spp 1000000 --json common.xml",
+        &format!("common.xml: {of_scene}"),
+    );
+    let mut rays = b"RAYS".to_vec();
+    for word in [1, 1, 32] {
+        rays.extend(u32::to_le_bytes(word));
+    }
+    let ray = [0.2, 0.2, 1.0, 0.0, 0.0, -1.0, 1.0f32];
+    rays.extend(ray.into_iter().flat_map(f32::to_le_bytes).chain([0; 4]));
+    shop.write("a.rays", rays);
+    for name in ["mesh.obj", "a.rays"] {
+        let line = format!("bench rays --mesh mesh.obj --rays a.rays --json {name}");
+        refused(&line, &format!("{name}: {measured}"));
+    }
+}
+
+#[test]
+fn pictures_do_not_replace_the_checkpoint_they_go_on_with() {
+    let shop = shop();
+    let begun = run(&shop, "render scene.xml -o a.exr --checkpoint c.exr --spp 1 -q");
+    assert_eq!(begun.status.code(), Some(0));
+    let before = content(shop.folder());
+    let output = run(&shop, &format!("render scene.xml -o ./c.exr --resume c.exr {ENDLESS}"));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("./c.exr: this output is what the picture goes on with"),
+        "{said}"
+    );
+    assert!(content(shop.folder()) == before);
+}
+
+#[cfg(feature = "window")]
+#[test]
+fn files_about_the_editor_do_not_replace_what_it_opens() {
+    let shop = shop();
+    shop.write("script.txt", "save\n");
+    shop.write("old.txt", "# The acts of a monkey\nundo\n");
+    let before = content(shop.folder());
+    let opened = "this output is what is opened, which is not replaced: name another file";
+    let no_log = "is there already and is no log of a monkey: it is not replaced; name another file by --monkey-log";
+    for (line, told) in [
+        (
+            "edit scene.xml --screenshot ./scene.xml",
+            format!("./scene.xml: {opened}"),
+        ),
+        (
+            "edit scene.xml --script script.txt --screenshot script.txt",
+            format!("script.txt: {opened}"),
+        ),
+        (
+            "edit scene.xml --monkey 3 --no-window --monkey-log common.xml",
+            format!("common.xml {no_log}"),
+        ),
+        (
+            "edit scene.xml --monkey 3 --no-window --monkey-log ./scene.xml",
+            format!("./scene.xml {no_log}"),
+        ),
+    ] {
+        let output = run(&shop, line);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{line}: {said}");
+        assert!(said.contains(&told), "{line}: {said}");
+        assert!(content(shop.folder()) == before, "{line}");
+    }
+    // Another log is replaced.
+    run(
+        &shop,
+        "edit scene.xml --monkey 3 --no-window --threads 1 --monkey-log old.txt",
+    );
+    let log = std::fs::read_to_string(shop.path("old.txt")).expect("a log");
+    assert!(log.starts_with("# The acts of a monkey\nopen "), "{log}");
+}
+
 #[test]
 fn names_that_are_too_long_are_refused_before_rendering() {
     let shop = shop();

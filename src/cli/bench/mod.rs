@@ -9,9 +9,11 @@ mod rays;
 mod renders;
 mod results;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
+use sunroom::files::keep_reads;
 
 use super::{outputs, report};
 use args::{CommonArgs, RayBenchArgs, RenderBenchArgs};
@@ -39,14 +41,15 @@ pub fn run(args: BenchArgs) -> ExitCode {
     };
     common.memory.apply();
     common.threads.report_limit();
+    keep_reads();
     let outcome = match &args.subject {
         None => renders::Plan::new(&args.renders).and_then(|plan| {
             let planned = plan.subjects();
-            compared(&args.renders.common, &planned, || plan.measure())
+            compared(&args.renders.common, plan.scenes(), &planned, || plan.measure())
         }),
         Some(Subject::Rays(args)) => rays::Plan::new(args).and_then(|plan| {
             let planned = plan.subjects();
-            compared(&args.common, &planned, || plan.measure())
+            compared(&args.common, &plan.files(), &planned, || plan.measure())
         }),
     };
     match outcome {
@@ -56,14 +59,16 @@ pub fn run(args: BenchArgs) -> ExitCode {
     }
 }
 
-/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before.
+/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before. `measured`: the files that are measured.
 fn compared(
     common: &CommonArgs,
+    measured: &[PathBuf],
     planned: &[compare::Subject],
     measure: impl FnOnce() -> Result<Results, Error>,
 ) -> Result<usize, Error> {
     let (written, read) = (common.json.as_slice(), common.against.as_slice());
     outputs::check_inputs_stay(written, read, "what it is compared with")?;
+    outputs::check_inputs_stay(written, measured, "one of the files that are measured")?;
     let earlier = match &common.against {
         Some(path) => {
             let earlier = Results::read(path)?;

@@ -6,7 +6,7 @@
 //! for none).
 
 use std::hint::black_box;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -58,6 +58,11 @@ impl<'a> Plan<'a> {
         let sets = args.rays.iter().map(|path| Ok((name_of(path), read(path)?)));
         let sets = sets.collect::<Result<_, Error>>()?;
         Ok(Self { args, mesh, sets })
+    }
+
+    /// The mesh and the files of rays.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.args.rays.iter().chain([&self.args.mesh]).cloned().collect()
     }
 
     pub fn subjects(&self) -> Vec<compare::Subject> {

@@ -8,12 +8,14 @@ use std::path::{Path, PathBuf};
 use sunroom::app::headless::render_only;
 use sunroom::color::Rgb;
 use sunroom::engine::{Limits, RenderFilm, RenderStatus, load_to_completion, render_to_completion};
+use sunroom::scene::export::ExportError;
 use sunroom::scene::{OpenScene, SamplerSettings, SceneStatus};
 
 use super::args::RenderBenchArgs;
 use super::compare;
 use super::results::{Error, RenderResult, Results, median};
 use crate::cli::check::report_scene;
+use crate::cli::outputs::check_scene_stays;
 use crate::cli::report;
 
 /// Keeps the noise of what is nearly black from counting as endless.
@@ -39,6 +41,10 @@ impl<'a> Plan<'a> {
         }
     }
 
+    pub fn scenes(&self) -> &[PathBuf] {
+        &self.scenes
+    }
+
     pub fn subjects(&self) -> Vec<compare::Subject> {
         let scenes = self.scenes.iter().cloned();
         scenes
@@ -58,8 +64,10 @@ impl<'a> Plan<'a> {
             report::line(format_args!("{} ...", scene.display()));
             match measure_scene(scene, self.args) {
                 Ok(result) => results.renders.push(result),
-                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there.
-                Err(error) if self.args.scenes.is_empty() => report::line(format_args!("  left out: {error}")),
+                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there, and none is overwritten.
+                Err(error) if self.args.scenes.is_empty() && !error.is::<ExportError>() => {
+                    report::line(format_args!("  left out: {error}"))
+                }
                 Err(error) => return Err(error),
             }
         }
@@ -128,6 +136,7 @@ fn render(scene: &Path, seed: u32, args: &RenderBenchArgs) -> Result<Render, Err
         report_scene(app.world().resource::<SceneStatus>(), false);
         return Err(format!("{} could not be loaded", scene.display()).into());
     }
+    check_scene_stays(&args.common.json)?;
     app.world_mut().resource_mut::<SamplerSettings>().seed = seed;
     let mut control = app.world_mut().resource_mut::<sunroom::engine::RenderControl>();
     control.film_size_override = Some(args.size.into());

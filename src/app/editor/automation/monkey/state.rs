@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::io::{BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
@@ -89,18 +89,36 @@ pub(crate) fn settings_folder(monkey: &Monkey) -> PathBuf {
     monkey.folder.path().join("settings")
 }
 
+/// The first line of a log.
+const LOG: &str = "# The acts of a monkey";
+
+/// Creates the file of the log. It replaces another log, but no other file: that might be one that the scenes need.
+fn create_log(path: &Path) -> std::io::Result<File> {
+    let mut begin = Vec::new();
+    if path.is_file() {
+        File::open(path)?.take(LOG.len() as u64).read_to_end(&mut begin)?;
+    }
+    if !begin.is_empty() && begin != LOG.as_bytes() {
+        return Err(std::io::Error::other(format!(
+            "{} is there already and is no log of a monkey: it is not replaced; name another file by --monkey-log",
+            path.display()
+        )));
+    }
+    File::create(path)
+}
+
 impl Monkey {
     /// Prepares a run. An error if there is no place for its files.
     pub fn new(options: MonkeyOptions) -> std::io::Result<Self> {
         let mut random = Random::new(options.seed);
         let folder = Folder::new(&mut random)?;
-        let log = options.log.as_ref().map(File::create).transpose()?;
+        let log = options.log.as_deref().map(create_log).transpose()?;
         let record = Record {
             seed: options.seed,
             scenes: options.scenes.len(),
             ..Record::default()
         };
-        Ok(Self {
+        let mut monkey = Self {
             random,
             folder,
             log: log.map(BufWriter::new),
@@ -124,7 +142,9 @@ impl Monkey {
             longest_since_mark: Duration::ZERO,
             record,
             options,
-        })
+        };
+        monkey.write_log(LOG);
+        Ok(monkey)
     }
 
     pub(super) fn bounds(&self) -> Bounds {
