@@ -176,9 +176,8 @@ fn pfm(samples: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// A triangle in glTF with these normals and texture coordinates.
-fn gltf(shop: &Workshop, normals: [[f32; 3]; 3], uvs: [[f32; 2]; 3]) {
-    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0f32]];
+/// A triangle in glTF with these corners, normals and texture coordinates.
+fn gltf(shop: &Workshop, positions: [[f32; 3]; 3], normals: [[f32; 3]; 3], uvs: [[f32; 2]; 3]) {
     let numbers = positions
         .as_flattened()
         .iter()
@@ -307,15 +306,46 @@ fn numbers_that_are_none_are_told_of() {
 #[test]
 fn numbers_of_gltf_that_are_none_are_told_of() {
     let shop = Workshop::new();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let (up, flat) = ([[0.0, 0.0, 1.0]; 3], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-    gltf(&shop, up, flat);
+    let with = |place: f32, normal: f32, uv: f32| {
+        let (mut corners, mut normals, mut uvs) = (corners, up, flat);
+        (corners[1][2], normals[0][0], uvs[0][0]) = (place, normal, uv);
+        gltf(&shop, corners, normals, uvs);
+    };
+    with(0.0, 0.0, 0.0);
     let good = run(shop.folder(), &["check", "--strict", "a.gltf"]);
     assert_eq!(good.code, Some(0), "{}", good.stderr);
-    gltf(&shop, up, [[f32::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-    for (strict, code) in [(&[][..], 0), (&["--strict"][..], 1)] {
-        let outcome = run(shop.folder(), &[&["check", "a.gltf"], strict].concat());
-        assert_eq!(outcome.code, Some(code), "{}", outcome.stderr);
-        let told = "primitive 0: texture coordinates: a pair that is not finite counts as 0 0";
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    for number in [f32::NAN, f32::INFINITY] {
+        for (place, normal, uv, code, told) in [
+            (
+                0.0,
+                0.0,
+                number,
+                0,
+                "primitive 0: texture coordinates: a pair that is not finite counts as 0 0",
+            ),
+            (
+                0.0,
+                number,
+                0.0,
+                0,
+                "primitive 0: normals: a normal that is zero or not finite is computed from the triangles instead",
+            ),
+            (
+                number,
+                0.0,
+                0.0,
+                1,
+                "primitive 0: the position of vertex 1 is not finite",
+            ),
+        ] {
+            with(place, normal, uv);
+            for (strict, code) in [(&[][..], code), (&["--strict"][..], 1)] {
+                let outcome = run(shop.folder(), &[&["check", "a.gltf"], strict].concat());
+                assert_eq!(outcome.code, Some(code), "{told}: {}", outcome.stderr);
+                assert!(outcome.stderr.contains(told), "{told}: {}", outcome.stderr);
+            }
+        }
     }
 }
