@@ -3,6 +3,7 @@
 //! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores something that a file says
 //! plainly, it makes a choice and notes it. Messages have the places of the original file.
 
+mod attributes;
 mod import;
 mod known_files;
 mod lights;
@@ -117,6 +118,7 @@ impl Import<'_> {
                 "Environment",
             ],
         );
+        self.check_attributes(root);
         self.read_settings(root);
         self.read_lights(root);
         let mut materials = Materials::default();

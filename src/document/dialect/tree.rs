@@ -68,6 +68,18 @@ impl<'t> Node<'t> {
         Some((value, span(attribute.value.start, attribute.value.end)))
     }
 
+    /// The names of all attributes, with their places.
+    pub fn attributes(self) -> impl Iterator<Item = (&'t str, Span)> {
+        let (text, element) = (self.tree.text, self.tree.elements.get(self.index));
+        let all = element.attributes(text).into_iter();
+        all.map(|attribute| {
+            (
+                &text[attribute.name.clone()],
+                span(attribute.name.start, attribute.name.end),
+            )
+        })
+    }
+
     pub fn text_of(self, attribute: &str) -> Option<String> {
         self.attribute(attribute).map(|(text, _)| text)
     }
