@@ -1,7 +1,11 @@
 //! Warns of properties of glTF materials that the models of the scene format do not have. Each sentence names the material.
 
+use std::collections::BTreeMap;
+
 use glam::Vec3;
 
+use super::is_supported;
+use super::material::title;
 use super::mesh::MeshValues;
 use super::scene::Builder;
 use super::schema::{Material, TextureInfo};
@@ -10,7 +14,38 @@ use super::write::SHEEN_ROUGHNESS;
 /// The difference of the channels of a colour up to which it counts as grey.
 const GREY: f32 = 1e-3;
 
+/// The most things that a warning names.
+const MOST_NAMES: usize = 5;
+
+/// The names of the first of these things, and how many others there are.
+pub(super) fn first_names<T>(things: &[T], name: impl Fn(&T) -> String) -> String {
+    let names: Vec<String> = things.iter().take(MOST_NAMES).map(name).collect();
+    match things.len().saturating_sub(MOST_NAMES) {
+        0 => names.join(", "),
+        others => format!("{} and {others} more", names.join(", ")),
+    }
+}
+
 impl Builder<'_> {
+    /// Says which extensions are not read, and which materials have them. A file may have extensions that it does not list.
+    pub(super) fn report_extensions(&mut self) {
+        let root = &self.gltf.root;
+        let listed = root.extensions_used.iter().filter(|name| !is_supported(name));
+        let mut unread: BTreeMap<&str, Vec<usize>> = listed.map(|name| (name.as_str(), Vec::new())).collect();
+        for (index, material) in root.materials.iter().enumerate() {
+            for name in material.extensions.unread.keys() {
+                unread.entry(name).or_default().push(index);
+            }
+        }
+        for (name, materials) in unread {
+            let titles = first_names(&materials, |&index| title(Some(index), &root.materials[index]));
+            self.warn(match materials.is_empty() {
+                true => format!("the extension {name} is not read"),
+                false => format!("the extension {name} of {titles} is not read"),
+            });
+        }
+    }
+
     pub(super) fn report_limits(&mut self, material: &Material, mesh: MeshValues, title: &str) {
         for what in limits(material, mesh) {
             self.warn(format!("{title}: {what}"));

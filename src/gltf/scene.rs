@@ -14,7 +14,7 @@ use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::{KnownPicture, Picture};
 use super::schema::{Node, Primitive};
-use super::{Gltf, GltfError, is_supported, studio};
+use super::{Gltf, GltfError, studio};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
@@ -130,17 +130,15 @@ impl Gltf {
             instances_left: MOST_INSTANCES,
             allowance: Allowance::default(),
         };
-        for name in self.root.extensions_used.iter().filter(|name| !is_supported(name)) {
-            builder.warn(format!("the extension {name} is not read"));
-        }
+        builder.report_extensions();
         let animations = self.animations();
         let placed = self.placed_nodes(&animations)?;
         let passed_over = animations.passed_over.clone().sentences();
         let warnings = passed_over.chain(placed.warnings.iter().cloned());
         warnings.for_each(|warning| builder.warn(warning));
-        builder.warn_of_deformation(&placed);
-        let folders = builder.folders(&placed)?;
         let rest = self.rest_poses(&placed);
+        builder.warn_of_deformation(&placed, &rest);
+        let folders = builder.folders(&placed)?;
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;
             if about.places_something() {

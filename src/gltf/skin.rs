@@ -4,12 +4,13 @@
 use glam::Mat4;
 
 use super::Gltf;
+use super::limits::first_names;
 use super::nodes::PlacedNodes;
 use super::scene::Builder;
 use super::schema::{Node, Skin};
 
-/// The most things that a warning names.
-const MOST_NAMES: usize = 5;
+/// The difference of the poses of two bones, relative to the larger numbers of one, up to which they count as the same.
+const SAME_POSE: f32 = 1e-3;
 
 /// The poses of the nodes of the scene at rest, world from local.
 pub(super) struct RestPoses(Vec<Option<Mat4>>);
@@ -40,39 +41,65 @@ impl Gltf {
 
     /// The map from the mesh to the world by the first bone.
     fn pose_of_root(&self, skin: &Skin, rest: &RestPoses) -> Option<Mat4> {
-        let bone = rest.0.get(*skin.joints.first()?).copied().flatten()?;
+        self.poses_of_bones(skin, rest, 1).first().copied()?
+    }
+
+    /// The maps from the mesh to the world by so many of the first bones. None for bones that are not in the scene.
+    fn poses_of_bones(&self, skin: &Skin, rest: &RestPoses, count: usize) -> Vec<Option<Mat4>> {
+        let joints = &skin.joints[..count.min(skin.joints.len())];
+        let used: Vec<u32> = (0..).take(joints.len()).collect();
         let bound = skin.inverse_bind_matrices;
-        let bound = bound.and_then(|accessor| self.vectors::<16>(accessor, "MAT4", Some(&[0])).ok());
-        let from_mesh = bound.map_or(Mat4::IDENTITY, |bound| Mat4::from_cols_array(&bound[0]));
-        Some(bone * from_mesh)
+        let bound = bound.and_then(|accessor| self.vectors::<16>(accessor, "MAT4", Some(&used)).ok());
+        let pose = |(number, &joint): (usize, &usize)| {
+            let bone = rest.0.get(joint).copied().flatten()?;
+            let from_mesh = bound.as_ref().map(|bound| Mat4::from_cols_array(&bound[number]));
+            Some(bone * from_mesh.unwrap_or(Mat4::IDENTITY))
+        };
+        joints.iter().enumerate().map(pose).collect()
+    }
+
+    /// Whether the bones of a skin do more than to place a mesh: they may move, or they hold it in several poses at rest.
+    fn deforms(&self, skin: &Skin, rest: &RestPoses) -> bool {
+        let poses = self.poses_of_bones(skin, rest, usize::MAX);
+        let is_same = |one: Mat4, other: Mat4| {
+            let size = one
+                .to_cols_array()
+                .into_iter()
+                .fold(1.0, |size: f32, number| size.max(number.abs()));
+            one.abs_diff_eq(other, SAME_POSE * size)
+        };
+        let mut poses = poses.into_iter().flatten();
+        let first = poses.next();
+        !self.root.animations.is_empty() || first.is_some_and(|first| !poses.all(|pose| is_same(first, pose)))
     }
 }
 
 impl Builder<'_> {
     /// Says which meshes of the scene would change their shape.
-    pub(super) fn warn_of_deformation(&mut self, placed: &PlacedNodes) {
+    pub(super) fn warn_of_deformation(&mut self, placed: &PlacedNodes, rest: &RestPoses) {
         let gltf = self.gltf;
-        let list = |is_one: &dyn Fn(&Node) -> bool| {
-            let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
-            let name = |node: &Node| {
-                let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
-                let name = node.name.clone().or_else(|| mesh?.name.clone());
-                format!("`{}`", name.as_deref().unwrap_or("mesh"))
-            };
-            let names: Vec<String> = nodes.filter(|node| is_one(node)).map(name).collect();
-            let others = names.len().saturating_sub(MOST_NAMES);
-            match others {
-                0 => (names.len(), names.join(", ")),
-                _ => (
-                    names.len(),
-                    format!("{} and {others} more", names[..MOST_NAMES].join(", ")),
-                ),
-            }
+        let skins = gltf.root.skins.iter();
+        let deforming: Vec<bool> = skins.map(|skin| gltf.deforms(skin, rest)).collect();
+        let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
+        let is_deformed = |node: &&Node| {
+            let skin = node.skin.filter(|_| node.mesh.is_some());
+            skin.is_some_and(|skin| deforming.get(skin).copied().unwrap_or(true))
         };
-        match list(&|node| node.mesh.is_some() && node.skin.is_some()) {
-            (0, _) => {}
-            (1, name) => self.warn(format!("skins are not read: {name} stays in its pose at rest")),
-            (_, names) => self.warn(format!("skins are not read: {names} stay in their pose at rest")),
+        let deformed: Vec<&Node> = nodes.filter(is_deformed).collect();
+        let name = |node: &&Node| {
+            let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
+            let name = node.name.clone().or_else(|| mesh?.name.clone());
+            format!("`{}`", name.as_deref().unwrap_or("mesh"))
+        };
+        let names = first_names(&deformed, name);
+        match deformed.len() {
+            0 => {}
+            1 => self.warn(format!(
+                "{names} stands where its bones hold it at rest, and is not deformed by them"
+            )),
+            _ => self.warn(format!(
+                "{names} stand where their bones hold them at rest, and are not deformed by them"
+            )),
         }
     }
 }

@@ -330,7 +330,7 @@ fn what_is_not_read_is_named() {
         [
             "animation 0 (smile): the morph weights of node 0 (face) are not read",
             "animation 0 (smile): node 1 (fixed) has a matrix and stands still",
-            "skins are not read: `body` stays in its pose at rest",
+            "`body` stands where its bones hold it at rest, and is not deformed by them",
         ]
     );
 }

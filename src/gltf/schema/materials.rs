@@ -1,6 +1,9 @@
 //! The materials of a glTF file, and how they use textures.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 
 #[derive(Debug, Default, Deserialize)]
@@ -60,6 +63,9 @@ pub struct MaterialExtensions {
     pub unlit: Option<Value>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub specular_glossiness: Option<SpecularGlossiness>,
+    /// All others, by name.
+    #[serde(flatten)]
+    pub unread: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]
