@@ -37,6 +37,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 #[derive(Resource, Default)]
 pub struct SceneWatch {
     watcher: Option<Watcher>,
+    /// The file of the scene itself.
+    scene: PathBuf,
     /// The error if the system refuses to watch; hot reload is off then.
     pub error: Option<String>,
     folders: HashSet<PathBuf>,
@@ -68,6 +70,11 @@ impl SceneWatch {
     /// Whether the open scene consists of this file, under whatever name.
     pub fn has_file(&self, path: &Path) -> bool {
         SameFiles::of(self.files()).has(path)
+    }
+
+    /// Whether the open scene needs this file beside its own, under whatever name.
+    pub(super) fn has_part(&self, path: &Path) -> bool {
+        SameFiles::of(self.files().filter(|file| *file != self.scene)).has(path)
     }
 
     fn start(&mut self) {
@@ -172,6 +179,7 @@ pub(super) fn list_files(
     for grid in volumes.paths() {
         add(VolumeFormat::of_asset(grid).0, grid);
     }
+    watch.scene = file.path.clone();
     if watch.reloads != reloads {
         watch.reloads = reloads;
         watch.start();

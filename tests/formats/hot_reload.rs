@@ -556,6 +556,33 @@ fn a_scene_saved_under_another_name_is_that_file_from_then_on() {
     assert_eq!(open.by_id("red"), red);
 }
 
+/// What an include or a mesh has in it would be lost.
+#[test]
+fn a_scene_is_not_saved_over_other_files_of_it() {
+    let mut open = Open::new();
+    std::fs::create_dir(open.path("inside")).unwrap();
+    for name in ["light.xml", "inside/../light.xml", SENTINEL] {
+        let path = open.path(name);
+        for on_change in [write::OnChange::Refuse, write::OnChange::Overwrite] {
+            let refused = write::save_with(open.app.world_mut(), &path, on_change).unwrap_err();
+            let told = refused.to_string();
+            assert!(
+                told.ends_with(": the scene is made of this file; choose another name")
+                    && told.contains(&name[name.len() - 9..]),
+                "{told}"
+            );
+        }
+    }
+    let text = |open: &Open, name: &str| std::fs::read_to_string(open.path(name)).unwrap();
+    assert_eq!(text(&open, "light.xml"), LIGHT);
+    assert_eq!(text(&open, SENTINEL), PIXEL);
+    // Its own file is replaced, and one that it has left.
+    for name in ["scene.xml", "other.xml", "scene.xml"] {
+        let path = open.path(name);
+        assert_eq!(write::save(open.app.world_mut(), &path).unwrap(), None, "{name}");
+    }
+}
+
 #[test]
 fn a_missing_mesh_that_appears_completes_the_scene() {
     let folder = tempfile::tempdir().unwrap();

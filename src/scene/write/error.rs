@@ -17,6 +17,8 @@ pub enum SaveError {
         proposal.display()
     )]
     Foreign { path: PathBuf, proposal: PathBuf },
+    #[error("{}: the scene is made of this file; choose another name", path.display())]
+    InUse { path: PathBuf },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
     /// The grid of a `.vdb` file cannot be written as a `.vol` file.

@@ -22,7 +22,7 @@ use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
 use crate::scene::rebase::{Marks, Old, Pairing, Rebase};
-use crate::scene::{SceneDescription, loading};
+use crate::scene::{SceneDescription, SceneWatch, loading};
 
 /// The number of times that files are read again which change between reading and replacing them.
 pub(crate) const MOST_ATTEMPTS: usize = 5;
@@ -94,6 +94,11 @@ impl Save {
     /// Begins to copy the scene. What others changed in its files since they were read is treated first, as `on_change` says.
     pub fn begin(world: &mut World, path: &Path, on_change: OnChange) -> Result<Self, SaveError> {
         let target = settle(path);
+        // What an include or a mesh has in it would be lost, and the new file would include itself.
+        let watch = world.get_resource::<SceneWatch>();
+        if watch.is_some_and(|watch| watch.has_part(&target)) {
+            return Err(SaveError::InUse { path: target });
+        }
         let locks = lock_folders(world, &target)?;
         let overwrites = on_change == OnChange::Overwrite;
         if !overwrites {
