@@ -6,6 +6,8 @@ use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::scene::{Emitter, Shape};
 
+use crate::numbers::Window;
+
 /// A triangle, and perhaps a light.
 const CARD: &str = r#"{"asset": {"version": "2.0"}, "materials": [{"name": "red"}],
   "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
@@ -33,4 +35,37 @@ fn what_stands_in_for_light_is_not_imported() {
             assert_eq!(count::<Emitter>(&mut world), times * expected, "{name}");
         }
     }
+}
+
+/// Files of the same name from several glTF files lie beside a scene under different names, also if they came between two saves.
+#[test]
+fn a_later_import_leaves_the_files_of_an_earlier_one() {
+    let mut window = Window::on("  <shape type=\"sphere\" id=\"ball\"/>");
+    let folder = window.path.parent().expect("a folder").to_owned();
+    let import = |window: &mut Window, name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).expect("a file");
+        apply(&mut window.world, Command::Import(path)).expect("it can be imported");
+        window.saved()
+    };
+    let card = CARD.replace("LIGHT", "{}");
+    let first = import(&mut window, "a.gltf", &card);
+    let mesh = folder.join("scene-files/mesh-0.ply");
+    let before = std::fs::read(&mesh).expect("it lies beside the scene");
+    // Its third corner is at (0, 2, 0).
+    let second = import(
+        &mut window,
+        "b.gltf",
+        &card.replace("AAAAAAAAgD8AAAAA", "AAAAAAAAAEAAAAAA"),
+    );
+    assert!(std::fs::read(&mesh).expect("it is still there") == before);
+    assert!(
+        first.contains("scene-files/mesh-0.ply") && !first.contains("2-mesh"),
+        "{first}"
+    );
+    assert!(
+        second.contains("scene-files/mesh-0.ply") && second.contains("scene-files/2-mesh-0.ply"),
+        "{second}"
+    );
+    assert!(std::fs::read(folder.join("scene-files/2-mesh-0.ply")).expect("the other one") != before);
 }

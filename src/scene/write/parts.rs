@@ -1,6 +1,6 @@
 //! Moves the parts of opened glTF files, which are in a cache: a scene that is written gets the parts that it names, in a folder beside it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,11 +14,22 @@ pub type Moves = BTreeMap<PathBuf, PathBuf>;
 /// Renames the parts that are named in a document which will be written to `target` (absolute). Names are relative to `folder`, before and after.
 pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
     let mut moves = Moves::new();
-    rename_inside(root, folder, target, &mut moves);
+    // What an earlier save has put beside the scene stays there.
+    let mut named = HashSet::new();
+    for_each_name(root, &mut |name| {
+        named.insert(settle(&folder.join(&*name)));
+    });
+    for_each_name(root, &mut |name| {
+        let part = settle(&folder.join(&*name));
+        if is_part(&part) {
+            *name = file_name(&place(part, target, &named, &mut moves), folder);
+        }
+    });
     moves
 }
 
-fn rename_inside(object: &mut Object, folder: &Path, target: &Path, moves: &mut Moves) {
+/// Calls a function with the name of each file.
+fn for_each_name(object: &mut Object, meet: &mut dyn FnMut(&mut String)) {
     for property in &mut object.properties {
         if property.name != "filename" {
             continue;
@@ -26,24 +37,20 @@ fn rename_inside(object: &mut Object, folder: &Path, target: &Path, moves: &mut 
         let keys = property.keys.as_mut().map(|track| &mut Arc::make_mut(track).keys);
         let keyed = keys.into_iter().flatten().map(|key| &mut key.value);
         for value in std::iter::once(&mut property.value).chain(keyed) {
-            let Value::String(name) = value else {
-                continue;
-            };
-            let part = settle(&folder.join(&*name));
-            if is_part(&part) {
-                *name = file_name(&place(part, target, moves), folder);
+            if let Value::String(name) = value {
+                meet(name);
             }
         }
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child {
-            rename_inside(Arc::make_mut(inner), folder, target, moves);
+            for_each_name(Arc::make_mut(inner), meet);
         }
     }
 }
 
-/// The path of a part in the folder of this scene. Parts of several files may have the same name.
-fn place(part: PathBuf, target: &Path, moves: &mut Moves) -> PathBuf {
+/// The path of a part in the folder of this scene. Parts of several files may have the same name. `named`: the files that the scene names.
+fn place(part: PathBuf, target: &Path, named: &HashSet<PathBuf>, moves: &mut Moves) -> PathBuf {
     if let Some(place) = moves.get(&part) {
         return place.clone();
     }
@@ -54,7 +61,7 @@ fn place(part: PathBuf, target: &Path, moves: &mut Moves) -> PathBuf {
     let mut places = std::iter::once(name.clone())
         .chain(numbered)
         .map(|name| folder.join(name));
-    let free = places.find(|place| !moves.values().any(|taken| taken == place));
+    let free = places.find(|place| !named.contains(place) && !moves.values().any(|taken| taken == place));
     let place = free.unwrap_or_else(|| folder.join(&name));
     moves.insert(part, place.clone());
     place
