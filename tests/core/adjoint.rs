@@ -1,7 +1,7 @@
 //! Light that comes from a lamp is scattered as paths from the camera scatter it the other way: what a viewer sees decides, whichever end a path starts at.
 
 use crate::bidirectional::{assert_pictures, by, diffuse, glass, look, placed};
-use crate::material_support::{Case, all_cases, frame, random_direction, world};
+use crate::material_support::{Case, all_cases, frame, pictures, random_direction, world};
 use crate::statistics::{assert_all_plausible, sphere_integral, sphere_p};
 use crate::support::{SceneBuilder, render};
 use glam::{Quat, UVec2, Vec3};
@@ -12,7 +12,7 @@ use sunroom::render::scene::RenderScene;
 use sunroom::render::view::{Integrator, PathSettings, PhotonSettings};
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{Bsdf, Conductor, ConductorSpecular, TransportMode};
-use sunroom::texture::Parameter;
+use sunroom::texture::{Parameter, TextureId};
 
 /// Directions to a lamp, in the local frame: overhead, oblique, grazing, from behind.
 fn lamps() -> [Vec3; 4] {
@@ -132,12 +132,15 @@ fn light_from_lamps_is_sent_on_by_its_density() {
     assert_all_plausible(&results);
 }
 
+/// A smooth picture among [`pictures`].
+const HEIGHTS: TextureId = TextureId(2);
+
 type Around = fn(&mut SceneBuilder, Material, Vec3) -> Material;
 
 /// A room whose normals lean so far that viewers see other ones than lamps would. `around` makes a material of the one inside and the normal. A ball of glass
 /// makes photons.
 fn leaning_room(around: Around, has_ball: bool) -> RenderScene {
-    let mut scene = SceneBuilder::default();
+    let mut scene = SceneBuilder::with_textures(pictures());
     let quarter = std::f32::consts::FRAC_PI_2;
     let walls = [
         (
@@ -202,6 +205,19 @@ fn map_in_map(scene: &mut SceneBuilder, nested: Material, normal: Vec3) -> Mater
     normal_map(scene, inner, normal)
 }
 
+/// One picture moves all walls, some of which lean away from their viewers.
+fn bump_map(scene: &mut SceneBuilder, nested: Material, _: Vec3) -> Material {
+    Material::BumpMap {
+        nested: scene.material(nested),
+        height: Parameter::Texture(HEIGHTS),
+        scale: 0.3,
+        options: BumpOptions {
+            flip_invalid_normals: true,
+            use_shadowing_function: true,
+        },
+    }
+}
+
 /// Photons within small places, so that these blur little, and few: each sample has its own.
 fn merging(settings: PathSettings) -> Integrator {
     let photons = PhotonSettings {
@@ -213,8 +229,9 @@ fn merging(settings: PathSettings) -> Integrator {
 
 #[test]
 fn all_integrators_see_normals_that_are_turned_for_their_viewer() {
-    let kinds: [(&str, Around, bool); 3] = [
+    let kinds: [(&str, Around, bool); 4] = [
         ("normal map", normal_map, true),
+        ("bump map", bump_map, true),
         ("with a mirror", blend_with_mirror, false),
         ("map in map", map_in_map, true),
     ];

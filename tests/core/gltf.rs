@@ -611,15 +611,24 @@ fn bones_place_skinned_meshes() {
             Affine3A::IDENTITY
         };
         assert_eq!(file.placed_meshes().expect("reads")[0].1, found);
-        found
+        (found, imported.warnings)
     };
-    assert_eq!(place(r#"{"joints": []}"#, ""), Affine3A::IDENTITY);
-    assert_eq!(place(r#"{"joints": [2]}"#, ""), Affine3A::from_translation(Vec3::X));
+    let none = Vec::<String>::new();
+    assert_eq!(place(r#"{"joints": []}"#, ""), (Affine3A::IDENTITY, none.clone()));
+    let shifted = Affine3A::from_translation(Vec3::X);
+    assert_eq!(place(r#"{"joints": [2]}"#, ""), (shifted, none.clone()));
     let bound = place(
         r#"{"joints": [2, 1], "inverseBindMatrices": 1}"#,
         r#""translation": [0, 0, 5]"#,
     );
-    assert_eq!(bound, Affine3A::from_translation(Vec3::X));
+    assert_eq!(bound, (shifted, none));
+    // Bones that do not agree would bend it.
+    let (first, warnings) = place(r#"{"joints": [2, 1]}"#, r#""translation": [0, 0, 5]"#);
+    assert_eq!(first, Affine3A::from_translation(Vec3::new(1.0, 0.0, 5.0)));
+    assert_eq!(
+        warnings,
+        ["`mesh` stands where its bones hold it at rest, and is not deformed by them"]
+    );
 }
 
 #[test]
@@ -751,8 +760,38 @@ fn what_is_passed_over_is_said() {
     let [iridescence, specular] = &imported.warnings[..] else {
         panic!("{:?}", imported.warnings)
     };
-    assert!(iridescence.contains("KHR_materials_iridescence"), "{iridescence}");
+    assert_eq!(
+        iridescence,
+        "the extension KHR_materials_iridescence of material 0 is not read"
+    );
     assert!(specular.contains("colour"), "{specular}");
+}
+
+/// Also where the file does not list the extension, and of many materials the first ones alone.
+#[test]
+fn extensions_that_are_not_read_are_told_of_with_their_materials() {
+    let brushed = |name: &str| {
+        format!(
+            r#"{{"name": "{name}", "extensions": {{"KHR_materials_anisotropy": {{"anisotropyStrength": 1}}, "KHR_materials_ior": {{"ior": 1.4}}}}}}"#
+        )
+    };
+    let (parts, rest) = textured_quad(&brushed("steel"));
+    let (imported, _) = import(&parts.text(&rest));
+    assert_eq!(
+        imported.warnings,
+        ["the extension KHR_materials_anisotropy of material 0 (steel) is not read"]
+    );
+    let many: Vec<String> = ["a", "b", "c", "d", "e", "f", "g"].map(brushed).into();
+    let (parts, rest) = textured_quad(&many.join(","));
+    let used = r#""extensionsUsed": ["KHR_materials_anisotropy", "KHR_xmp"], "#;
+    let (imported, _) = import(&parts.text(&format!("{used}{rest}")));
+    assert_eq!(
+        imported.warnings,
+        [
+            "the extension KHR_materials_anisotropy of material 0 (a), material 1 (b), material 2 (c), material 3 (d), material 4 (e) and 2 more is not read",
+            "the extension KHR_xmp is not read"
+        ]
+    );
 }
 
 #[test]

@@ -13,11 +13,15 @@ use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::commands::bare_world::bare_world;
+use sunroom::app::editor::commands::scene_watch::follow_scene;
 use sunroom::app::editor::commands::{apply, baking};
 use sunroom::app::editor::picture::baking::{Baking, Work};
 use sunroom::app::editor::picture::compare::Comparison;
+use sunroom::app::editor::picture::paths::PathInspector;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::options::SceneDefines;
+use sunroom::app::editor::session::recovery::Recovery;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::toasts::Toasts;
 use sunroom::app::editor::session::view_settings::ViewSettings;
@@ -736,4 +740,23 @@ fn the_lightmaps_of_another_scene_are_not_shown_beside_the_picture() {
     apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
     let refusal = apply(window.app.world_mut(), compare).expect_err("it is of another scene");
     assert!(refusal.to_string().contains("was open when it began"), "{refusal}");
+}
+
+#[test]
+fn another_scene_ends_the_comparison_and_a_reload_does_not() {
+    let mut world = bare_world();
+    world.init_resource::<PathInspector>();
+    world.insert_resource(Recovery::new(None));
+    world.insert_resource(Comparison {
+        view: CompareView::Baked(0.5),
+        ..Comparison::default()
+    });
+    let follow = world.register_system(follow_scene);
+    for (fresh_load, expected) in [(false, CompareView::Baked(0.5)), (true, CompareView::Off)] {
+        let mut status = world.resource_mut::<SceneStatus>();
+        status.revision += 1;
+        (status.state, status.fresh_load) = (SceneState::Ready, fresh_load);
+        world.run_system(follow).expect("all resources are there");
+        assert_eq!(world.resource::<Comparison>().view, expected);
+    }
 }

@@ -13,6 +13,7 @@ use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::blocking::block::{Block, corners};
 use sunroom::app::editor::command::blocking::{BlockKind, OpeningKind, Reshaping};
 use sunroom::app::editor::command::tool::Tool;
+use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::viewport::axes_widget;
 use sunroom::app::editor::viewport::blocking::hand::BlockTarget;
@@ -25,6 +26,7 @@ use sunroom::render::camera::Camera;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{Opening, Shape, ShapeKind, Solid};
 
+use crate::numbers;
 use crate::support::{ViewportContent, presses};
 
 struct Window {
@@ -56,10 +58,10 @@ fn box_pose() -> Affine3A {
     Affine3A::from_translation(Vec3::Y) * Affine3A::from_scale(Vec3::new(2.0, 1.0, 0.2))
 }
 
-fn packed(has_box: bool) -> PackedScene {
+fn packed(pose: Option<Affine3A>) -> PackedScene {
     let blas = Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah));
-    let instance = Instance::new(Primitive::Mesh(blas), box_pose()).expect("a good pose");
-    let instances = if has_box { vec![instance] } else { Vec::new() };
+    let instance = |pose| Instance::new(Primitive::Mesh(blas), pose).expect("a good pose");
+    let instances = pose.map(instance).into_iter().collect();
     PackedScene {
         scene: Some(RenderScene {
             media: Arc::default(),
@@ -70,12 +72,17 @@ fn packed(has_box: bool) -> PackedScene {
             lights: Arc::default(),
             reach: Default::default(),
         }),
-        entity_of_instance: if has_box { vec![cube()] } else { Vec::new() }.into(),
+        entity_of_instance: pose.map(|_| cube()).into_iter().collect(),
         ..PackedScene::default()
     }
 }
 
 fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
+    window_on(tool, has_box.then(box_pose))
+}
+
+/// A window on a cube of this pose, if there is one.
+fn window_on(tool: Tool, box_pose: Option<Affine3A>) -> Harness<'static, Window> {
     let window = Window {
         tool,
         commands: Vec::new(),
@@ -84,23 +91,24 @@ fn window(tool: Tool, has_box: bool) -> Harness<'static, Window> {
         is_known: true,
     };
     let content = ViewportContent {
-        packed: packed(has_box),
+        packed: packed(box_pose),
         ..ViewportContent::default()
     };
-    let near = [BlockTarget {
+    let target = |pose| BlockTarget {
         entity: cube(),
         shape: Shape {
             kind: ShapeKind::Cube,
             ..Shape::default()
         },
-        pose: box_pose(),
-    }];
+        pose,
+    };
+    let near: Vec<BlockTarget> = box_pose.map(target).into_iter().collect();
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
             let presses = presses(ui);
             let empty = content.model([800, 600], pose(), window.camera, &presses);
             let model = ViewportModel {
-                blocks: if has_box && window.is_known { &near } else { &[] },
+                blocks: if window.is_known { &near } else { &[] },
                 keys: ActionContext {
                     tool: window.tool,
                     ..empty.keys
@@ -353,6 +361,30 @@ fn what_is_drawn_near_a_corner_begins_and_ends_at_it() {
     keys(&mut harness, &[Key::Enter]);
     let first = built(&harness).first().map(|block| block.from);
     assert!(first.is_none_or(|from| from.distance(low) > 0.05), "{first:?}");
+}
+
+/// The length of the wall in the file is that of the floor, to the digit.
+#[test]
+fn a_wall_from_corner_to_corner_has_the_size_that_was_typed() {
+    for length in ["9.2", "7.3", "0.7"] {
+        let half = 0.5 * length.parse::<f32>().expect("a number");
+        let mut scene = numbers::Window::on("  <shape type=\"cube\" id=\"floor\"/>");
+        scene.say(&format!("set floor scale {half},0.05,2.3"));
+        scene.say("move floor 0,-0.05,0");
+        let (_, pose) = scene.shape("floor");
+        let mut harness = window_on(Tool::Draw(BlockKind::Wall), Some(pose));
+        let corner = |side: f32| Vec3::new(side * half, 0.0, -2.3);
+        let off = Vec3::new(0.0, 0.0, 0.06);
+        drag(&mut harness, corner(1.0) + off, corner(-1.0) + off);
+        keys(&mut harness, &[Key::Enter]);
+        let [block] = &built(&harness)[..] else {
+            panic!("{length}: {:?}", harness.state().commands)
+        };
+        apply(&mut scene.world, Command::Build(Box::new(block.clone()))).expect("it can be built");
+        let saved = scene.saved();
+        let told = format!("<float name=\"length\" value=\"{length}\"/>");
+        assert!(saved.contains(&told), "{length}: {saved}");
+    }
 }
 
 /// Frames take long while a picture is large: the button may go up before the shapes there have been looked up.

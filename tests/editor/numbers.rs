@@ -5,20 +5,29 @@ use std::sync::Arc;
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
+use bevy_egui::egui::{self, Key, Modifiers, Ui};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::automation::script::parse::{self, Step};
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
+use sunroom::app::editor::model::{Inspected, Model};
+use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::view_settings::ViewSettings;
+use sunroom::app::editor::window::field_keys::{FieldKeys, Keyboard};
 use sunroom::scene::*;
 use tempfile::TempDir;
 
+use crate::support::presses;
+
 /// A window on a scene file of its own.
-struct Window {
-    world: World,
-    path: PathBuf,
+pub struct Window {
+    pub world: World,
+    pub path: PathBuf,
     _folder: TempDir,
 }
 
@@ -30,7 +39,7 @@ fn described(path: &Path) -> SceneDescription {
 }
 
 impl Window {
-    fn on(body: &str) -> Self {
+    pub fn on(body: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.xml");
         std::fs::write(&path, format!("<scene version=\"3.0.0\">\n{body}\n</scene>\n")).expect("a file");
@@ -45,7 +54,7 @@ impl Window {
     }
 
     /// Says a line, which is a step of the history of its own.
-    fn say(&mut self, line: &str) {
+    pub fn say(&mut self, line: &str) {
         self.world.resource_mut::<Requests>().interaction += 1;
         match parse::line(&mut self.world, line) {
             Ok(Some(Step::Do(command))) => {
@@ -56,7 +65,7 @@ impl Window {
     }
 
     /// The text of the file after saving.
-    fn saved(&mut self) -> String {
+    pub fn saved(&mut self) -> String {
         apply(&mut self.world, Command::Save).expect("saved");
         std::fs::read_to_string(&self.path).expect("a file")
     }
@@ -85,7 +94,7 @@ impl Window {
             .to_array()
     }
 
-    fn shape(&mut self, name: &str) -> (Shape, Affine3A) {
+    pub fn shape(&mut self, name: &str) -> (Shape, Affine3A) {
         let thing = self.named(name);
         let shape = self.world.get::<Shape>(thing).cloned().expect("a shape");
         (shape, self.world.get::<ToWorld>(thing).expect("a place").0)
@@ -324,5 +333,65 @@ fn a_box_with_projected_textures_stands_as_before() {
         assert_eq!(window.angles("box"), [-90.0, 30.0, 0.0]);
         let middle = pose.transform_point3(0.5 * Vec3::new(length, 0.0, height));
         assert!(middle.abs_diff_eq(Vec3::ZERO, 1e-5), "{middle}");
+    }
+}
+
+/// The inspector on a thing of a window, and the keys of the window beside it.
+struct Typing {
+    window: Window,
+    panel: InspectorState,
+    keys: FieldKeys,
+    keyboard: Option<Keyboard>,
+}
+
+fn inspect_ball(ui: &mut Ui, typing: &mut Typing) {
+    let context = ui.ctx().clone();
+    let mut commands = Vec::new();
+    let pressed = presses(ui);
+    for press in typing.keys.take(&context, pressed, typing.keyboard, &NO_BINDINGS) {
+        let is_of_saving = press.key == Key::S && press.modifiers.command;
+        commands.extend(is_of_saving.then_some(Command::Save));
+    }
+    let ball = typing.window.named("ball");
+    let (shape, pose) = typing.window.shape("ball");
+    let model = Model {
+        inspected: Some(Inspected {
+            to_world: Some(pose),
+            shape: Some(shape),
+            ..Inspected::new(ball, "ball")
+        }),
+        ..Model::default()
+    };
+    inspector(ui, &model, 10.0, &mut typing.panel, &mut commands);
+    typing.keys.end_frame(&context);
+    typing.keyboard = Keyboard::of(&context, false);
+    for command in commands {
+        apply(&mut typing.window.world, command).expect("it can be done");
+    }
+}
+
+/// Without Enter before it.
+#[test]
+fn saving_takes_the_number_that_is_being_typed() {
+    for (text, expected) in [("0,5", 0.5), ("1/4", 0.25), ("3", 3.0)] {
+        let typing = Typing {
+            window: Window::on("  <shape type=\"sphere\" id=\"ball\"><float name=\"radius\" value=\"2\"/></shape>"),
+            panel: InspectorState::default(),
+            keys: FieldKeys::default(),
+            keyboard: None,
+        };
+        let mut harness = Harness::builder()
+            .with_size(egui::vec2(340.0, 1000.0))
+            .build_ui_state(inspect_ball, typing);
+        harness.run_steps(3);
+        harness.get_by_label("Radius").click();
+        harness.run_steps(4);
+        harness.event(egui::Event::Text(text.into()));
+        harness.run_steps(2);
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+        harness.run_steps(5);
+        let saved = std::fs::read_to_string(&harness.state().window.path).expect("a file");
+        let told = format!("<float name=\"radius\" value=\"{expected}\"/>");
+        assert!(saved.contains(&told), "{text}: {saved}");
     }
 }

@@ -322,6 +322,19 @@ fn the_bar_of_a_paused_picture_leaves_the_handles_free() {
 }
 
 #[test]
+fn a_click_on_the_bar_of_a_paused_picture_goes_on() {
+    let mut harness = window();
+    harness.state_mut().is_paused = true;
+    harness.run_steps(2);
+    harness.get_by_label("Resume").click();
+    harness.run_steps(2);
+    assert_eq!(harness.state().commands, [Command::SetPaused(false)]);
+    harness.state_mut().is_paused = false;
+    harness.run_steps(2);
+    assert!(harness.query_by_label("Resume").is_none());
+}
+
+#[test]
 fn a_press_on_a_handle_alone_does_nothing() {
     let mut harness = window();
     let from = at(&harness, 0.5 * Vec3::X);

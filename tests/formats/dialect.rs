@@ -169,6 +169,53 @@ fn slips_of_the_hand_are_errors() {
     }
 }
 
+/// They would be read as if they were not there.
+#[test]
+fn attributes_that_are_not_known_are_told_of() {
+    let told = |text: &str| {
+        let text = format!("<ItemContainer>\n{text}</ItemContainer>");
+        let (_, diagnostics) = read_text(&text, Path::new("/tmp/a.xml"), &[]);
+        assert!(!diagnostics.has_errors(), "{diagnostics}");
+        diagnostics.to_string()
+    };
+    let rest = "<Lights><Sun/></Lights>";
+    for (text, place, expected) in [
+        (
+            format!("<Config Width='wide'/><Camera/>{rest}<Objects/>"),
+            "2:9",
+            "the attribute `Width` is not known in <Config>, which has none; it is ignored",
+        ),
+        (
+            format!("<Config><Width Value='5'/></Config><Camera/>{rest}<Objects/>"),
+            "2:16",
+            "the attribute `Value` is not known in <Width>, which has `value`; it is ignored",
+        ),
+        (
+            format!("<Config/><Camera/>{rest}<Objects><Sphere Radius='big'/></Objects>"),
+            "2:59",
+            "the attribute `Radius` is not known in <Sphere>, which has `name`, `material`; it is ignored",
+        ),
+        (
+            format!("<Config/><Camera/>{rest}<Objects><Sphere><Center X='1'/></Sphere></Objects>"),
+            "2:67",
+            "the attribute `X` is not known in <Center>, which has `x`, `y`, `z`; it is ignored",
+        ),
+    ] {
+        let said = told(&text);
+        assert!(
+            said.contains(&format!("a.xml:{place}: warning: {expected}")),
+            "{expected}: {said}"
+        );
+        assert_eq!(said.matches("is not known").count(), 1, "{said}");
+    }
+    // An element that is not known is told of alone.
+    let said = told(&format!("<Config/><Camera/>{rest}<Objects/><Wood grain='3'/>"));
+    assert!(
+        said.contains("<Wood> is not known") && !said.contains("grain` is"),
+        "{said}"
+    );
+}
+
 #[test]
 fn the_second_variant_has_other_names() {
     let text = "<Scene><Config><Width value='128'/><Height value='72'/><Samples value='3'/><Depth value='12'/></Config>

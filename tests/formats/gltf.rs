@@ -567,3 +567,30 @@ fn colours_of_vertices_and_both_sides_of_lamps_are_seen() {
     assert_eq!(lamp(""), 0.0);
     assert!((lamp(r#", "doubleSided": true"#) - 1.0).abs() < 1e-3);
 }
+
+/// The left half of a pane is polished metal, which reflects the dark before it, and the right half is glass before a lamp.
+#[test]
+fn metal_beside_glass_lets_no_light_through() {
+    let shop = Workshop::new();
+    let mut parts = squares(1.0);
+    parts.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let mut halves = image::RgbImage::new(2, 1);
+    halves.put_pixel(0, 0, image::Rgb([0, 0, 255]));
+    halves.save(shop.path("halves.png")).expect("a picture");
+    let rest = r#"
+      "materials": [{"name": "leaded", "pbrMetallicRoughness": {"roughnessFactor": 0, "metallicRoughnessTexture": {"index": 0}},
+          "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}},
+        {"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0}}],
+      "images": [{"uri": "halves.png"}], "samplers": [{"magFilter": 9728, "minFilter": 9728}], "textures": [{"source": 0, "sampler": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "mode": 6, "material": 0}]},
+        {"primitives": [{"attributes": {"POSITION": 0}, "mode": 6, "material": 1}]}],
+      "cameras": [{"type": "orthographic", "orthographic": {"xmag": 0.5, "ymag": 0.5, "znear": 0.1, "zfar": 10}}],
+      "nodes": [{"mesh": 0}, {"mesh": 1, "translation": [0, 0, -1]}, {"camera": 0, "translation": [0.5, 0.5, 4]}]"#;
+    shop.put("pane.glb", parts.binary(rest));
+    let size = ["--size", "16x16", "--spp", "64", "--strict", "-q"];
+    shop.done(&[&["render", "pane.glb", "-o", "pane.exr"], &size[..]].concat());
+    let image = sunroom::texture::load_image(&shop.read("pane.exr")).expect("a picture");
+    let (metal, glass) = (image.pixel(4, 8).x, image.pixel(12, 8).x);
+    assert!(metal < 0.02, "{metal}");
+    assert!((0.8..1.0).contains(&glass), "{glass}");
+}

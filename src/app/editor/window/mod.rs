@@ -6,7 +6,7 @@ pub(crate) mod dialog;
 pub(crate) mod dialogs;
 pub(crate) mod docking;
 pub(crate) mod dropping;
-pub(crate) mod field_keys;
+pub mod field_keys;
 pub(crate) mod file_dialog;
 pub mod full_film;
 pub(crate) mod late_quit;
