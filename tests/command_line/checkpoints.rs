@@ -118,6 +118,7 @@ fn what_is_no_checkpoint_to_go_on_with_is_told() {
     let whole = std::fs::read(shop.path("c.exr")).expect("a checkpoint");
     shop.write("cut.exr", &whole[..whole.len() / 2]);
     shop.write("short.exr", &whole[..9]);
+    shop.write("picture.exr", std::fs::read(shop.path("a.exr")).expect("a picture"));
     shop.write("grey.png", b"\x89PNG\r\n\x1a\n");
     shop.write("empty.exr", "");
     let none = "no EXR file: a ";
@@ -127,7 +128,7 @@ fn what_is_no_checkpoint_to_go_on_with_is_told() {
         ("empty.exr", none),
         ("cut.exr", "it is damaged or no checkpoint"),
         ("short.exr", "it is damaged or no checkpoint"),
-        ("a.exr", "it is damaged or no checkpoint"),
+        ("picture.exr", "it is damaged or no checkpoint"),
         ("c.bake", "it is a checkpoint or share of a bake"),
     ] {
         let message = said(&shop, &format!("{RENDER} --resume {name}"), 1);
