@@ -16,6 +16,7 @@ use super::random::Random;
 use super::report::{Bounds, Criterion, Mark, Record};
 use super::snapshot::Snapshot;
 use crate::app::editor::session::options::{Length, MonkeyOptions};
+use crate::files::{LARGEST_DATA, open};
 
 /// The purpose of the next frame.
 pub(super) enum Phase {
@@ -96,7 +97,8 @@ const LOG: &str = "# The acts of a monkey";
 fn create_log(path: &Path) -> std::io::Result<File> {
     let mut begin = Vec::new();
     if path.is_file() {
-        File::open(path)?.take(LOG.len() as u64).read_to_end(&mut begin)?;
+        let file = open(path, LARGEST_DATA).map_err(std::io::Error::other)?;
+        file.take(LOG.len() as u64).read_to_end(&mut begin)?;
     }
     if !begin.is_empty() && begin != LOG.as_bytes() {
         return Err(std::io::Error::other(format!(
