@@ -1,4 +1,4 @@
-//! Names of materials that nobody has chosen.
+//! The names that the program gives to materials: ids of new ones, and names after presets.
 
 use bevy::prelude::*;
 
@@ -16,7 +16,7 @@ pub(super) fn name_as_id(edit: &mut Edit, material: Entity, otherwise: &str) {
     edit.set(material, SceneId(name));
 }
 
-/// Names a material after the preset that it has become, unless the user has named it.
+/// Names a material after the preset that it has become, unless its name was typed by the user.
 pub(super) fn name_after_preset(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
     let Some(presets) = edit
         .world

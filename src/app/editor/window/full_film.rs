@@ -64,7 +64,7 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(320.0);
                 let size = status.status.full_size;
-                // Nobody knows how long the filter takes.
+                // The filter does not report its progress.
                 let is_filtered = image.is_denoised && status.status.rests() && status.status.size == size;
                 let does = if is_filtered { "Denoising" } else { "Rendering all" };
                 ui.label(format!(
