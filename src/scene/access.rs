@@ -50,6 +50,11 @@ struct Accesses {
 }
 
 impl SceneAccess {
+    /// The permission of the scene that is open in a world. A world without this resource limits nothing.
+    pub(crate) fn of(world: &World) -> Access {
+        world.get_resource::<Self>().map(Self::get).unwrap_or_default()
+    }
+
     /// The permission of the open scene.
     pub fn get(&self) -> Access {
         self.read().open.clone()

@@ -119,8 +119,7 @@ fn is_no_file(error: &SourceError) -> bool {
 
 /// The permission of the scene once it is saved at `target`.
 pub(super) fn access(world: &World, target: &Path) -> Access {
-    let access = world.get_resource::<SceneAccess>();
-    let mut access = access.map(SceneAccess::get).unwrap_or_default();
+    let mut access = SceneAccess::of(world);
     if let Some(folder) = target.parent() {
         access.allow(folder);
         // It may be a link, which the user has named.

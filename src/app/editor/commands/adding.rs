@@ -409,8 +409,7 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), CommandError> {
         format!("<scene version=\"3.0.0\">{text}</scene>")
     };
     // A text from elsewhere may name files that its reader does not know.
-    let access = edit.world.get_resource::<SceneAccess>().map(SceneAccess::get);
-    let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], access.unwrap_or_default());
+    let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], SceneAccess::of(edit.world));
     let scene = read::read(&mut document);
     Ok(insert_all(edit, scene, &document.diagnostics)?)
 }

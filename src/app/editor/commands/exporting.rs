@@ -65,9 +65,7 @@ pub(super) fn described(world: &mut World) -> Result<(SceneDescription, Hidden, 
         shapes: hidden(&entities.shapes),
         emitters: hidden(&entities.emitters),
     };
-    let access = world.get_resource::<SceneAccess>().map(SceneAccess::get);
-    let access = access.unwrap_or_default();
-    Ok((scene, hidden, access))
+    Ok((scene, hidden, SceneAccess::of(world)))
 }
 
 /// Exports the scene, and waits for the end of it.

@@ -24,7 +24,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
 use crate::app::origin::{origin_of_open, take_choice};
 use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
-use crate::files::{Access, FileError};
+use crate::files::FileError;
 use crate::render::layered_image::{Attribute, LayeredImage};
 use crate::render::part::{Crop, Origin, PartFile};
 use crate::scene::{
@@ -49,7 +49,7 @@ pub fn apply(world: &mut World, command: KeptPicture) -> Result<(), CommandError
 fn keep(world: &mut World) -> Result<(), CommandError> {
     let scene = keepable(world)?;
     let path = kept_file(&scene);
-    if !access(world).covers(&path) {
+    if !SceneAccess::of(world).covers(&path) {
         return Err(CommandError::file(format!(
             "{}: {}",
             name_of(&path),
@@ -237,8 +237,8 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
         return Err("No picture of this scene is kept.".into());
     }
     let name = name_of(&path);
-    let file =
-        PartFile::open_within(&path, &access(world)).map_err(|error| CommandError::file(format!("{name}: {error}")))?;
+    let file = PartFile::open_within(&path, &SceneAccess::of(world))
+        .map_err(|error| CommandError::file(format!("{name}: {error}")))?;
     let mut texts = file.header().about.texts.iter();
     let text = texts.find(|(name, _)| name == SHOWN).map(|(_, text)| text.as_str());
     let shown = text.and_then(Shown::read).ok_or_else(|| {
@@ -262,14 +262,6 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
     let is_sized = false;
     world.insert_resource(Returning { scene, file, is_sized });
     Ok(())
-}
-
-/// What may be read of the scene, and so of what lies beside it.
-fn access(world: &World) -> Access {
-    world
-        .get_resource::<SceneAccess>()
-        .map(SceneAccess::get)
-        .unwrap_or_default()
 }
 
 fn discard(world: &mut World) -> Result<(), CommandError> {

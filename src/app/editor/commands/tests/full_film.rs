@@ -87,6 +87,14 @@ fn begin_to_save(app: &mut App, path: &Path) {
     assert!(app.world().contains_resource::<AwaitedImage>() && !path.exists());
 }
 
+/// The same for an image that has not all its samples before a test ends.
+fn begin_to_save_for_long(app: &mut App, path: &Path) {
+    begin_to_save(app, path);
+    const MANY: u32 = 1_000_000_000;
+    app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
+    app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
+}
+
 #[test]
 fn an_image_is_saved_with_all_pixels_of_the_film() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -222,10 +230,7 @@ fn an_image_that_is_cancelled_leaves_the_samples_of_its_film() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("sky.png");
     let mut app = app();
-    begin_to_save(&mut app, &path);
-    const MANY: u32 = 1_000_000_000;
-    app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
-    app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
+    begin_to_save_for_long(&mut app, &path);
     update_until(&mut app, |world| {
         size(world) == (120, 80) && world.resource::<RenderStatus>().samples >= 3
     });
@@ -250,11 +255,7 @@ fn the_full_film_as_a_setting_hides_no_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("sky.png");
     let mut app = app();
-    begin_to_save(&mut app, &path);
-    // The picture does not get so many samples before the test ends.
-    const MANY: u32 = 1_000_000_000;
-    app.world_mut().resource_mut::<AwaitedImage>().samples = MANY;
-    app.world_mut().resource_mut::<RenderControl>().exact_samples = Some(MANY);
+    begin_to_save_for_long(&mut app, &path);
     update_until(&mut app, |world| size(world) == (120, 80));
     apply(app.world_mut(), Command::SetResolution(Resolution::Full)).expect("set");
     app.world_mut().resource_mut::<RenderControl>().view_size = None;
