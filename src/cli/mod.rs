@@ -39,6 +39,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 use sunroom::document::suggest::did_you_mean;
 use sunroom::memory;
+use sunroom::render::denoise;
 
 use args::EditArgs;
 
@@ -98,7 +99,7 @@ pub fn run() -> ExitCode {
     if let Some(Err(message)) = memory::budget_of_variable() {
         return report::wrong_usage(format_args!("{}: {message}", memory::VARIABLE));
     }
-    match cli.command {
+    let code = match cli.command {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),
         Some(Command::Render(args)) => render::run(*args),
@@ -111,7 +112,9 @@ pub fn run() -> ExitCode {
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Completions(args)) => generate::completions(Cli::command(), args),
         Some(Command::Man(args)) => generate::man(Cli::command(), args),
-    }
+    };
+    denoise::end_all();
+    code
 }
 
 /// Says so if the first argument is a plain word, but neither a command nor the name of a file, which would be a scene to edit.

@@ -22,7 +22,7 @@ use sunroom::engine::{
 use sunroom::files::keep_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::render::auto::{Method, pays_for_pilot};
-use sunroom::render::denoise::denoise_film;
+use sunroom::render::denoise::{denoise_film, end_all};
 use sunroom::render::image_io::{FileOptions, ImageRgb};
 use sunroom::render::layered_image::LayeredImage;
 use sunroom::render::view::{Shown, View};
@@ -491,6 +491,7 @@ pub fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
     let flag = cancel.clone();
     on_interrupt(move || {
         if flag.swap(true, Ordering::Relaxed) {
+            end_all();
             std::process::exit(i32::from(INTERRUPTED));
         }
     })?;

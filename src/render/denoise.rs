@@ -8,6 +8,7 @@
 #[cfg(feature = "denoise")]
 mod ffi;
 mod request;
+mod running;
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,6 +16,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 pub use self::request::{DenoiseError, DenoiseInput, DenoiseQuality};
+pub use self::running::end_all;
 use super::film::Film;
 use crate::color::Rgb;
 
@@ -83,6 +85,7 @@ fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, D
         cancel,
     };
     let color = within(input.color, 0.0, brightest(input.color));
+    let _running = running::begin().ok_or(DenoiseError::Cancelled)?;
     ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
 }
 
@@ -119,6 +122,7 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
         quality: input.quality,
         cancel,
     };
+    let _running = running::begin().ok_or(DenoiseError::Cancelled)?;
     // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads share no state, and no memory
     // is held between calls.
     let device = ffi::Device::new(input.threads)?;

@@ -14,6 +14,7 @@ use glam::Vec3;
 use oidn::sys;
 
 use super::request::{DenoiseError, DenoiseQuality};
+use super::running::is_over;
 
 /// The settings that all filters of one picture share.
 pub struct Job<'a> {
@@ -237,5 +238,5 @@ impl Drop for Filter<'_> {
 unsafe extern "C" fn may_go_on(flag: *mut c_void, _done: f64) -> bool {
     // SAFETY: the caller's promise.
     let cancel = unsafe { &*flag.cast::<AtomicBool>() };
-    !cancel.load(Ordering::Relaxed)
+    !cancel.load(Ordering::Relaxed) && !is_over()
 }
