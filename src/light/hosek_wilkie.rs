@@ -127,10 +127,13 @@ impl SkyModel {
             return Rgb::ZERO;
         }
         let [a, b, c, d, e, f, g, h, i] = self.shape;
-        let from_sun = angle_to(self.one_minus_cos_to_sun(direction));
-        let (cos, cos_squared) = (from_sun.cos(), from_sun.cos().powi(2));
+        let one_minus_cos = self.one_minus_cos_to_sun(direction);
+        let (from_sun, cos) = (angle_to(one_minus_cos), 1.0 - one_minus_cos);
+        let cos_squared = cos * cos;
         let horizon = Rgb::ONE + a * (b / (direction.z + 0.01)).exp();
-        let mie = (1.0 + cos_squared) / (Rgb::ONE + i * i - 2.0 * cos * i).powf(1.5);
+        let spread = Rgb::ONE + i * i - 2.0 * cos * i;
+        // The exponent is 3 / 2.
+        let mie = (1.0 + cos_squared) / (spread * spread.map(f32::sqrt));
         let glow = c + d * (e * from_sun).exp() + f * cos_squared + g * mie + h * direction.z.sqrt();
         (horizon * glow * self.radiance).max(Rgb::ZERO)
     }

@@ -35,6 +35,9 @@ const DENSITY_FLOOR: f32 = 0.05;
 /// The least share of the samples for the sun, and for the sky: there are shadows and roofs.
 const LEAST_SHARE: f32 = 0.2;
 
+/// The density per solid angle of a density that is uniform over the table.
+const TABLE_DENSITY: f32 = 0.5 * FRAC_1_PI;
+
 impl SunSkyLight {
     pub fn new(atmosphere: Atmosphere, world_from_local: Mat3) -> Self {
         let model = SkyModel::new(atmosphere);
@@ -67,15 +70,17 @@ impl SunSkyLight {
 
     /// Samples the light; None below the horizon and at night.
     pub fn sample(&self, u: Vec2) -> Option<LightSample> {
-        let local = if u.x < self.sky_share {
+        let (local, sky_pdf) = if u.x < self.sky_share {
             let u = Vec2::new((u.x / self.sky_share).min(ONE_MINUS_EPSILON), u.y);
-            direction(self.density.as_ref()?.sample(u).position)
+            let sample = self.density.as_ref()?.sample(u);
+            (direction(sample.position), sample.pdf * TABLE_DENSITY)
         } else {
             let x = (u.x - self.sky_share) / (1.0 - self.sky_share);
             let u = Vec2::new(x.min(ONE_MINUS_EPSILON), u.y);
-            self.sun.to_world(warp::uniform_cone(u, self.model.sun_one_minus_cos()))
+            let local = self.sun.to_world(warp::uniform_cone(u, self.model.sun_one_minus_cos()));
+            (local, self.sky_pdf(local))
         };
-        let pdf = self.local_pdf(local);
+        let pdf = self.mixed(sky_pdf, local);
         (pdf > 0.0).then(|| LightSample {
             wi: self.world_from_local * local,
             target: Target::Infinity,
@@ -87,7 +92,8 @@ impl SunSkyLight {
 
     /// Density per solid angle of [`Self::sample`].
     pub fn pdf(&self, wi: Vec3) -> f32 {
-        self.local_pdf(self.world_from_local.transpose() * wi)
+        let local = self.world_from_local.transpose() * wi;
+        self.mixed(self.sky_pdf(local), local)
     }
 
     pub fn radiance(&self, wi: Vec3) -> Rgb {
@@ -100,17 +106,23 @@ impl SunSkyLight {
         self.irradiance
     }
 
-    fn local_pdf(&self, local: Vec3) -> f32 {
+    /// The density with which the sky is sampled in a direction in local space.
+    fn sky_pdf(&self, local: Vec3) -> f32 {
         if local.z < 0.0 {
             return 0.0;
         }
         let turn = local.y.atan2(local.x) / TAU;
         let position = Vec2::new(turn - turn.floor(), local.z.min(1.0));
-        let sky = self.density.as_ref().map_or(0.0, |density| density.pdf(position));
+        let density = self.density.as_ref();
+        density.map_or(0.0, |density| density.pdf(position)) * TABLE_DENSITY
+    }
+
+    /// The density of sky and sun together, where that of the sky is `sky_pdf`. The sun below the horizon is not seen.
+    fn mixed(&self, sky_pdf: f32, local: Vec3) -> f32 {
         let rim = self.model.sun_one_minus_cos();
-        let inside = 0.5 * local.distance_squared(self.sun.n) <= rim;
+        let inside = local.z >= 0.0 && 0.5 * local.distance_squared(self.sun.n) <= rim;
         let sun = if inside { warp::uniform_cone_pdf(rim) } else { 0.0 };
-        self.sky_share * sky * (0.5 * FRAC_1_PI) + (1.0 - self.sky_share) * sun
+        self.sky_share * sky_pdf + (1.0 - self.sky_share) * sun
     }
 }
 
