@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::bump::{Bump, BumpOptions, Orientation, displaced_normal};
 use super::definition::{Material, MaterialId};
-use super::scattering::{LARGEST_MIX, Part, Scattering};
+use super::scattering::{LARGEST_MIX, Part, Scattering, Single};
 use super::tangents;
 use crate::accel::SurfacePoint;
 use crate::shading::lanes::BsdfLanes;
@@ -195,11 +195,7 @@ pub(super) fn resolve<'a>(
 ) -> Scattering<'a> {
     // It is large: made where it will stay.
     let mut scattering = Scattering::new(wo, mode, tables);
-    let upright = Orientation {
-        frame: point.shading_frame(),
-        side: 1.0,
-        is_of_one_side: false,
-    };
+    let upright = upright(point);
     let mut resolver = Resolver {
         materials,
         point,
@@ -210,6 +206,58 @@ pub(super) fn resolve<'a>(
     };
     resolver.add(id, 1.0, upright, None);
     scattering
+}
+
+/// [`resolve`] for a material that is one model about the normal of the surface, on each of its sides; None for any other.
+#[expect(clippy::too_many_arguments, reason = "those of `resolve`")]
+pub(super) fn single<'a>(
+    materials: &'a [Material],
+    tables: &'a ShadingTables,
+    mut id: MaterialId,
+    point: &SurfacePoint,
+    wo: Vec3,
+    mode: TransportMode,
+    textures: &TextureTable,
+    at: &TexturePoint,
+) -> Option<Single<'a>> {
+    let mut orientation = upright(point);
+    let bsdf = loop {
+        match &materials[id.0 as usize] {
+            Material::Plain(bsdf) => break Cow::Borrowed(bsdf),
+            Material::Textured(textured) => break Cow::Owned(textured.at(textures, at)),
+            Material::TwoSided { front, back } => (id, orientation) = side_seen([*front, *back], wo, orientation),
+            _ => return None,
+        }
+    };
+    let part = Part {
+        share: 1.0,
+        weight: 1.0,
+        wo: orientation.to_local(wo),
+        orientation,
+        bump: None,
+        bsdf,
+    };
+    Single::of(part, wo, mode, tables)
+}
+
+fn upright(point: &SurfacePoint) -> Orientation {
+    Orientation {
+        frame: point.shading_frame(),
+        side: 1.0,
+        is_of_one_side: false,
+    }
+}
+
+/// The material of the side that is seen from `wo`, front or back, with its orientation.
+fn side_seen([front, back]: [MaterialId; 2], wo: Vec3, orientation: Orientation) -> (MaterialId, Orientation) {
+    let is_before = orientation.to_local(wo).z > 0.0;
+    let (seen, side) = if is_before { (front, 1.0) } else { (back, -1.0) };
+    let orientation = Orientation {
+        side: side * orientation.side,
+        is_of_one_side: true,
+        ..orientation
+    };
+    (seen, orientation)
 }
 
 struct Resolver<'a, 'b> {
@@ -234,13 +282,7 @@ impl<'a> Resolver<'a, '_> {
                 self.push(Cow::Owned(bsdf), weight, orientation, bump);
             }
             Material::TwoSided { front, back } => {
-                let is_before = orientation.to_local(self.wo).z > 0.0;
-                let (seen, side) = if is_before { (*front, 1.0) } else { (*back, -1.0) };
-                let orientation = Orientation {
-                    side: side * orientation.side,
-                    is_of_one_side: true,
-                    ..orientation
-                };
+                let (seen, orientation) = side_seen([*front, *back], self.wo, orientation);
                 self.add(seen, weight, orientation, bump);
             }
             Material::Blend {

@@ -80,7 +80,27 @@ pub struct Single<'a> {
     part: Part<'a>,
 }
 
-impl Single<'_> {
+impl<'a> Single<'a> {
+    /// A scattering of this part alone, which has all of it; None for what light passes straight through.
+    pub(super) fn of(part: Part<'a>, wo: Vec3, mode: TransportMode, tables: &'a ShadingTables) -> Option<Self> {
+        (!part.bsdf.has_null_lobe()).then_some(Self { wo, mode, tables, part })
+    }
+
+    /// Whether some of its light is scattered with a density, as of [`Scattering::has_smooth_lobe`].
+    pub fn has_smooth_lobe(&self) -> bool {
+        self.part.bsdf.has_smooth_lobe()
+    }
+
+    /// The normal as of [`Scattering::one_sided_normal`].
+    pub fn one_sided_normal(&self) -> Option<Vec3> {
+        (!self.part.bsdf.transmits()).then(|| self.part.orientation.to_world(Vec3::Z))
+    }
+
+    /// The colour as of [`Scattering::albedo`].
+    pub fn albedo(&self) -> Rgb {
+        self.part.bsdf.albedo()
+    }
+
     /// Whether it has a [`Self::diffuse_lobe`], which may be empty.
     pub fn may_have_diffuse_lobe(&self) -> bool {
         self.part.bsdf.may_have_diffuse_lobe()
@@ -333,14 +353,9 @@ impl<'a> Scattering<'a> {
 
     /// Takes out the only model; None if there are several, or if light passes straight through.
     pub(crate) fn take_single(&mut self) -> Option<Single<'a>> {
-        let is_single = self.null_share == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.has_null_lobe());
+        let is_single = self.null_share == 0.0 && self.parts.len() == 1;
         let part = if is_single { self.parts.pop() } else { None };
-        part.map(|part| Single {
-            wo: self.wo,
-            mode: self.mode,
-            tables: self.tables,
-            part,
-        })
+        Single::of(part?, self.wo, self.mode, self.tables)
     }
 
     /// The transmittance for a shadow ray against `wo`.

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::definition::{Material, MaterialId};
 use super::nesting::{self, MaterialTableError};
-use super::scattering::Scattering;
+use super::scattering::{Scattering, Single};
 use crate::accel::{Detail, SurfacePoint};
 use crate::color::Rgb;
 use crate::shading::{Bsdf, ShadingTables, TransportMode};
@@ -171,5 +171,19 @@ impl MaterialTable {
         at: &TexturePoint,
     ) -> Scattering<'_> {
         nesting::resolve(&self.materials, &self.tables, id, point, wo, mode, textures, at)
+    }
+
+    /// The only model of [`Self::scattering`], where that is found without looking at all of it; None for mixtures, maps of normals, and what light passes straight
+    /// through.
+    pub(crate) fn single(
+        &self,
+        id: MaterialId,
+        point: &SurfacePoint,
+        wo: Vec3,
+        mode: TransportMode,
+        textures: &TextureTable,
+        at: &TexturePoint,
+    ) -> Option<Single<'_>> {
+        nesting::single(&self.materials, &self.tables, id, point, wo, mode, textures, at)
     }
 }

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::emission::Reach;
 use crate::light::{LightId, LightTable};
-use crate::material::{MaterialId, MaterialTable, Scattering};
+use crate::material::{MaterialId, MaterialTable, Scattering, Single};
 use crate::math::Ray;
 use crate::medium::{MediumInterface, MediumTable};
 use crate::shading::TransportMode;
@@ -123,6 +123,19 @@ impl RenderScene {
             material: self.slot(hit).material,
             uv: self.geometry.surface(ray, hit).uv,
         }
+    }
+
+    /// The only model of [`Self::scattering`], as of [`MaterialTable::single`].
+    pub(crate) fn single(
+        &self,
+        material: MaterialId,
+        hit: &Hit,
+        point: &SurfacePoint,
+        wo: Vec3,
+        mode: TransportMode,
+    ) -> Option<Single<'_>> {
+        let at = self.texture_point(hit, point);
+        self.materials.single(material, point, wo, mode, &self.textures, &at)
     }
 
     /// The scattering of the surface at `hit` for a path that has come from `wo`, a unit vector in world space.

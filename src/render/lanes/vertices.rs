@@ -303,11 +303,11 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         slot: &SurfaceSlot,
     ) -> Option<Met> {
         let point = scene.surface(ray, hit, slot);
-        let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir, TransportMode::Radiance);
-        let (one_sided_normal, albedo) = (scattering.one_sided_normal(), scattering.albedo());
-        let is_smooth = scattering.has_smooth_lobe();
-        let single = scattering.take_single()?;
-        let may_be_diffuse = single.may_have_diffuse_lobe();
+        let (wo, mode) = (-ray.dir, TransportMode::Radiance);
+        let single = scene.single(slot.material, hit, &point, wo, mode);
+        let single = single.or_else(|| scene.scattering(slot.material, hit, &point, wo, mode).take_single())?;
+        let (one_sided_normal, albedo) = (single.one_sided_normal(), single.albedo());
+        let (is_smooth, may_be_diffuse) = (single.has_smooth_lobe(), single.may_have_diffuse_lobe());
         self.singles[lane] = Some(single);
         self.set_place(lane, &point);
         self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
