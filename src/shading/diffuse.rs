@@ -3,7 +3,6 @@
 use super::BsdfSample;
 use crate::{color::Rgb, sampling::warp};
 use glam::{Vec2, Vec3};
-use std::f32::consts::FRAC_1_PI;
 
 /// A surface that looks equally bright from everywhere above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,24 +12,18 @@ pub struct Diffuse {
 }
 
 impl Diffuse {
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return Rgb::ZERO;
-        }
-        self.reflectance * (FRAC_1_PI * wi.z)
-    }
-
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if wo.z <= 0.0 {
-            0.0
-        } else {
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let pdf = if wo.z > 0.0 {
             warp::cosine_hemisphere_pdf(wi.z)
-        }
+        } else {
+            0.0
+        };
+        (self.reflectance * pdf, pdf)
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
         let wi = warp::cosine_hemisphere(u);
-        let pdf = self.pdf(wo, wi);
+        let (_, pdf) = self.eval_and_pdf(wo, wi);
         (pdf > 0.0).then_some(BsdfSample {
             wi,
             weight: self.reflectance,

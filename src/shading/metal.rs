@@ -37,11 +37,12 @@ impl Metal {
         self.fuzz.min(1.0)
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.color * self.pdf(wo, wi)
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let pdf = self.pdf(wo, wi);
+        (self.color * pdf, pdf)
     }
 
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         if self.is_delta() || wo.z <= 0.0 || wi.z <= 0.0 {
             return 0.0;
         }

@@ -110,37 +110,26 @@ pub struct BsdfSample {
 impl Bsdf {
     /// The value f |cos wi|, without delta lobes.
     pub fn eval(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
-        debug_assert!(
-            wo.is_normalized() && wi.is_normalized(),
-            "{wo} or {wi} is not of unit length"
-        );
-        match self {
-            Self::Diffuse(diffuse) => diffuse.eval(wo, wi),
-            Self::RoughConductor(rough) => rough.eval(tables, wo, wi),
-            Self::Metal(metal) => metal.eval(wo, wi),
-            Self::Principled(principled) => principled.eval(wo, wi, mode),
-            Self::PrincipledThin(thin) => thin.eval(wo, wi),
-            Self::RoughDielectric(rough) => rough.eval(wo, wi, mode),
-            Self::Plastic(plastic) => plastic.eval(wo, wi),
-            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi).0,
-            Self::Hair(hair) => hair.eval_and_pdf(wo, wi).0,
-            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
-        }
+        self.eval_and_pdf(tables, wo, wi, mode).0
     }
 
-    /// [`Self::eval`] and [`Self::pdf`] in one call, at the cost of one where they have much in common.
+    /// [`Self::eval`] and [`Self::pdf`] in one call, at the cost of one.
     pub fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
             "{wo} or {wi} is not of unit length"
         );
         let (value, pdf) = match self {
-            Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
+            Self::Diffuse(diffuse) => diffuse.eval_and_pdf(wo, wi),
             Self::RoughConductor(rough) => rough.eval_and_pdf(tables, wo, wi),
+            Self::Metal(metal) => metal.eval_and_pdf(wo, wi),
+            Self::Principled(principled) => principled.eval_and_pdf(wo, wi, mode),
+            Self::PrincipledThin(thin) => thin.eval_and_pdf(wo, wi),
+            Self::RoughDielectric(rough) => rough.eval_and_pdf(wo, wi, mode),
+            Self::Plastic(plastic) => plastic.eval_and_pdf(wo, wi),
             Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi),
             Self::Hair(hair) => hair.eval_and_pdf(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
-            _ => (self.eval(tables, wo, wi, mode), self.pdf(tables, wo, wi)),
         };
         debug_assert!(
             value.min_element() >= 0.0 && value.is_finite() && pdf >= 0.0,
@@ -151,21 +140,10 @@ impl Bsdf {
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
     pub fn pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
-        debug_assert!(
-            wo.is_normalized() && wi.is_normalized(),
-            "{wo} or {wi} is not of unit length"
-        );
         match self {
-            Self::Diffuse(diffuse) => diffuse.pdf(wo, wi),
+            // It is much less than the value.
             Self::RoughConductor(rough) => rough.pdf(wo, wi),
-            Self::Metal(metal) => metal.pdf(wo, wi),
-            Self::Principled(principled) => principled.pdf(wo, wi),
-            Self::PrincipledThin(thin) => thin.pdf(wo, wi),
-            Self::RoughDielectric(rough) => rough.pdf(wo, wi),
-            Self::Plastic(plastic) => plastic.pdf(wo, wi),
-            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi).1,
-            Self::Hair(hair) => hair.eval_and_pdf(wo, wi).1,
-            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
+            _ => self.eval_and_pdf(tables, wo, wi, TransportMode::Radiance).1,
         }
     }
 

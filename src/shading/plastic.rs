@@ -75,21 +75,23 @@ pub struct Plastic {
 }
 
 impl Plastic {
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return Rgb::ZERO;
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        if wo.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
         }
-        let through = (1.0 - self.coat.reflectance(wo.z)) * (1.0 - self.coat.reflectance(wi.z));
-        let escaping = self.base.escaping(self.coat.eta, self.coat.internal_reflectance);
-        escaping * (through * warp::cosine_hemisphere_pdf(wi.z))
+        self.of_base(self.coat.reflectance(wo.z), wi)
     }
 
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if wo.z <= 0.0 {
-            return 0.0;
+    /// What the base scatters to a viewer for whom the coat reflects the fraction `reflected`, and the density of that.
+    fn of_base(&self, reflected: f32, wi: Vec3) -> (Rgb, f32) {
+        if wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
         }
-        let coat = self.base.coat_probability(self.coat.reflectance(wo.z));
-        (1.0 - coat) * warp::cosine_hemisphere_pdf(wi.z)
+        let cosine = warp::cosine_hemisphere_pdf(wi.z);
+        let through = (1.0 - reflected) * (1.0 - self.coat.reflectance(wi.z));
+        let escaping = self.base.escaping(self.coat.eta, self.coat.internal_reflectance);
+        let chance = 1.0 - self.base.coat_probability(reflected);
+        (escaping * (through * cosine), chance * cosine)
     }
 
     pub(super) fn diffuse_lobe(&self, wo: Vec3) -> DiffuseLobe {
@@ -115,10 +117,10 @@ impl Plastic {
             });
         }
         let wi = warp::cosine_hemisphere(u);
-        let pdf = (1.0 - probability) * warp::cosine_hemisphere_pdf(wi.z);
+        let (value, pdf) = self.of_base(reflected, wi);
         (pdf > 0.0).then(|| BsdfSample {
             wi,
-            weight: self.eval(wo, wi) / pdf,
+            weight: value / pdf,
             pdf,
             is_delta: false,
             eta: 1.0,

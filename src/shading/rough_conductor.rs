@@ -46,10 +46,6 @@ impl RoughConductor {
         (value, seen / facets.masking_ratio(wo))
     }
 
-    pub(super) fn eval(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
-        self.eval_and_pdf(tables, wo, wi).0
-    }
-
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         half_vector(wo, wi).map_or(0.0, |m| self.distribution.reflected_density(wo, m))
     }

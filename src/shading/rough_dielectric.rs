@@ -67,39 +67,30 @@ impl RoughDielectric {
         })
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         if wo.z == 0.0 {
-            return Rgb::ZERO;
+            return (Rgb::ZERO, 0.0);
         }
         let eta_it = self.eta_it(wo);
         let (wo, wi) = (wo * wo.z.signum(), wi * wo.z.signum());
         let Some(facet) = self.facet(wo, wi, eta_it) else {
-            return Rgb::ZERO;
+            return (Rgb::ZERO, 0.0);
         };
-        let color = if wi.z > 0.0 {
-            self.specular_reflectance * facet.reflectance
+        let (color, lobe) = if wi.z > 0.0 {
+            (self.specular_reflectance * facet.reflectance, facet.reflectance)
         } else {
-            self.specular_transmittance * ((1.0 - facet.reflectance) / mode.refraction_factor(eta_it))
+            let passing = 1.0 - facet.reflectance;
+            (
+                self.specular_transmittance * (passing / mode.refraction_factor(eta_it)),
+                passing,
+            )
         };
         let facets = &self.distribution;
-        let visible = 4.0 * facets.density(facet.m) * facets.g1_over_four_cos(wo) * facet.cos_o;
-        color * (visible * facets.g1(wi) * facet.jacobian)
-    }
-
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if wo.z == 0.0 {
-            return 0.0;
-        }
-        let eta_it = self.eta_it(wo);
-        let (wo, wi) = (wo * wo.z.signum(), wi * wo.z.signum());
-        self.facet(wo, wi, eta_it).map_or(0.0, |facet| {
-            let lobe = if wi.z > 0.0 {
-                facet.reflectance
-            } else {
-                1.0 - facet.reflectance
-            };
-            4.0 * lobe * self.distribution.reflected_density(wo, facet.m) * facet.cos_o * facet.jacobian
-        })
+        let visible = 4.0 * facets.density(facet.m) * facets.g1_over_four_cos(wo) * facet.cos_o * facet.jacobian;
+        (
+            color * (visible * facets.g1(wi)),
+            lobe * visible / facets.masking_ratio(wo),
+        )
     }
 
     pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {

@@ -175,12 +175,9 @@ impl Principled {
         }
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
-        self.evaluate(wo, wi, mode).value
-    }
-
-    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.evaluate(wo, wi, TransportMode::Radiance).pdf
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        let Evaluation { value, pdf } = self.evaluate(wo, wi, mode);
+        (value, pdf)
     }
 
     fn evaluate(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Evaluation {

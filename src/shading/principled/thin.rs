@@ -107,12 +107,9 @@ impl PrincipledThin {
         specular::microfacets((0.65 * self.eta - 0.35) * self.roughness, self.anisotropic)
     }
 
-    pub(in crate::shading) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.evaluate(wo, wi).value
-    }
-
-    pub(in crate::shading) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.evaluate(wo, wi).pdf
+    pub(in crate::shading) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let Evaluation { value, pdf } = self.evaluate(wo, wi);
+        (value, pdf)
     }
 
     fn evaluate(&self, wo: Vec3, wi: Vec3) -> Evaluation {
