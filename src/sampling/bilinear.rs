@@ -19,15 +19,21 @@ pub struct SquareSample {
     pub pdf: f32,
 }
 
+/// A node of the grid.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    density: f32,
+    /// The integral from the left edge to the node along its row.
+    before: f32,
+}
+
 /// A density on [0, 1]^2 given at the nodes of a grid, whose outer nodes lie on the border.
 #[derive(Clone, Debug)]
 pub struct PiecewiseBilinear2d {
     columns: usize,
     rows: usize,
-    /// Densities, row by row.
-    nodes: Vec<f32>,
-    /// The integral from the left edge to each node along its row.
-    along_row: Vec<f32>,
+    /// Row by row. What a sample needs of a node is in one line of the cache.
+    nodes: Vec<Node>,
     /// The integral over the square up to each row.
     up_to_row: Vec<f64>,
     /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On generating random variates
@@ -67,30 +73,32 @@ impl PiecewiseBilinear2d {
         if total <= 0.0 {
             return None;
         }
-        let nodes: Vec<f32> = values.iter().map(|&value| (usable(value) / total) as f32).collect();
-        let mut along_row = Vec::with_capacity(nodes.len());
-        for row in nodes.chunks_exact(columns) {
+        let node = |&value: &f32| Node {
+            density: (usable(value) / total) as f32,
+            before: 0.0,
+        };
+        let mut nodes: Vec<Node> = values.iter().map(node).collect();
+        for row in nodes.chunks_exact_mut(columns) {
             let mut sum = 0.0;
-            along_row.push(0.0);
-            along_row.extend(row.windows(2).map(|pair| {
-                sum += 0.5 * step.x * (f64::from(pair[0]) + f64::from(pair[1]));
-                sum as f32
-            }));
+            for column in 1..columns {
+                sum += 0.5 * step.x * (f64::from(row[column - 1].density) + f64::from(row[column].density));
+                row[column].before = sum as f32;
+            }
         }
         let mut sum = 0.0;
         let up_to_row = std::iter::once(0.0)
             .chain((1..rows).map(|row| {
-                let [before, here] = [row - 1, row].map(|row| f64::from(along_row[row * columns + columns - 1]));
+                let [before, here] = [row - 1, row].map(|row| f64::from(nodes[row * columns + columns - 1].before));
                 sum += 0.5 * step.y * (before + here);
                 sum
             }))
             .collect();
         let shares = (columns / COLUMNS_PER_SHARE).max(1);
-        let guides = along_row.chunks_exact(columns).flat_map(|sums| {
+        let guides = nodes.chunks_exact(columns).flat_map(|row| {
             let mut column = 0;
             (0..=shares).map(move |share| {
-                let target = f64::from(sums[columns - 1]) * (share as f64 / shares as f64);
-                while column < columns - 2 && f64::from(sums[column + 1]) <= target {
+                let target = f64::from(row[columns - 1].before) * (share as f64 / shares as f64);
+                while column < columns - 2 && f64::from(row[column + 1].before) <= target {
                     column += 1;
                 }
                 column as u32
@@ -102,7 +110,6 @@ impl PiecewiseBilinear2d {
             columns,
             rows,
             nodes,
-            along_row,
             up_to_row,
         })
     }
@@ -130,14 +137,15 @@ impl PiecewiseBilinear2d {
         let (column, row) = ((x as usize).min(self.columns - 2), (y as usize).min(self.rows - 2));
         let (s, t) = (x - column as f32, y - row as f32);
         let at = row * self.columns + column;
-        let [lower, upper] = [at, at + self.columns].map(|at| lerp32(self.nodes[at], self.nodes[at + 1], s));
+        let [lower, upper] =
+            [at, at + self.columns].map(|at| lerp32(self.nodes[at].density, self.nodes[at + 1].density, s));
         lerp32(lower, upper, t)
     }
 
     /// The point for `u` in [0, 1)^2.
     pub fn sample(&self, u: Vec2) -> SquareSample {
         let u = u.as_dvec2() + HALF_STEP;
-        let row_total = |row: usize| f64::from(self.along_row[row * self.columns + self.columns - 1]);
+        let row_total = |row: usize| f64::from(self.nodes[row * self.columns + self.columns - 1].before);
         let target = u.y * self.up_to_row[self.rows - 1];
         let row = self
             .up_to_row
@@ -147,10 +155,10 @@ impl PiecewiseBilinear2d {
         let (start, end) = (self.up_to_row[row], self.up_to_row[row + 1]);
         let t = invert_linear(row_total(row), row_total(row + 1), (target - start) / (end - start));
 
-        let lower = row * self.columns;
-        let upper = lower + self.columns;
-        let blend = |table: &[f32], column| lerp(f64::from(table[lower + column]), f64::from(table[upper + column]), t);
-        let sum_at = |column| blend(&self.along_row, column);
+        let (lower, upper) = self.nodes[row * self.columns..][..2 * self.columns].split_at(self.columns);
+        let blend = |a: f32, b: f32| lerp(f64::from(a), f64::from(b), t);
+        let sum_at = |column: usize| blend(lower[column].before, upper[column].before);
+        let density_at = |column: usize| blend(lower[column].density, upper[column].density);
         let target = u.x * sum_at(self.columns - 1);
         // The last column whose sum is not above the target is in [0, columns - 2].
         let (mut column, mut beyond) = self.guided(row, u.x);
@@ -169,7 +177,7 @@ impl PiecewiseBilinear2d {
             }
         }
         let (start, end) = (sum_at(column), sum_at(column + 1));
-        let (left, right) = (blend(&self.nodes, column), blend(&self.nodes, column + 1));
+        let (left, right) = (density_at(column), density_at(column + 1));
         let s = invert_linear(left, right, (target - start) / (end - start));
         SquareSample {
             position: Vec2::new(
