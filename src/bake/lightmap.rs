@@ -50,6 +50,9 @@ const PLACE: u32 = u32::MAX;
 /// Texels that a thread takes at once, sixteen for each lane.
 pub(super) const BLOCK: usize = 256;
 
+/// The brightest that a texel is taken for. Sums over its neighbours are finite then, whatever a file holds.
+const BRIGHTEST: DVec3 = DVec3::splat(1e30);
+
 impl Lightmaps {
     /// No light yet at so many texels.
     pub fn new(texels: usize) -> Self {
@@ -181,9 +184,10 @@ impl Lightmaps {
         self.ends[texel / BLOCK] - self.first
     }
 
-    /// The irradiance or radiance at a texel; black before the first sample.
+    /// The irradiance or radiance at a texel, at most [`BRIGHTEST`]; black before the first sample.
     pub fn light(&self, texel: usize) -> Rgb {
-        (self.sum(texel).light / f64::from(self.samples_of(texel).max(1))).as_vec3()
+        let mean = self.sum(texel).light / f64::from(self.samples_of(texel).max(1));
+        mean.clamp(-BRIGHTEST, BRIGHTEST).as_vec3()
     }
 
     /// The root mean square over the texels of the estimated standard error of their luminance relative to that luminance, judged in the dark as
@@ -287,5 +291,18 @@ impl Block {
             }
         }
         Some(block)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_beyond_all_numbers_is_limited() {
+        let mut light = Lightmaps::new(1);
+        light.groups[0][0].light = DVec3::new(1e300, 1.0, -1e300);
+        assert!(light.is_possible(0));
+        assert_eq!(light.light(0), Rgb::new(1e30, 1.0, -1e30));
     }
 }
