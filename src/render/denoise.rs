@@ -85,7 +85,6 @@ fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, D
         cancel,
     };
     let color = within(input.color, 0.0, brightest(input.color));
-    let _running = running::begin().ok_or(DenoiseError::Cancelled)?;
     ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
 }
 
@@ -122,7 +121,6 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
         quality: input.quality,
         cancel,
     };
-    let _running = running::begin().ok_or(DenoiseError::Cancelled)?;
     // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads share no state, and no memory
     // is held between calls.
     let device = ffi::Device::new(input.threads)?;

@@ -125,7 +125,7 @@ impl RenderScene {
         }
     }
 
-    /// The only model of [`Self::scattering`], as of [`MaterialTable::single`].
+    /// The only model of [`Self::scattering`]; None if it mixes several, or lets light pass straight through.
     pub(crate) fn single(
         &self,
         material: MaterialId,
@@ -135,7 +135,8 @@ impl RenderScene {
         mode: TransportMode,
     ) -> Option<Single<'_>> {
         let at = self.texture_point(hit, point);
-        self.materials.single(material, point, wo, mode, &self.textures, &at)
+        let single = self.materials.single(material, point, wo, mode, &self.textures, &at);
+        single.or_else(|| self.scattering(material, hit, point, wo, mode).take_single())
     }
 
     /// The scattering of the surface at `hit` for a path that has come from `wo`, a unit vector in world space.

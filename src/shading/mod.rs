@@ -140,6 +140,10 @@ impl Bsdf {
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
     pub fn pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
+        debug_assert!(
+            wo.is_normalized() && wi.is_normalized(),
+            "{wo} or {wi} is not of unit length"
+        );
         match self {
             // It is much less than the value.
             Self::RoughConductor(rough) => rough.pdf(wo, wi),

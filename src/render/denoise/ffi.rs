@@ -14,7 +14,7 @@ use glam::Vec3;
 use oidn::sys;
 
 use super::request::{DenoiseError, DenoiseQuality};
-use super::running::is_over;
+use super::running::{Running, begin, is_over};
 
 /// The settings that all filters of one picture share.
 pub struct Job<'a> {
@@ -40,19 +40,23 @@ impl Auxiliary {
 }
 
 /// A committed device on the CPU. Never null.
-pub struct Device(sys::OIDNDevice);
+pub struct Device {
+    handle: sys::OIDNDevice,
+    _running: Running,
+}
 
 impl Device {
     /// Makes a device with at most this many threads, one for each core if `None`. They are not pinned to cores, since other threads render at the
     /// same time.
     pub fn new(threads: Option<usize>) -> Result<Self, DenoiseError> {
+        let _running = begin().ok_or(DenoiseError::Cancelled)?;
         // SAFETY: takes no pointer; null is handled below.
         let handle = unsafe { sys::oidnNewDevice(sys::OIDNDeviceType_OIDN_DEVICE_TYPE_CPU) };
         if handle.is_null() {
             let (_, message) = last_error(handle);
             return Err(DenoiseError::NoDevice(message));
         }
-        let device = Self(handle);
+        let device = Self { handle, _running };
         // 0 means all cores to the library.
         let threads = threads.map_or(0, |count| i32::try_from(count.max(1)).unwrap_or(i32::MAX));
         // SAFETY: the handle is alive until `device` is dropped; the names end in a zero byte.
@@ -105,7 +109,7 @@ impl Device {
 
     /// The error of the calls so far in this thread, if any.
     fn check(&self) -> Result<(), DenoiseError> {
-        match last_error(self.0) {
+        match last_error(self.handle) {
             (sys::OIDNError_OIDN_ERROR_NONE, _) => Ok(()),
             (sys::OIDNError_OIDN_ERROR_CANCELLED, _) => Err(DenoiseError::Cancelled),
             (_, message) => Err(DenoiseError::Failed(message)),
@@ -116,7 +120,7 @@ impl Device {
 impl Drop for Device {
     fn drop(&mut self) {
         // SAFETY: made by `oidnNewDevice`, released once; filters hold a reference of their own to what they need.
-        unsafe { sys::oidnReleaseDevice(self.0) }
+        unsafe { sys::oidnReleaseDevice(self.handle) }
     }
 }
 
@@ -152,7 +156,7 @@ impl<'a> Filter<'a> {
 
     fn of_kind(device: &'a Device, kind: &CStr) -> Result<Self, DenoiseError> {
         // SAFETY: the device is alive; the name ends in a zero byte.
-        let handle = unsafe { sys::oidnNewFilter(device.0, kind.as_ptr()) };
+        let handle = unsafe { sys::oidnNewFilter(device.handle, kind.as_ptr()) };
         device.check()?;
         Ok(Self {
             handle,

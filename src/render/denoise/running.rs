@@ -7,9 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static RUNNING: RwLock<()> = RwLock::new(());
 static IS_OVER: AtomicBool = AtomicBool::new(false);
 
-/// Permits a filter to run as long as the result lives; None when there shall be no more.
+/// The permission to run filters, as long as it lives.
 #[cfg(feature = "denoise")]
-pub(super) fn begin() -> Option<std::sync::RwLockReadGuard<'static, ()>> {
+pub(super) type Running = std::sync::RwLockReadGuard<'static, ()>;
+
+/// The permission; None when no filter may begin any more.
+#[cfg(feature = "denoise")]
+pub(super) fn begin() -> Option<Running> {
     RUNNING.read().ok().filter(|_| !is_over())
 }
 

@@ -303,9 +303,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         slot: &SurfaceSlot,
     ) -> Option<Met> {
         let point = scene.surface(ray, hit, slot);
-        let (wo, mode) = (-ray.dir, TransportMode::Radiance);
-        let single = scene.single(slot.material, hit, &point, wo, mode);
-        let single = single.or_else(|| scene.scattering(slot.material, hit, &point, wo, mode).take_single())?;
+        let single = scene.single(slot.material, hit, &point, -ray.dir, TransportMode::Radiance)?;
         let (one_sided_normal, albedo) = (single.one_sided_normal(), single.albedo());
         let (is_smooth, may_be_diffuse) = (single.has_smooth_lobe(), single.may_have_diffuse_lobe());
         self.singles[lane] = Some(single);
