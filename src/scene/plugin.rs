@@ -14,7 +14,8 @@ use super::scene_file::SceneFile;
 use super::stand_in::note_bounds;
 use super::volumes::{Volumes, follow_volumes, report_volumes};
 use super::watch::{SceneWatch, list_files, reload_changed_files, report_gone_files};
-use super::*;
+// Bevy's renderer has a trait `Material`, which is in the prelude when the lints build `sunroom-game` as well.
+use super::{Material, *};
 
 /// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
 ///

@@ -17,7 +17,7 @@ use sunroom::app::editor::session::requests::Requests;
 use sunroom::engine::{LightGroup, RenderControl, RenderFilm};
 use sunroom::layer::{Layer, Layers};
 use sunroom::scene::write::{self, gather};
-use sunroom::scene::*;
+use sunroom::scene::{Material, *};
 
 /// As the engine has them: every light in a layer of its own.
 fn keep_lights_apart(world: &mut World) {

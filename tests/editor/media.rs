@@ -21,7 +21,7 @@ use sunroom::material::MaterialId;
 use sunroom::math::Aabb;
 use sunroom::medium::{MediumId, MediumInterface, VolumeGrid, Voxels, write_vol};
 use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
-use sunroom::scene::*;
+use sunroom::scene::{Material, *};
 
 fn say(world: &mut World, line: &str) -> Result<(), String> {
     match parse::line(world, line) {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::scene::assets::scene_asset::read_scene;
 use sunroom::scene::write::{SaveError, save_description};
-use sunroom::scene::*;
+use sunroom::scene::{Material, *};
 
 use crate::gltf_support::Parts;
 use crate::workshop::Workshop;

@@ -9,7 +9,7 @@ use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::geometry::mesh::MeshData;
-use sunroom::scene::*;
+use sunroom::scene::{Material, *};
 
 const SCENE: &str = "<scene version='3.0.0'>
   <sensor type='perspective' id='eye'><float name='fov' value='40'/>

@@ -10,7 +10,7 @@ use sunroom::layer::{Layer, Layers};
 use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;
 use sunroom::scene::write::{gather, save_description, to_document};
-use sunroom::scene::*;
+use sunroom::scene::{Material, *};
 
 use crate::meaning::meaning;
 

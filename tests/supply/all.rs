@@ -1,11 +1,9 @@
 //! What the program is built from: the licences of the crates that it ships, and the check of the denoiser's binaries.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-
-use serde_json::Value;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
@@ -42,44 +40,29 @@ fn licences_of_shipped_crates_are_listed() {
 /// Name and version of every crate that the program depends on other than for its tests, with its licence.
 fn shipped_crates() -> BTreeMap<String, String> {
     let output = Command::new(env!("CARGO"))
-        .args([
-            "metadata",
-            "--format-version=1",
-            "--locked",
-            "--offline",
-            "--all-features",
-        ])
-        .args(["--filter-platform=x86_64-unknown-linux-gnu"])
+        .args(["tree", "--package=sunroom", "--locked", "--offline", "--all-features"])
+        .args(["--target=x86_64-unknown-linux-gnu", "--edges=normal"])
+        .args(["--prefix=none", "--format={p}|{l}|"])
         .current_dir(ROOT)
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo writes JSON");
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-
-    let nodes: BTreeMap<String, Value> = list(&metadata["resolve"]["nodes"])
-        .into_iter()
-        .map(|node| (text(&node["id"]), node))
-        .collect();
-    let mut waiting = vec![text(&metadata["resolve"]["root"])];
-    let mut shipped = BTreeSet::new();
-    while let Some(id) = waiting.pop() {
-        let node = &nodes[&id];
-        if shipped.insert(id) {
-            let is_shipped =
-                |dependency: &Value| list(&dependency["dep_kinds"]).iter().any(|kind| kind["kind"].is_null());
-            let dependencies = list(&node["deps"]).into_iter().filter(is_shipped);
-            waiting.extend(dependencies.map(|dependency| text(&dependency["pkg"])));
-        }
-    }
-    list(&metadata["packages"])
-        .iter()
-        .filter(|package| shipped.contains(&text(&package["id"])) && !package["source"].is_null())
-        .map(|package| {
-            let name = format!("{} {}", text(&package["name"]), text(&package["version"]));
-            assert!(package["license"].is_string(), "{name} names no licence");
-            (name, text(&package["license"]))
+    let crates = String::from_utf8(output.stdout).expect("cargo writes UTF-8");
+    crates
+        .lines()
+        .filter_map(|line| {
+            let mut parts = line.split('|');
+            let package = parts
+                .next()
+                .expect("a line has a first part")
+                .replace(" (proc-macro)", "");
+            let licence = parts.next().expect("the format has two parts");
+            // A package of this repository is followed by its folder.
+            if package.contains('(') {
+                return None;
+            }
+            assert!(!licence.is_empty(), "{package} names no licence");
+            Some((package.replacen(" v", " ", 1), licence.to_owned()))
         })
         .collect()
 }

@@ -80,7 +80,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let distance = (regions[0].1.mean_ratio() - 1.0).abs();
     Ok(match limit {
         // Not a number fails as well.
-        Some(limit) if !(distance <= limit) => ExitCode::FAILURE,
+        Some(limit) if distance.is_nan() || distance > limit => ExitCode::FAILURE,
         _ => ExitCode::SUCCESS,
     })
 }

@@ -141,6 +141,7 @@ mod tests {
     use crate::render::scene::RenderScene;
     use crate::render::tile::Tile;
     use crate::render::view::View;
+    use crate::sampling::hash::pcg4d;
     use crate::scene::{
         ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, IntegratorSettings, ScenePlugin, Sensor, Shape,
         ShapeKind, Strategy, ToWorld,
@@ -238,6 +239,14 @@ mod tests {
         /// The same picture from a checkpoint.
         fn resumed(&self) -> Self {
             let mut new = Self::new(&self.job.scene, &self.job.view);
+            let state = self.job.write();
+            let resumed = new.job.resume(&state, self.saved(), &mut new.film);
+            resumed.expect("it was just written");
+            new
+        }
+
+        /// The film as a checkpoint brings it back.
+        fn saved(&self) -> Film {
             let view = &self.job.view;
             let mut saved = Film::with_layers(view.width, view.height, view.film_layers());
             for (tile, content) in self.tiles() {
@@ -245,10 +254,7 @@ mod tests {
                     .read_tile(tile, &mut Reader(&content))
                     .expect("it was just written");
             }
-            let state = self.job.write();
-            let resumed = new.job.resume(&state, saved, &mut new.film);
-            resumed.expect("it was just written");
-            new
+            saved
         }
     }
 
@@ -295,6 +301,67 @@ mod tests {
                 assert!(picture.tiles() == whole.tiles(), "{what}: the films differ");
             }
         }
+    }
+
+    /// A state that is not refused is one that the picture goes on with.
+    #[test]
+    fn damaged_states_are_refused_or_go_on() {
+        let (scene, view) = scene_and_view();
+        let limits = FilmLimits {
+            samples: 1000,
+            noise: Some(0.12),
+            is_adaptive: true,
+        };
+        let stop = StopCondition::new(&RenderControl::default(), limits);
+        let mut picture = Picture::new(&scene, &view);
+        picture.render(&stop, 150);
+        assert!(picture.job.replicas.is_some() && picture.job.judged.is_some());
+        let state = picture.job.write();
+        let mut drawn = 0;
+        let mut random = || {
+            drawn += 1;
+            pcg4d([drawn, 5, 0, 0])[0] as usize
+        };
+        let words = [
+            0,
+            1,
+            2,
+            17,
+            1 << 24,
+            i32::MAX as u32,
+            u32::MAX,
+            f32::NAN.to_bits(),
+            1e38_f32.to_bits(),
+        ];
+        let (mut refused, mut taken) = (0, 0);
+        for _ in 0..2000 {
+            let mut damaged = state.clone();
+            for _ in 0..1 + random() % 3 {
+                // Most of the state are the replicas' pixels: the numbers before them are to be met as often.
+                let end = [24, 96, 256, damaged.len()][random() % 4];
+                let place = 4 * (random() % (end / 4));
+                let word = match random() % 2 {
+                    0 => words[random() % words.len()],
+                    _ => random() as u32,
+                };
+                damaged[place..place + 4].copy_from_slice(&word.to_le_bytes());
+            }
+            if random() % 8 == 0 {
+                damaged.truncate(random() % damaged.len());
+            }
+            let mut resumed = Picture::new(&scene, &view);
+            if resumed
+                .job
+                .resume(&damaged, picture.saved(), &mut resumed.film)
+                .is_err()
+            {
+                refused += 1;
+                continue;
+            }
+            taken += 1;
+            resumed.render(&stop, 3);
+        }
+        assert!(refused > 100 && taken > 100, "{refused} refused, {taken} taken up");
     }
 
     #[test]

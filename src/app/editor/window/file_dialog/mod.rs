@@ -79,6 +79,8 @@ pub struct FileDialog {
     has_begun: bool,
     /// The list shows the chosen entry in the next frame.
     shows_chosen: bool,
+    /// Enter was pressed in the search before the folder had been read.
+    is_entered_early: bool,
 }
 
 /// The largest size of the dialog, and that of the column of places, in points.
@@ -124,6 +126,7 @@ impl FileDialog {
             new_folder: None,
             has_begun: false,
             shows_chosen: false,
+            is_entered_early: false,
         };
         dialog.go_to(&folder);
         dialog
@@ -146,6 +149,7 @@ impl FileDialog {
         self.shown_for = None;
         (self.chosen, self.path, self.new_folder, self.replaces) = (None, None, None, None);
         self.filter.part.clear();
+        self.is_entered_early = false;
         self.take_listing(SOON);
     }
 
@@ -158,6 +162,17 @@ impl FileDialog {
             Err(RecvTimeoutError::Disconnected) => (Vec::new(), Some("The folder could not be read.".to_owned())),
         };
         (self.reading, self.shown_for) = (None, None);
+        self.choose_first_found();
+    }
+
+    /// Chooses the first entry that is found, which is what Enter opens.
+    fn choose_first_found(&mut self) {
+        if self.filter.part.is_empty() {
+            return;
+        }
+        self.update_shown();
+        let first = self.shown.first();
+        self.chosen = first.map(|place| self.entries[*place].name.clone());
     }
 
     /// Goes to a folder. A path to a file is that file. A path to nothing stays to be mended, and so does the list.
@@ -270,10 +285,8 @@ impl FileDialog {
                 if is_path(&self.filter.part) {
                     self.take_path(ui.ctx());
                 }
-                // The first that is found is what Enter opens.
-                self.update_shown();
-                let first = self.shown.first().filter(|_| !self.filter.part.is_empty());
-                self.chosen = first.map(|place| self.entries[*place].name.clone());
+                (self.chosen, self.is_entered_early) = (None, false);
+                self.choose_first_found();
             }
         });
         went
@@ -422,7 +435,12 @@ impl FileDialog {
         };
         let own = Id::new(if self.saves() { NAME } else { SEARCH });
         let is_own = focused.is_none_or(|focused| focused == own);
-        wanted.filter(|_| is_own && !is_moving && is_entered(ui))
+        if self.reading.is_some() && wanted.is_none() && !self.filter.part.is_empty() {
+            self.is_entered_early |= is_own && is_entered(ui);
+            return None;
+        }
+        let is_entered = std::mem::take(&mut self.is_entered_early) || is_own && !is_moving && is_entered(ui);
+        wanted.filter(|_| is_entered)
     }
 
     /// The folder that is chosen in the list, else the one that is shown.

@@ -144,6 +144,24 @@ fn enter_in_the_search_opens_what_is_found() {
 }
 
 #[test]
+fn enter_in_the_search_waits_for_a_slow_folder() {
+    let folder = folder();
+    let mut harness = shown(Purpose::Open(SCENES), folder.path());
+    let dialog = &mut harness.state_mut().0;
+    let listed = (std::mem::take(&mut dialog.entries), None);
+    let (sender, receiver) = crossbeam_channel::bounded(1);
+    (dialog.reading, dialog.shown_for) = (Some(receiver), None);
+    harness.event(egui::Event::Text("oo".to_owned()));
+    harness.step();
+    press(&mut harness, Key::Enter);
+    assert_eq!(harness.state().1, None);
+    sender.send(listed).expect("the dialog waits");
+    harness.run_steps(3);
+    let found = Outcome::Picked(folder.path().join("room.xml"));
+    assert_eq!(harness.state().1, Some(found));
+}
+
+#[test]
 fn a_path_in_the_search_is_a_path() {
     let folder = folder();
     std::fs::write(folder.path().join("inner/deep.xml"), "<scene/>").expect("a file");
