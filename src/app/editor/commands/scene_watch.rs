@@ -259,16 +259,20 @@ fn failure(path: &Path, has_good_scene: bool) -> String {
     }
 }
 
-/// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the same steps however it was opened.
+/// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the same steps however it was opened. Edits
+/// change it only where they make another scene of it: a step that was just used is used again.
 pub fn measure_scene(
     packed: Res<PackedScene>,
     active: Res<ActiveSensor>,
     sensors: Query<(&Sensor, &ToWorld)>,
+    history: Res<History>,
     mut settings: ResMut<ViewSettings>,
 ) {
     let camera = active.0.and_then(|sensor| sensors.get(sensor).ok());
-    let size = size_of_scene(&packed, camera);
-    if size.is_finite() && size > 0.0 && size != settings.navigation.scene_size {
+    let (size, kept) = (size_of_scene(&packed, camera), settings.navigation.scene_size);
+    let is_edited = history.len() != (0, 0);
+    let is_alike = (1.0 / LEAST_CHANGE..LEAST_CHANGE).contains(&(size / kept));
+    if size.is_finite() && size > 0.0 && size != kept && !(is_edited && is_alike) {
         settings.navigation.scene_size = size;
     }
 }
@@ -296,6 +300,9 @@ fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f
 
 /// World units, of one in which there is nothing yet.
 const NEW_SCENE: f32 = 5.0;
+
+/// The factor by which edits have to change the size before it counts.
+const LEAST_CHANGE: f32 = 2.0;
 
 /// A subject is about as large as it is far, and there is something around it.
 const SIZE_PER_DISTANCE: f32 = 2.0;
