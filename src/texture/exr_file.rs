@@ -44,7 +44,14 @@ pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileErro
         shortage,
     };
     if frame != data {
-        let pixels = (width as u64).saturating_mul(height as u64);
+        let pixels = frame.pixels();
+        if pixels > MOST_AROUND.max(data.pixels().saturating_mul(MOST_FOR_EACH)) {
+            let what = format!(
+                "a display window of {width} x {height} pixels, of which only {} have data",
+                data.pixels()
+            );
+            return Err(ImageFileError::UnsupportedExr(what));
+        }
         let more = pixels.saturating_mul(COLOR_BYTES + ENVIRONMENT_BYTES);
         memory.resize(memory.bytes().saturating_add(more)).map_err(too_large)?;
     }
@@ -105,6 +112,10 @@ pub(crate) fn reserve_exr(
     all.reserve(bytes.len())
 }
 
+/// The most pixels of a display window that is larger than what a file has of it, and for each pixel of that: a window costs a file nothing.
+const MOST_AROUND: u64 = 1 << 24;
+const MOST_FOR_EACH: u64 = 4096;
+
 /// Bytes per pixel of a colour of floats.
 const COLOR_BYTES: u64 = 12;
 
@@ -133,6 +144,10 @@ impl Window {
             first: [x.into(), y.into()],
             size: [width, height],
         }
+    }
+
+    fn pixels(&self) -> u64 {
+        (self.size[0] as u64).saturating_mul(self.size[1] as u64)
     }
 
     fn meets(&self, other: &Self) -> bool {

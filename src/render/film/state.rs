@@ -62,6 +62,10 @@ impl Film {
         let mut end = None;
         let pixels = (tile.width * tile.height) as usize;
         if from.flag()? {
+            // A share has no sums: what comes before its samples is in others.
+            if self.chunks.is_some() {
+                return Err(Damaged);
+            }
             for index in self.places_of(tile).collect::<Vec<_>>() {
                 self.sums[index] = read_sum(from)?;
                 self.counts[index] = from.u32()?;

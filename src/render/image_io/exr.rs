@@ -3,6 +3,7 @@
 //! The crate `exr` encodes and decodes. Files that other programs wrote in several parts are read as well; the names of the parts then stand before
 //! those of the channels.
 
+use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -227,7 +228,7 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[BEGIN..at].copy_from_slice(&sorted);
 }
 
-/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the first are left out. What it
+/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the first are left out, and so are channels whose name another has. What it
 /// needs is reserved in the memory budget.
 pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     const BYTES_PER_SAMPLE: u64 = 4;
@@ -239,6 +240,7 @@ pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     };
     let mut image = LayeredImage::new(size.width() as u32, size.height() as u32);
     image.attributes = known_attributes(&file.layer_data[0].attributes);
+    let mut names = HashSet::new();
     for part in file.layer_data.into_iter().filter(|part| part.size == size) {
         let prefix = match &part.attributes.layer_name {
             Some(name) if has_parts => string(name),
@@ -250,6 +252,10 @@ pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
                 Some(rest) if rest.starts_with('.') => name,
                 _ => full_name(&prefix, &name),
             };
+            // The format has each name once.
+            if !names.insert(name.clone()) {
+                continue;
+            }
             let samples = match channel.sample_data {
                 FlatSamples::F16(halves) => Samples::Half(halves.into_iter().map(f16::to_f32).collect()),
                 FlatSamples::F32(floats) => Samples::Float(floats),
