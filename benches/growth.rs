@@ -371,7 +371,7 @@ fn spread(index: u32, count: u32, height: f32) -> Affine3A {
 fn small_triangle(index: u32, count: u32) -> [Vec3; 3] {
     let [x, y, z, _] = random(index, 4);
     let [u, v, ..] = random(index, 5);
-    let normal = warp::uniform_sphere(Vec2::new(u, v));
+    let normal = warp::uniform_sphere([u, v]);
     let (s, t) = normal.any_orthonormal_pair();
     let center = Vec3::new(2.0 * x - 1.0, y, 2.0 * z - 1.0);
     let size = 0.3 / (count as f32).sqrt();

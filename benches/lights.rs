@@ -100,7 +100,7 @@ fn scattered(count: u32) -> RenderScene {
         let [x, y, z, _] = random(index, 2);
         let [u, v, ..] = random(index, 3);
         let center = Vec3::new(1.8 * x - 0.9, 0.9 * y, 1.8 * z - 0.9);
-        (center, warp::uniform_sphere(Vec2::new(u, v)))
+        (center, warp::uniform_sphere([u, v]))
     })
 }
 
@@ -110,7 +110,7 @@ fn ball(count: u32) -> RenderScene {
     emitting(count, 2.0 * TAU * RADIUS * RADIUS, |index| {
         // Evenly spread over the sphere: equal steps of height, golden sections of a turn.
         let turn = (index as f32 * 0.618_034).fract();
-        let normal = warp::uniform_sphere(Vec2::new((index as f32 + 0.5) / count as f32, turn));
+        let normal = warp::uniform_sphere([(index as f32 + 0.5) / count as f32, turn]);
         (Vec3::new(0.2, 0.4, 0.0) + RADIUS * normal, normal)
     })
 }

@@ -100,7 +100,6 @@ fn angle(cos: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec2;
 
     use super::*;
     use crate::sampling::hash::pcg4d;
@@ -111,7 +110,7 @@ mod tests {
         let all_but_none = |value: u32| 1.0 - 2.0 * unit_float(value).powi(3);
         for case in 0..2000 {
             let [a, b, c, d] = pcg4d([case, 1, 2, 3]);
-            let axis = |a, b| warp::uniform_sphere(Vec2::new(unit_float(a), unit_float(b)));
+            let axis = |a, b| warp::uniform_sphere([unit_float(a), unit_float(b)]);
             let [e, f, ..] = pcg4d([case, 4, 5, 6]);
             let cones = [(axis(a, b), e), (axis(c, d), f)].map(|(axis, value)| NormalCone {
                 axis,

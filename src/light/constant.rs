@@ -16,8 +16,8 @@ impl ConstantLight {
     /// Samples a direction: by the cosine with the normal if there is one, for the light itself prefers no direction; otherwise uniformly.
     pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
         let wi = match reference.normal {
-            Some(normal) => Frame::from_normal(normal).to_world(warp::cosine_hemisphere(u)),
-            None => warp::uniform_sphere(u),
+            Some(normal) => Frame::from_normal(normal).to_world(warp::cosine_hemisphere(u.to_array())),
+            None => warp::uniform_sphere(u.to_array()),
         };
         let pdf = self.pdf(reference, wi);
         (pdf > 0.0).then_some(LightSample {

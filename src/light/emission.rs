@@ -169,7 +169,7 @@ impl Aim {
 
     /// A direction, uniform over the cone.
     pub fn sample(&self, u: Vec2) -> Vec3 {
-        let local = warp::uniform_cone(u, self.one_minus_cos);
+        let local = warp::uniform_cone(u.to_array(), self.one_minus_cos);
         Frame::from_normal(self.axis).to_world(local).normalize()
     }
 

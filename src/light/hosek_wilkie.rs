@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use glam::Vec3;
 
 use crate::color::Rgb;
+use crate::math::{Mask, Real, Vector, asin_positive, exp};
 
 /// The parameters of the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,50 +123,52 @@ impl SkyModel {
     }
 
     /// Radiance of the sky without the sun from a unit direction. Components that are negative, of colours outside of Rec. 709, count as zero: light takes none away.
-    pub fn sky(&self, direction: Vec3) -> Rgb {
-        if direction.z < 0.0 || self.radiance == Rgb::ZERO {
-            return Rgb::ZERO;
-        }
-        let [a, b, c, d, e, f, g, h, i] = self.shape;
-        let one_minus_cos = self.one_minus_cos_to_sun(direction);
-        let (from_sun, cos) = (angle_to(one_minus_cos), 1.0 - one_minus_cos);
+    #[inline(always)]
+    pub fn sky<R: Real>(&self, direction: R::Vec3) -> R::Vec3 {
+        let one = R::Vec3::even(R::ONE);
+        let [a, b, c, d, e, f, g, h, i] = self.shape.map(R::Vec3::same);
+        let up = direction.z().max(R::ZERO);
+        let one_minus_cos: R = self.one_minus_cos_to_sun(direction);
+        let (from_sun, cos) = (angle_to(one_minus_cos), R::ONE - one_minus_cos);
         let cos_squared = cos * cos;
-        let horizon = Rgb::ONE + a * (b / (direction.z + 0.01)).exp();
-        let spread = Rgb::ONE + i * i - 2.0 * cos * i;
+        let horizon = one + a * (b / (up + R::splat(0.01))).map(exp);
+        let spread = one + i * i - i * (cos + cos);
         // The exponent is 3 / 2.
-        let mie = (1.0 + cos_squared) / (spread * spread.map(f32::sqrt));
-        let glow = c + d * (e * from_sun).exp() + f * cos_squared + g * mie + h * direction.z.sqrt();
-        (horizon * glow * self.radiance).max(Rgb::ZERO)
+        let mie = R::Vec3::even(R::ONE + cos_squared) / (spread * spread.map(R::sqrt));
+        let glow = c + d * (e * from_sun).map(exp) + f * cos_squared + g * mie + h * up.sqrt();
+        let radiance = horizon * glow * R::Vec3::same(self.radiance);
+        radiance.map(|x| x.max(R::ZERO)).only(!direction.z().is_less(R::ZERO))
     }
 
     /// Radiance of the sun from a unit direction; zero beside it.
-    pub fn sun(&self, direction: Vec3) -> Rgb {
-        let (rim, here) = (self.sun_one_minus_cos(), self.one_minus_cos_to_sun(direction));
-        if direction.z < 0.0 || here > rim {
-            return Rgb::ZERO;
-        }
-        if !self.atmosphere.limb_darkening {
-            return self.sun_radiance;
+    #[inline(always)]
+    pub fn sun<R: Real>(&self, direction: R::Vec3) -> R::Vec3 {
+        let (rim, here) = (self.sun_one_minus_cos(), self.one_minus_cos_to_sun::<R>(direction));
+        let is_there = !(direction.z().is_less(R::ZERO) | R::is_above(here, rim));
+        let whole = R::Vec3::same(self.sun_radiance).only(is_there);
+        if !self.atmosphere.limb_darkening || !is_there.any() {
+            return whole;
         }
         // The disk is that of a distant sphere: the sine of the angle from its centre grows with the sine on its surface.
-        let sine_squared = |one_minus_cos: f32| one_minus_cos * (2.0 - one_minus_cos);
-        let cos = (1.0 - sine_squared(here) / sine_squared(rim)).max(0.0).sqrt();
-        let darkening = LIMB_DARKENING.map(|polynomial| {
-            let value = polynomial
-                .iter()
-                .rev()
-                .fold(0.0, |sum, coefficient| sum * cos + coefficient);
+        let sine_squared = here * (R::splat(2.0) - here);
+        let cos = (R::ONE - sine_squared / R::splat(rim * (2.0 - rim)))
+            .max(R::ZERO)
+            .sqrt();
+        let [red, green, blue] = LIMB_DARKENING.map(|polynomial| {
+            let value =
+                (polynomial.iter().rev()).fold(R::ZERO, |sum, &coefficient| sum.mul_add(cos, R::splat(coefficient)));
             // The mean over the disk of the n-th power of the cosine is 2 / (n + 2).
             let powers = polynomial.iter().zip(2..);
             let mean: f32 = powers.map(|(coefficient, n)| 2.0 * coefficient / n as f32).sum();
-            value / mean
+            value / R::splat(mean)
         });
-        self.sun_radiance * Rgb::from(darkening)
+        whole * R::Vec3::of(red, green, blue)
     }
 
     /// 1 - cos of the angle to the sun. It is exact for small angles, unlike the dot product.
-    fn one_minus_cos_to_sun(&self, direction: Vec3) -> f32 {
-        0.5 * direction.distance_squared(self.atmosphere.sun_direction)
+    #[inline(always)]
+    fn one_minus_cos_to_sun<R: Real>(&self, direction: R::Vec3) -> R {
+        R::HALF * (direction - R::Vec3::same(self.atmosphere.sun_direction)).length_squared()
     }
 }
 
@@ -173,8 +176,10 @@ fn one_minus_cos(angle: f32) -> f32 {
     2.0 * (0.5 * angle).sin().powi(2)
 }
 
-fn angle_to(one_minus_cos: f32) -> f32 {
-    2.0 * (0.5 * one_minus_cos).min(1.0).sqrt().asin()
+#[inline(always)]
+fn angle_to<R: Real>(one_minus_cos: R) -> R {
+    let half = asin_positive((R::HALF * one_minus_cos).min(R::ONE).sqrt());
+    half + half
 }
 
 /// The two neighbours of a position among `count` entries and the share of the second.

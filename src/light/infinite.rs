@@ -10,7 +10,7 @@ use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
 use super::environment::EnvironmentLight;
 use super::sun_sky::SunSkyLight;
-use super::{LightReference, LightSample};
+use super::{LightReference, LightSample, Target};
 use crate::color::{Rgb, luminance};
 
 #[derive(Clone, Debug)]
@@ -46,7 +46,16 @@ impl InfiniteLight {
             Self::Directional(light) => Some(light.sample()),
             Self::Constant(light) => light.sample(reference, u),
             Self::Environment(light) => light.sample(u),
-            Self::SunSky(light) => light.sample(u),
+            Self::SunSky(light) => {
+                let (sample, is_there) = light.sample(u.to_array());
+                is_there.then_some(LightSample {
+                    wi: sample.wi,
+                    target: Target::Infinity,
+                    radiance: sample.radiance,
+                    pdf: sample.pdf,
+                    is_delta: false,
+                })
+            }
         }
     }
 
@@ -57,7 +66,7 @@ impl InfiniteLight {
             Self::Directional(_) => (Rgb::ZERO, 0.0),
             Self::Constant(light) => (light.radiance, light.pdf(reference, wi)),
             Self::Environment(light) => light.radiance_and_pdf(wi),
-            Self::SunSky(light) => (light.radiance(wi), light.pdf(wi)),
+            Self::SunSky(light) => light.radiance_and_pdf(wi),
         }
     }
 

@@ -41,9 +41,9 @@ impl PointLight {
     /// A direction in which it shines: to what is lit, or uniform over all.
     pub fn sample_beam(&self, lit: &SceneSphere, u: Vec2) -> Beam {
         let dir = match (Aim::at(lit, self.position), Aim::choose(u)) {
-            (None, _) => warp::uniform_sphere(u),
+            (None, _) => warp::uniform_sphere(u.to_array()),
             (Some(aim), (true, u)) => aim.sample(u),
-            (Some(_), (false, u)) => warp::uniform_sphere(u),
+            (Some(_), (false, u)) => warp::uniform_sphere(u.to_array()),
         };
         Beam {
             dir,

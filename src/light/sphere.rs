@@ -49,13 +49,13 @@ impl SphereLight {
 
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         let Some(one_minus_cos) = self.cone(reference) else {
-            let normal = warp::uniform_sphere(u);
+            let normal = warp::uniform_sphere(u.to_array());
             let position = self.center + self.radius * normal;
             return SurfaceSample::from_area(position, self.side * normal, 1.0 / self.area(), reference);
         };
         let to_center = self.center - reference;
         let distance = to_center.length();
-        let local = warp::uniform_cone(u, one_minus_cos);
+        let local = warp::uniform_cone(u.to_array(), one_minus_cos);
         let direction = Frame::from_normal(to_center / distance).to_world(local);
         // The nearer of the two points where the direction meets the sphere, by the law of sines around the centre.
         let sin_squared = (1.0 - local.z * local.z).max(0.0) * distance * distance;
@@ -70,7 +70,7 @@ impl SphereLight {
 
     /// A point that is uniform in area, with its normal and the density.
     pub fn sample_area(&self, u: Vec2) -> AreaSample {
-        let normal = warp::uniform_sphere(u);
+        let normal = warp::uniform_sphere(u.to_array());
         AreaSample {
             position: self.center + self.radius * normal,
             normal: self.side * normal,
@@ -127,7 +127,7 @@ impl EllipsoidLight {
 
     /// A point that is uniform on the unit sphere.
     pub fn sample_area(&self, u: Vec2) -> AreaSample {
-        let local = Vec3A::from(warp::uniform_sphere(u));
+        let local = Vec3A::from(warp::uniform_sphere(u.to_array()));
         let (normal, pdf_area) = self.normal_and_pdf_area(local);
         AreaSample {
             position: self.world_from_local.transform_point3a(local).into(),

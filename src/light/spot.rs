@@ -82,8 +82,10 @@ impl SpotLight {
     /// A direction in which it shines, uniform over the cone; None where it is dark.
     pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
         let dir = match self.cone() {
-            Some((axis, one_minus_cos)) => Frame::from_normal(axis).to_world(warp::uniform_cone(u, one_minus_cos)),
-            None => warp::uniform_sphere(u),
+            Some((axis, one_minus_cos)) => {
+                Frame::from_normal(axis).to_world(warp::uniform_cone(u.to_array(), one_minus_cos))
+            }
+            None => warp::uniform_sphere(u.to_array()),
         };
         Some(Beam {
             dir,

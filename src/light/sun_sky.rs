@@ -7,9 +7,8 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec2, Vec3};
 
 use super::hosek_wilkie::{Atmosphere, SkyModel};
-use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::math::Frame;
+use crate::math::{Frame, Mask, Real, Vector, atan2, sin_cos};
 use crate::sampling::{ONE_MINUS_EPSILON, PiecewiseBilinear2d, warp};
 
 #[derive(Clone, Debug)]
@@ -44,8 +43,8 @@ impl SunSkyLight {
         let mut values: Vec<f32> = (0..COLUMNS * ROWS)
             .map(|node| {
                 let (column, row) = (node % COLUMNS, node / COLUMNS);
-                let position = Vec2::new(column as f32 / (COLUMNS - 1) as f32, row as f32 / (ROWS - 1) as f32);
-                luminance(model.sky(direction(position))).max(0.0)
+                let position = [column as f32 / (COLUMNS - 1) as f32, row as f32 / (ROWS - 1) as f32];
+                luminance(model.sky::<f32>(direction(position))).max(0.0)
             })
             .collect();
         let mean = values.iter().sum::<f32>() / values.len() as f32;
@@ -68,37 +67,45 @@ impl SunSkyLight {
         }
     }
 
-    /// Samples the light; None below the horizon and at night.
-    pub fn sample(&self, u: Vec2) -> Option<LightSample> {
-        let (local, sky_pdf) = if u.x < self.sky_share {
-            let u = Vec2::new((u.x / self.sky_share).min(ONE_MINUS_EPSILON), u.y);
-            let sample = self.density.as_ref()?.sample(u);
-            (direction(sample.position), sample.pdf * TABLE_DENSITY)
-        } else {
-            let x = (u.x - self.sky_share) / (1.0 - self.sky_share);
-            let u = Vec2::new(x.min(ONE_MINUS_EPSILON), u.y);
-            let local = self.sun.to_world(warp::uniform_cone(u, self.model.sun_one_minus_cos()));
-            (local, self.sky_pdf(local))
-        };
+    /// Samples the light. The mask tells where there is some: not below the horizon and at night.
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, [u, v]: [R; 2]) -> (SkySample<R>, R::Mask) {
+        let is_of_sky = u.is_less(R::splat(self.sky_share));
+        let of_sky = R::each(is_of_sky, [u, v], |[u, v]| {
+            let u = Vec2::new((u / self.sky_share).min(ONE_MINUS_EPSILON), v);
+            let sample = self.density.as_ref().map(|density| density.sample(u));
+            sample.map_or([0.0; 3], |sample| [sample.position.x, sample.position.y, sample.pdf])
+        });
+        let [x, y, sky_pdf] = of_sky;
+        let (mut local, mut sky_pdf) = (direction([x, y]), sky_pdf * R::splat(TABLE_DENSITY));
+        if (!is_of_sky).any() {
+            let across = (u - R::splat(self.sky_share)) / R::splat(1.0 - self.sky_share);
+            let u = [across.min(R::splat(ONE_MINUS_EPSILON)), v];
+            let in_cone = warp::uniform_cone(u, R::splat(self.model.sun_one_minus_cos()));
+            let of_sun = in_cone.along([self.sun.s, self.sun.t, self.sun.n]);
+            local = R::Vec3::select(is_of_sky, local, of_sun);
+            sky_pdf = R::select(is_of_sky, sky_pdf, self.sky_pdf::<R>(of_sun, !is_of_sky));
+        }
         let pdf = self.mixed(sky_pdf, local);
-        (pdf > 0.0).then(|| LightSample {
-            wi: self.world_from_local * local,
-            target: Target::Infinity,
-            radiance: self.model.sky(local) + self.model.sun(local),
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        let sample = SkySample {
+            wi: local.along([x_axis, y_axis, z_axis]),
+            radiance: self.model.sky::<R>(local) + self.model.sun::<R>(local),
             pdf,
-            is_delta: false,
-        })
+        };
+        (sample, pdf.is_more(R::ZERO))
     }
 
-    /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, wi: Vec3) -> f32 {
+    /// The radiance from a direction, and the density per solid angle of [`Self::sample`].
+    pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.world_from_local.transpose() * wi;
-        self.mixed(self.sky_pdf(local), local)
+        let radiance = self.model.sky::<f32>(local) + self.model.sun::<f32>(local);
+        (radiance, self.mixed(self.sky_pdf::<f32>(local, true), local))
     }
 
     pub fn radiance(&self, wi: Vec3) -> Rgb {
         let local = self.world_from_local.transpose() * wi;
-        self.model.sky(local) + self.model.sun(local)
+        self.model.sky::<f32>(local) + self.model.sun::<f32>(local)
     }
 
     /// The approximate irradiance (luminance) on a surface that faces sun and sky.
@@ -106,29 +113,42 @@ impl SunSkyLight {
         self.irradiance
     }
 
-    /// The density with which the sky is sampled in a direction in local space.
-    fn sky_pdf(&self, local: Vec3) -> f32 {
-        if local.z < 0.0 {
-            return 0.0;
-        }
-        let turn = local.y.atan2(local.x) / TAU;
-        let position = Vec2::new(turn - turn.floor(), local.z.min(1.0));
-        let density = self.density.as_ref();
-        density.map_or(0.0, |density| density.pdf(position)) * TABLE_DENSITY
+    /// The density with which the sky is sampled in a direction in local space, where `condition` holds.
+    #[inline(always)]
+    fn sky_pdf<R: Real>(&self, local: R::Vec3, condition: R::Mask) -> R {
+        let is_above = condition & !local.z().is_less(R::ZERO);
+        let turn = atan2(local.y(), local.x()) * R::splat(1.0 / TAU);
+        let [pdf] = R::each(is_above, [turn - turn.floor(), local.z().min(R::ONE)], |[x, y]| {
+            [self
+                .density
+                .as_ref()
+                .map_or(0.0, |density| density.pdf(Vec2::new(x, y)))]
+        });
+        pdf * R::splat(TABLE_DENSITY)
     }
 
     /// The density of sky and sun together, where that of the sky is `sky_pdf`. The sun below the horizon is not seen.
-    fn mixed(&self, sky_pdf: f32, local: Vec3) -> f32 {
+    #[inline(always)]
+    fn mixed<R: Real>(&self, sky_pdf: R, local: R::Vec3) -> R {
         let rim = self.model.sun_one_minus_cos();
-        let inside = local.z >= 0.0 && 0.5 * local.distance_squared(self.sun.n) <= rim;
-        let sun = if inside { warp::uniform_cone_pdf(rim) } else { 0.0 };
-        self.sky_share * sky_pdf + (1.0 - self.sky_share) * sun
+        let here = R::HALF * (local - R::Vec3::same(self.sun.n)).length_squared();
+        let is_in_sun = !(local.z().is_less(R::ZERO) | R::is_above(here, rim));
+        let sun = R::splat((1.0 - self.sky_share) * warp::uniform_cone_pdf(rim)).only(is_in_sun);
+        sky_pdf.mul_add(R::splat(self.sky_share), sun)
     }
 }
 
+/// A direction to the light, as [`super::LightSample`].
+pub(crate) struct SkySample<R: Real> {
+    pub wi: R::Vec3,
+    pub radiance: R::Vec3,
+    pub pdf: R,
+}
+
 /// The direction at a position of the table.
-fn direction(position: Vec2) -> Vec3 {
-    let (sin, cos) = (TAU * position.x).sin_cos();
-    let radius = ((1.0 - position.y) * (1.0 + position.y)).max(0.0).sqrt();
-    Vec3::new(radius * cos, radius * sin, position.y)
+#[inline(always)]
+fn direction<R: Real>([x, y]: [R; 2]) -> R::Vec3 {
+    let (sin, cos) = sin_cos(R::splat(TAU) * x);
+    let radius = ((R::ONE - y) * (R::ONE + y)).max(R::ZERO).sqrt();
+    R::Vec3::of(radius * cos, radius * sin, y)
 }

@@ -61,7 +61,7 @@ struct DiskLight {
 impl DiskLight {
     /// A point that is uniform in area.
     fn sample_area(&self, u: Vec2) -> AreaSample {
-        let p = warp::concentric_disk(u);
+        let p = Vec2::from(warp::concentric_disk(u.to_array()));
         AreaSample {
             position: self.world_from_local.transform_point3(p.extend(0.0)),
             normal: self.normal,

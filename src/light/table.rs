@@ -201,11 +201,36 @@ impl LightTable {
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
+        self.sample_chosen(self.choose(reference, u_choice, u)?, reference, u)
+    }
+
+    /// Chooses a light as [`Self::sample`], with the probability of the choice.
+    pub(super) fn choose(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(Chosen, f32)> {
         debug_assert!(
             reference.normal.is_none_or(|normal| normal.is_normalized()),
             "{reference:?} has a normal that is not of unit length"
         );
-        let (chosen, pmf) = self.choice.sample(reference, || refined(u_choice, u))?;
+        self.choice.sample(reference, || refined(u_choice, u))
+    }
+
+    /// The sky with the sun, if that is what was chosen.
+    pub(super) fn chosen_sky(&self, chosen: Chosen) -> Option<(LightId, &SunSkyLight)> {
+        match chosen {
+            Chosen::Infinite(index) => match &self.infinite[index as usize] {
+                (id, InfiniteLight::SunSky(light)) => Some((*id, light)),
+                _ => None,
+            },
+            Chosen::Part(_) => None,
+        }
+    }
+
+    /// A direction to the chosen light as [`Self::sample`].
+    pub(super) fn sample_chosen(
+        &self,
+        (chosen, pmf): (Chosen, f32),
+        reference: &LightReference,
+        u: Vec2,
+    ) -> Option<(LightId, LightSample)> {
         let (id, sample) = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];

@@ -9,7 +9,8 @@ use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, TransportMode, mirrored};
+use crate::math::{Frame, Vector};
+use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, TransportMode};
 
 /// The most models that a material may mix at one place.
 pub(super) const LARGEST_MIX: usize = 8;
@@ -109,6 +110,12 @@ impl<'a> Single<'a> {
     /// Its diffuse lobe as [`Bsdf::diffuse_lobe`], and the normal of that in the world.
     pub fn diffuse_lobe(&self) -> (DiffuseLobe, Vec3) {
         self.part.diffuse_lobe(self.tables)
+    }
+
+    /// The model with its frame, and the side that it is seen from: 1, or -1 from behind. None where maps change more than the frame.
+    pub(crate) fn model(&self) -> Option<(&Bsdf, Frame, f32)> {
+        let Orientation { frame, side, .. } = self.part.orientation;
+        self.part.bump.is_none().then_some((&*self.part.bsdf, frame, side))
     }
 
     /// Evaluates as [`Scattering::eval_and_pdf`].
@@ -386,7 +393,7 @@ impl<'a> Scattering<'a> {
             }
         }
         let (dir, share) = match strongest.filter(|_| mirror.max_element() > straight.max_element()) {
-            Some(part) => (part.orientation.to_world(mirrored(part.wo)), mirror),
+            Some(part) => (part.orientation.to_world(part.wo.mirrored()), mirror),
             None => (-self.wo, straight),
         };
         (share.max_element() > 0.0).then_some((dir, share))

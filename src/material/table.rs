@@ -105,6 +105,11 @@ impl MaterialTable {
         self.materials.len()
     }
 
+    /// The tables to which the models of the materials refer.
+    pub(crate) fn tables(&self) -> &ShadingTables {
+        &self.tables
+    }
+
     /// Whether there is no material.
     pub fn is_empty(&self) -> bool {
         self.materials.is_empty()
@@ -138,7 +143,7 @@ impl MaterialTable {
         }
     }
 
-    /// Whether it is made of models that [`crate::shading::lanes`] knows, and depends only on the side it is seen from.
+    /// Whether it is made of models that [`crate::shading::lanes`] has, and depends only on the side it is seen from.
     pub(crate) fn is_for_lanes(&self, id: MaterialId) -> bool {
         self.for_lanes[id.0 as usize]
     }

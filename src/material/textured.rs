@@ -169,7 +169,7 @@ impl TexturedBsdf {
                 Bsdf::RoughConductor(RoughConductor {
                     specular,
                     distribution,
-                    multiple_scattering: multiple_scattering.map(compensation),
+                    multiple_scattering: multiple_scattering.map_or(Compensation::NONE, compensation),
                 })
             }
             Self::Dielectric {

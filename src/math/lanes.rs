@@ -17,7 +17,7 @@ pub type Lanes = f32x16;
 pub type WordLanes = u32x16;
 
 /// A vector per lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3Lanes {
     /// The first components.
     pub x: Lanes,
@@ -243,6 +243,15 @@ impl Div<Lanes> for Vec3Lanes {
     #[inline(always)]
     fn div(self, divisor: Lanes) -> Self {
         self * (Lanes::ONE / divisor)
+    }
+}
+
+/// Divides component by component.
+impl Div for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: Self) -> Self {
+        Self::of(self.x / divisor.x, self.y / divisor.y, self.z / divisor.z)
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
+use super::real::Mask;
 
 /// A type of which every lane can have a value.
 pub(crate) trait PerLane: Copy {
@@ -102,6 +103,105 @@ impl PerLane for Vec3 {
     }
 }
 
+/// The form of a type that has a value per lane, where it is the same generic type: see [`real_struct`].
+pub(crate) trait LanesOf<One> {
+    /// The same value in every lane.
+    fn splat(one: One) -> Self;
+
+    /// Makes this the value of `lane`.
+    fn set_lane(&mut self, lane: usize, one: One);
+}
+
+impl LanesOf<f32> for Lanes {
+    #[inline(always)]
+    fn splat(one: f32) -> Self {
+        Lanes::splat(one)
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, one: f32) {
+        self.as_mut_array()[lane] = one;
+    }
+}
+
+/// A mask.
+impl LanesOf<bool> for Lanes {
+    #[inline(always)]
+    fn splat(one: bool) -> Self {
+        if one { Lanes::ALWAYS } else { Lanes::NEVER }
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, one: bool) {
+        self.as_mut_array()[lane] = f32::from_bits(if one { u32::MAX } else { 0 });
+    }
+}
+
+impl LanesOf<u32> for WordLanes {
+    #[inline(always)]
+    fn splat(one: u32) -> Self {
+        WordLanes::splat(one)
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, one: u32) {
+        self.as_mut_array()[lane] = one;
+    }
+}
+
+impl LanesOf<Vec3> for Vec3Lanes {
+    #[inline(always)]
+    fn splat(one: Vec3) -> Self {
+        Vec3Lanes::splat(one)
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, one: Vec3) {
+        self.set(lane, one);
+    }
+}
+
+/// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
+/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form.
+///
+/// ```ignore
+/// real_struct! {
+///     /// A diffuse surface.
+///     pub struct Diffuse<R> {
+///         /// The reflected fraction.
+///         pub reflectance: R::Vec3,
+///     }
+/// }
+/// ```
+macro_rules! real_struct {
+    (
+        $(#[$about:meta])*
+        $visible:vis struct $Name:ident<$R:ident> {
+            $($(#[$about_field:meta])* $field_visible:vis $field:ident: $Field:ty,)*
+        }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $visible struct $Name<$R: $crate::math::Real = f32> {
+            $($(#[$about_field])* $field_visible $field: $Field,)*
+        }
+
+        impl $crate::math::LanesOf<$Name> for $Name<$crate::math::lanes::Lanes> {
+            #[inline(always)]
+            fn splat(one: $Name) -> Self {
+                Self {
+                    $($field: $crate::math::LanesOf::splat(one.$field),)*
+                }
+            }
+
+            #[inline(always)]
+            fn set_lane(&mut self, lane: usize, one: $Name) {
+                $($crate::math::LanesOf::set_lane(&mut self.$field, lane, one.$field);)*
+            }
+        }
+    };
+}
+
 /// Declares a struct together with the struct that has one per lane, whose fields are the lane forms of the same fields, and implements
 /// [`PerLane`] between the two: a field that is added cannot be forgotten where lanes are read, written or moved.
 ///
@@ -164,6 +264,7 @@ macro_rules! per_lane {
     };
 }
 pub(crate) use per_lane;
+pub(crate) use real_struct;
 
 /// Implements [`PerLane`] for types that are rarely looked at: their lanes are an array of them, and not vectors.
 macro_rules! per_lane_array {

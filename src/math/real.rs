@@ -1,18 +1,41 @@
 //! A number, or a number per lane, for formulas that are written once for both.
 //!
 //! One formula gives the same number in both forms but for rounding: `a b + c` is rounded once in lanes, where the hardware does so, and
-//! twice in a single number.
+//! twice in a single number. A formula takes every branch that some lane takes, and selects at the end: `if condition.any()` leaves out what no lane
+//! needs, and for a single number is an ordinary branch.
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
-use super::lanes::{Lanes, WordLanes};
+use glam::Vec3;
+
+use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign, each_lane};
 
 /// A number of either form: `f32` or [`Lanes`].
-pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
+pub trait Real:
+    Copy
+    + Debug
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+{
     /// A condition: `bool`, or one per lane as comparisons of [`Lanes`] give it.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
+    type Mask: Mask;
     /// A whole number.
     type Word: Word;
+    /// A vector, or a colour.
+    type Vec3: Vector<Self>;
+
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// One half.
+    const HALF: Self;
 
     /// The same value in every lane.
     fn splat(value: f32) -> Self;
@@ -23,28 +46,256 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The smaller one; `other` where `self` is no number.
     fn min(self, other: Self) -> Self;
 
+    /// The larger one; `other` where `self` is no number.
+    fn max(self, other: Self) -> Self;
+
+    /// The number without its sign.
+    fn abs(self) -> Self;
+
+    /// The square root; no number where `self` is negative.
+    fn sqrt(self) -> Self;
+
+    /// The number with the sign of `sign`.
+    fn copy_sign(self, sign: Self) -> Self;
+
     /// A mask of where both are equal, which no number that is NaN is.
     fn equals(self, other: Self) -> Self::Mask;
+
+    /// A mask of where it is less than `other`.
+    fn is_less(self, other: Self) -> Self::Mask;
+
+    /// A mask of where it is `other` or less.
+    fn is_at_most(self, other: Self) -> Self::Mask;
+
+    /// A mask of where it is more than `other`.
+    #[inline(always)]
+    fn is_more(self, other: Self) -> Self::Mask {
+        other.is_less(self)
+    }
 
     /// Selects `yes` where `condition` holds, else `no`.
     fn select(condition: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// A mask of where `value` is more than `limit`.
-    fn is_above(value: Self, limit: f32) -> Self::Mask;
+    #[inline(always)]
+    fn is_above(value: Self, limit: f32) -> Self::Mask {
+        value.is_more(Self::splat(limit))
+    }
 
     /// A mask of where `word` is `least` or more.
     fn is_at_least(word: Self::Word, least: u32) -> Self::Mask;
+
+    /// The nearest whole number below. It must be in the range of `i32`.
+    fn floor(self) -> Self;
+
+    /// The whole part of a number from 0 to 2^24.
+    fn whole(self) -> Self::Word;
+
+    /// The number of a word below 2^24.
+    fn of_whole(word: Self::Word) -> Self;
+
+    /// The bits of the number.
+    fn to_bits(self) -> Self::Word;
+
+    /// The number of these bits.
+    fn from_bits(bits: Self::Word) -> Self;
+
+    /// What a table has at these places: `look_up` is called for one after the other.
+    fn gather(places: Self::Word, look_up: impl Fn(usize) -> f32) -> Self;
+
+    /// What a function of single numbers gives in each lane where `condition` holds, one after the other; zero elsewhere.
+    fn each<const N: usize, const M: usize>(
+        condition: Self::Mask,
+        numbers: [Self; N],
+        function: impl Fn([f32; N]) -> [f32; M],
+    ) -> [Self; M];
+
+    /// The square.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
+
+    /// The number limited to [0, 1].
+    #[inline(always)]
+    fn saturated(self) -> Self {
+        self.max(Self::ZERO).min(Self::ONE)
+    }
+
+    /// The number between `self` and `other` at the place `t`.
+    #[inline(always)]
+    fn mix(self, other: Self, t: Self) -> Self {
+        t.mul_add(other - self, self)
+    }
+
+    /// The number where `condition` holds, else zero.
+    #[inline(always)]
+    fn only(self, condition: Self::Mask) -> Self {
+        Self::select(condition, self, Self::ZERO)
+    }
+}
+
+/// A condition of either form.
+pub trait Mask: Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// It holds nowhere.
+    const NEVER: Self;
+    /// It holds everywhere.
+    const ALWAYS: Self;
+
+    /// Whether it holds in any lane.
+    fn any(self) -> bool;
 }
 
 /// A word of either form: `u32` or [`WordLanes`].
-pub trait Word: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub trait Word:
+    Copy
+    + Debug
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
     /// The same value in every lane.
     fn splat(value: u32) -> Self;
+}
+
+/// A vector or a colour of either form: [`Vec3`] or [`Vec3Lanes`].
+pub trait Vector<R: Real>:
+    Copy
+    + Debug
+    + PartialEq
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Mul<Output = Self>
+    + Mul<R, Output = Self>
+    + Div<Output = Self>
+    + Div<R, Output = Self>
+{
+    /// Puts components together.
+    fn of(x: R, y: R, z: R) -> Self;
+
+    /// The same vector in every lane.
+    fn same(v: Vec3) -> Self;
+
+    /// The first component.
+    fn x(self) -> R;
+
+    /// The second component.
+    fn y(self) -> R;
+
+    /// The third component.
+    fn z(self) -> R;
+
+    /// The vector whose components are all `value`.
+    #[inline(always)]
+    fn even(value: R) -> Self {
+        Self::of(value, value, value)
+    }
+
+    /// The dot product.
+    #[inline(always)]
+    fn dot(self, other: Self) -> R {
+        let (x, y) = (self.x() * other.x(), self.y() * other.y());
+        self.z().mul_add(other.z(), x + y)
+    }
+
+    /// The cross product.
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Self::of(
+            self.y() * other.z() - other.y() * self.z(),
+            self.z() * other.x() - other.z() * self.x(),
+            self.x() * other.y() - other.x() * self.y(),
+        )
+    }
+
+    /// The squared length.
+    #[inline(always)]
+    fn length_squared(self) -> R {
+        self.dot(self)
+    }
+
+    /// The vector scaled to unit length; not finite where it has no direction.
+    #[inline(always)]
+    fn normalize(self) -> Self {
+        self * (R::ONE / self.length_squared().sqrt())
+    }
+
+    /// Applies `f` to each component.
+    #[inline(always)]
+    fn map(self, f: impl Fn(R) -> R) -> Self {
+        Self::of(f(self.x()), f(self.y()), f(self.z()))
+    }
+
+    /// The sum of the components.
+    #[inline(always)]
+    fn sum(self) -> R {
+        self.x() + self.y() + self.z()
+    }
+
+    /// The vector between `self` and `other` at the place `t`.
+    #[inline(always)]
+    fn mix(self, other: Self, t: R) -> Self {
+        self + (other - self) * t
+    }
+
+    /// Selects `yes` where `condition` holds, else `no`.
+    #[inline(always)]
+    fn select(condition: R::Mask, yes: Self, no: Self) -> Self {
+        Self::of(
+            R::select(condition, yes.x(), no.x()),
+            R::select(condition, yes.y(), no.y()),
+            R::select(condition, yes.z(), no.z()),
+        )
+    }
+
+    /// The vector where `condition` holds, else zero.
+    #[inline(always)]
+    fn only(self, condition: R::Mask) -> Self {
+        Self::select(condition, self, Self::even(R::ZERO))
+    }
+
+    /// The vector with these coordinates along three axes.
+    #[inline(always)]
+    fn along(self, [x, y, z]: [Vec3; 3]) -> Self {
+        Self::same(x) * self.x() + Self::same(y) * self.y() + Self::same(z) * self.z()
+    }
+
+    /// The coordinates of the vector along three orthonormal axes.
+    #[inline(always)]
+    fn coordinates(self, axes: [Vec3; 3]) -> Self {
+        let [x, y, z] = axes.map(|axis| self.dot(Self::same(axis)));
+        Self::of(x, y, z)
+    }
+
+    /// The mirror image about the third axis.
+    #[inline(always)]
+    fn mirrored(self) -> Self {
+        Self::of(-self.x(), -self.y(), self.z())
+    }
+
+    /// The vector with another third component.
+    #[inline(always)]
+    fn with_third(self, z: R) -> Self {
+        Self::of(self.x(), self.y(), z)
+    }
 }
 
 impl Real for f32 {
     type Mask = bool;
     type Word = u32;
+    type Vec3 = Vec3;
+
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const HALF: Self = 0.5;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -62,8 +313,38 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        f32::max(self, other)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        f32::copysign(self, sign)
+    }
+
+    #[inline(always)]
     fn equals(self, other: Self) -> bool {
         self == other
+    }
+
+    #[inline(always)]
+    fn is_less(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> bool {
+        self <= other
     }
 
     #[inline(always)]
@@ -72,19 +353,58 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn is_above(value: Self, limit: f32) -> bool {
-        value > limit
+    fn is_at_least(word: u32, least: u32) -> bool {
+        word >= least
     }
 
     #[inline(always)]
-    fn is_at_least(word: u32, least: u32) -> bool {
-        word >= least
+    fn floor(self) -> Self {
+        f32::floor(self)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> u32 {
+        self as u32
+    }
+
+    #[inline(always)]
+    fn of_whole(word: u32) -> Self {
+        word as f32
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> u32 {
+        f32::to_bits(self)
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        f32::from_bits(bits)
+    }
+
+    #[inline(always)]
+    fn gather(place: u32, look_up: impl Fn(usize) -> f32) -> Self {
+        look_up(place as usize)
+    }
+
+    #[inline(always)]
+    fn each<const N: usize, const M: usize>(
+        condition: bool,
+        numbers: [f32; N],
+        function: impl Fn([f32; N]) -> [f32; M],
+    ) -> [f32; M] {
+        if condition { function(numbers) } else { [0.0; M] }
     }
 }
 
 impl Real for Lanes {
     type Mask = Lanes;
     type Word = WordLanes;
+    type Vec3 = Vec3Lanes;
+
+    const ZERO: Self = Lanes::ZERO;
+    const ONE: Self = Lanes::ONE;
+    const HALF: Self = Lanes::HALF;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -102,8 +422,38 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.fast_max(other)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Lanes::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        copy_sign(self, sign)
+    }
+
+    #[inline(always)]
     fn equals(self, other: Self) -> Lanes {
         self.simd_eq(other)
+    }
+
+    #[inline(always)]
+    fn is_less(self, other: Self) -> Lanes {
+        self.simd_lt(other)
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> Lanes {
+        self.simd_le(other)
     }
 
     #[inline(always)]
@@ -112,13 +462,87 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
-    fn is_above(value: Self, limit: f32) -> Lanes {
-        value.simd_gt(Lanes::splat(limit))
+    fn is_at_least(word: WordLanes, least: u32) -> Lanes {
+        bytemuck::cast(word.simd_ge(WordLanes::splat(least)))
     }
 
     #[inline(always)]
-    fn is_at_least(word: WordLanes, least: u32) -> Lanes {
-        bytemuck::cast(word.simd_ge(WordLanes::splat(least)))
+    fn floor(self) -> Self {
+        Lanes::floor(self)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> WordLanes {
+        bytemuck::cast(self.fast_trunc_int())
+    }
+
+    #[inline(always)]
+    fn of_whole(word: WordLanes) -> Self {
+        Lanes::from_i32x16(bytemuck::cast(word))
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> WordLanes {
+        bytemuck::cast(self)
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: WordLanes) -> Self {
+        bytemuck::cast(bits)
+    }
+
+    #[inline(always)]
+    fn gather(places: WordLanes, look_up: impl Fn(usize) -> f32) -> Self {
+        let mut found = [0.0; LANES];
+        for (found, &place) in found.iter_mut().zip(places.as_array()) {
+            *found = look_up(place as usize);
+        }
+        Lanes::new(found)
+    }
+
+    #[inline(always)]
+    fn each<const N: usize, const M: usize>(
+        condition: Lanes,
+        numbers: [Lanes; N],
+        function: impl Fn([f32; N]) -> [f32; M],
+    ) -> [Lanes; M] {
+        let mut found = [Lanes::ZERO; M];
+        for lane in each_lane(condition.to_bitmask()) {
+            let mut of_lane = [0.0; N];
+            for (number, lanes) in of_lane.iter_mut().zip(&numbers) {
+                *number = lanes.as_array()[lane];
+            }
+            for (lanes, number) in found.iter_mut().zip(function(of_lane)) {
+                lanes.as_mut_array()[lane] = number;
+            }
+        }
+        found
+    }
+
+    #[inline(always)]
+    fn only(self, condition: Lanes) -> Self {
+        self & condition
+    }
+}
+
+impl Mask for bool {
+    const NEVER: Self = false;
+    const ALWAYS: Self = true;
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+impl Mask for Lanes {
+    const NEVER: Self = Lanes::ZERO;
+    // A NaN: all bits are set.
+    const ALWAYS: Self = Lanes::new([f32::from_bits(u32::MAX); LANES]);
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        Lanes::any(self)
     }
 }
 
@@ -133,5 +557,69 @@ impl Word for WordLanes {
     #[inline(always)]
     fn splat(value: u32) -> Self {
         WordLanes::splat(value)
+    }
+}
+
+impl Vector<f32> for Vec3 {
+    #[inline(always)]
+    fn of(x: f32, y: f32, z: f32) -> Self {
+        Vec3::new(x, y, z)
+    }
+
+    #[inline(always)]
+    fn same(v: Vec3) -> Self {
+        v
+    }
+
+    #[inline(always)]
+    fn x(self) -> f32 {
+        self.x
+    }
+
+    #[inline(always)]
+    fn y(self) -> f32 {
+        self.y
+    }
+
+    #[inline(always)]
+    fn z(self) -> f32 {
+        self.z
+    }
+}
+
+impl Vector<Lanes> for Vec3Lanes {
+    #[inline(always)]
+    fn of(x: Lanes, y: Lanes, z: Lanes) -> Self {
+        Vec3Lanes::of(x, y, z)
+    }
+
+    #[inline(always)]
+    fn same(v: Vec3) -> Self {
+        Vec3Lanes::splat(v)
+    }
+
+    #[inline(always)]
+    fn x(self) -> Lanes {
+        self.x
+    }
+
+    #[inline(always)]
+    fn y(self) -> Lanes {
+        self.y
+    }
+
+    #[inline(always)]
+    fn z(self) -> Lanes {
+        self.z
+    }
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> Lanes {
+        Vec3Lanes::dot(self, other)
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Vec3Lanes::cross(self, other)
     }
 }

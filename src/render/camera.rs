@@ -32,7 +32,7 @@ impl ThinLens {
     /// A uniform point of the aperture.
     fn sample(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
-            return self.aperture_radius * warp::concentric_disk(u);
+            return self.aperture_radius * Vec2::from(warp::concentric_disk(u.to_array()));
         }
         let scaled = u.x * self.blades as f32;
         let blade = scaled.floor().min((self.blades - 1) as f32);

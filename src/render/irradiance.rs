@@ -150,7 +150,7 @@ fn begin(
             normal: Some(receiver.normal),
         },
     };
-    let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)));
+    let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)).to_array());
     let wi = Frame::from_normal(receiver.normal).to_world(local);
     let medium = view.medium.filter(|_| settings.media);
     let mut path = PathState::new(Ray::new(receiver.leave(wi), wi), *sampler, medium);

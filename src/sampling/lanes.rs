@@ -1,6 +1,4 @@
-//! [`Sampler`] and the maps of [`super::warp`] for sixteen paths at once.
-
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+//! [`Sampler`] for sixteen paths at once.
 
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
@@ -8,7 +6,7 @@ use super::sampler::{
     BLOCK_BITS, COLOUR, Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block,
 };
 use crate::math::PerLane;
-use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
+use crate::math::lanes::{Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
 #[derive(Clone, Debug)]
@@ -242,39 +240,12 @@ fn sobol_second_reversed(index: WordLanes) -> WordLanes {
     x ^ ((x & word(0xaaaa_aaaa)) >> 1)
 }
 
-/// The map [`super::warp::concentric_disk`] in lanes.
-#[inline(always)]
-pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
-    let (x, y) = (u + u - Lanes::ONE, v + v - Lanes::ONE);
-    let is_wide = x.abs().simd_gt(y.abs());
-    let radius = is_wide.select(x, y);
-    let ratio = is_wide.select(y, x) / radius;
-    let eighth = Lanes::splat(FRAC_PI_4) * ratio;
-    let angle = is_wide.select(eighth, Lanes::splat(FRAC_PI_2) - eighth);
-    let (sin, cos) = angle.sin_cos();
-    // In the very middle it is 0 / 0.
-    let is_off_centre = radius.simd_ne(Lanes::ZERO);
-    [(radius * cos) & is_off_centre, (radius * sin) & is_off_centre]
-}
-
-/// The map [`super::warp::cosine_hemisphere`] in lanes.
-#[inline(always)]
-pub fn cosine_hemisphere(u: [Lanes; 2]) -> Vec3Lanes {
-    let [x, y] = concentric_disk(u);
-    let z = x
-        .mul_neg_add(x, y.mul_neg_add(y, Lanes::ONE))
-        .fast_max(Lanes::ZERO)
-        .sqrt();
-    Vec3Lanes::of(x, y, z)
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::{UVec2, Vec2};
+    use glam::UVec2;
 
     use super::*;
     use crate::math::lanes::LANES;
-    use crate::sampling::warp;
 
     #[test]
     fn numbers_are_the_samplers() {
@@ -300,23 +271,6 @@ mod tests {
                     let expected = sampler.at_2d(dimensions[lane]);
                     assert_eq!(pair.map(|numbers| numbers.as_array()[lane]), expected.to_array());
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn disks_are_those_of_one() {
-        let at = |k: usize| Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 * 0.414_214).fract());
-        for start in (0..4096).step_by(LANES) {
-            let mut points: [Vec2; LANES] = std::array::from_fn(|lane| at(start + lane));
-            points[3] = Vec2::splat(0.5);
-            let u = points.map(|point| point.x);
-            let v = points.map(|point| point.y);
-            let [x, y] = concentric_disk([u.into(), v.into()]);
-            for (lane, &point) in points.iter().enumerate() {
-                let expected = warp::concentric_disk(point);
-                let found = Vec2::new(x.as_array()[lane], y.as_array()[lane]);
-                assert!(found.abs_diff_eq(expected, 1e-6), "{found} {expected}");
             }
         }
     }

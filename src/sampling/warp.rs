@@ -3,49 +3,56 @@
 //! Directions are unit vectors in a local frame with z up. All maps are continuous almost everywhere, so that well spread numbers stay
 //! well spread.
 
-use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
+use glam::{Vec2, Vec3};
+
+use crate::math::{Real, Vector, cube_root, sin_cos};
+
 /// Uniform points on the unit disk, concentric squares going to concentric circles (Shirley and Chiu 1997).
-pub fn concentric_disk(u: Vec2) -> Vec2 {
-    let p = 2.0 * u - Vec2::ONE;
-    if p == Vec2::ZERO {
-        return Vec2::ZERO;
-    }
-    let (radius, angle) = if p.x.abs() > p.y.abs() {
-        (p.x, FRAC_PI_4 * (p.y / p.x))
-    } else {
-        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
-    };
-    let (sin, cos) = angle.sin_cos();
-    radius * Vec2::new(cos, sin)
+#[inline(always)]
+pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
+    let (x, y) = (u + u - R::ONE, v + v - R::ONE);
+    let is_wide = x.abs().is_more(y.abs());
+    let radius = R::select(is_wide, x, y);
+    let ratio = R::select(is_wide, y, x) / radius;
+    let eighth = R::splat(FRAC_PI_4) * ratio;
+    let angle = R::select(is_wide, eighth, R::splat(FRAC_PI_2) - eighth);
+    let (sin, cos) = sin_cos(angle);
+    // In the very middle it is 0 / 0.
+    let is_off_centre = !radius.equals(R::ZERO);
+    [(radius * cos).only(is_off_centre), (radius * sin).only(is_off_centre)]
 }
 
 /// Directions on the upper hemisphere with density proportional to their cosine; see [`cosine_hemisphere_pdf`].
-pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    let disk = concentric_disk(u);
-    disk.extend((1.0 - disk.length_squared()).max(0.0).sqrt())
+#[inline(always)]
+pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> R::Vec3 {
+    let [x, y] = concentric_disk(u);
+    let z = (-x).mul_add(x, (-y).mul_add(y, R::ONE));
+    R::Vec3::of(x, y, z.max(R::ZERO).sqrt())
 }
 
 /// Solid angle density of [`cosine_hemisphere`]; zero below the horizon.
-pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
-    cos_theta.max(0.0) * FRAC_1_PI
+#[inline(always)]
+pub fn cosine_hemisphere_pdf<R: Real>(cos_theta: R) -> R {
+    cos_theta.max(R::ZERO) * R::splat(FRAC_1_PI)
 }
 
 /// Uniform directions; the density is [`UNIFORM_SPHERE_PDF`].
-pub fn uniform_sphere(u: Vec2) -> Vec3 {
-    let z = 1.0 - 2.0 * u.x;
+#[inline(always)]
+pub fn uniform_sphere<R: Real>([u, v]: [R; 2]) -> R::Vec3 {
+    let z = R::ONE - (u + u);
     // (1 - z)(1 + z) without cancellation near the poles.
-    let radius = (4.0 * u.x * (1.0 - u.x)).sqrt();
-    let (sin, cos) = (TAU * u.y).sin_cos();
-    Vec3::new(radius * cos, radius * sin, z)
+    let radius = (R::splat(4.0) * u * (R::ONE - u)).sqrt();
+    let (sin, cos) = sin_cos(R::splat(TAU) * v);
+    R::Vec3::of(radius * cos, radius * sin, z)
 }
 
 /// Solid angle density of [`uniform_sphere`].
 pub const UNIFORM_SPHERE_PDF: f32 = 0.5 * UNIFORM_HEMISPHERE_PDF;
 
 /// Uniform directions with z >= 0; the density is [`UNIFORM_HEMISPHERE_PDF`].
-pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
+pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
     uniform_cone(u, 1.0)
 }
 
@@ -56,10 +63,12 @@ pub const UNIFORM_HEMISPHERE_PDF: f32 = 1.0 / TAU;
 ///
 /// It takes 1 - cos because narrow cones have lost it in the cosine; from the sine s of a half angle below 90 degrees it is
 /// s^2 / (1 + sqrt(1 - s^2)). The density is [`uniform_cone_pdf`].
-pub fn uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
-    let disk = concentric_disk(u);
-    let depth = disk.length_squared() * one_minus_cos;
-    (disk * (one_minus_cos * (2.0 - depth).max(0.0)).sqrt()).extend(1.0 - depth)
+#[inline(always)]
+pub fn uniform_cone<R: Real>(u: [R; 2], one_minus_cos: R) -> R::Vec3 {
+    let [x, y] = concentric_disk(u);
+    let depth = x.mul_add(x, y * y) * one_minus_cos;
+    let stretch = (one_minus_cos * (R::splat(2.0) - depth).max(R::ZERO)).sqrt();
+    R::Vec3::of(x * stretch, y * stretch, R::ONE - depth)
 }
 
 /// Solid angle density of [`uniform_cone`] inside the cone.
@@ -68,8 +77,9 @@ pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
 }
 
 /// Uniform points in the unit ball, from three numbers; the density is 3 / (4 pi).
-pub fn unit_ball(u: Vec2, u_radius: f32) -> Vec3 {
-    u_radius.cbrt() * uniform_sphere(u)
+#[inline(always)]
+pub fn unit_ball<R: Real>(u: [R; 2], u_radius: R) -> R::Vec3 {
+    uniform_sphere(u) * cube_root(u_radius)
 }
 
 /// Uniform points on a triangle as barycentric weights (of the second and the third vertex; the first has the rest), by the folding

@@ -6,37 +6,58 @@
 
 use super::{ConductorSpecular, MicroalbedoId, Microfacet, ShadingTables, microalbedo};
 use crate::color::Rgb;
+use crate::math::{Mask, Real, Vector, real_struct};
 
-/// The compensation for the light that a rough metal loses between its microfacets: an id of its table, and the factors that do not depend on
-/// directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compensation {
-    table: MicroalbedoId,
-    /// The place of the roughness among the nodes.
-    row: f32,
-    /// The reflectance at normal incidence.
-    head_on: Rgb,
+real_struct! {
+    /// The compensation for the light that a rough metal loses between its microfacets: the number of its table, and the factors that do not depend on
+    /// directions.
+    pub struct Compensation<R> {
+        /// Whether there is one. Else the scattering is single.
+        is_there: R::Mask,
+        table: R::Word,
+        /// The place of the roughness among the nodes.
+        row: R,
+        /// The reflectance at normal incidence.
+        head_on: R::Vec3,
+    }
 }
 
 impl Compensation {
+    /// Single scattering.
+    pub const NONE: Self = Self {
+        is_there: false,
+        table: 0,
+        row: 0.0,
+        head_on: Rgb::ZERO,
+    };
+
     /// The compensation of a metal by the table of its distribution. Where roughness depends on the direction, it is that of the root mean
     /// square: some percent off.
     pub fn new(table: MicroalbedoId, distribution: &Microfacet, specular: &ConductorSpecular) -> Self {
         Self {
-            table,
+            is_there: true,
+            table: table.0,
             row: microalbedo::row_of(distribution.mean_alpha()),
             head_on: specular.reflectance(1.0),
         }
     }
 
-    /// The table of albedos.
-    pub(crate) fn table(&self) -> MicroalbedoId {
-        self.table
+    /// The table of albedos; None for single scattering.
+    pub fn table(&self) -> Option<MicroalbedoId> {
+        self.is_there.then_some(MicroalbedoId(self.table))
     }
+}
 
+impl<R: Real> Compensation<R> {
     /// The factor on single scattering, at least 1, seen at `cos` in [0, 1].
-    pub(super) fn gain(&self, tables: &ShadingTables, cos: f32) -> Rgb {
-        let albedo = tables.microalbedo(self.table).albedo(self.row, cos);
-        Rgb::ONE + self.head_on * ((1.0 - albedo) / albedo)
+    #[inline(always)]
+    pub(super) fn gain(&self, tables: &ShadingTables, cos: R) -> R::Vec3 {
+        let one = R::Vec3::even(R::ONE);
+        if !self.is_there.any() {
+            return one;
+        }
+        let albedo = tables.microalbedo(self.table, self.row, cos);
+        let gain = one + self.head_on * ((R::ONE - albedo) / albedo);
+        R::Vec3::select(self.is_there, gain, one)
     }
 }

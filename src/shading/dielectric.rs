@@ -1,49 +1,48 @@
 //! A smooth interface between two transparent media: reflection and refraction, chosen by the Fresnel reflectance.
 
-use super::{
-    BsdfSample, TransportMode,
-    fresnel::{self, DielectricModel},
-    mirrored,
-};
-use crate::color::Rgb;
-use glam::Vec3;
+use super::fresnel::{self, DielectricModel};
+use super::{BsdfSample, Model, ShadingTables, TransportMode};
+use crate::math::{Mask, Real, Vector, real_struct};
 
-/// Smooth glass, water, and the like; the normal points outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dielectric {
-    /// Refractive index inside over outside, above 0.
-    pub eta: f32,
-    /// How the Fresnel reflectance is computed.
-    pub model: DielectricModel,
-    /// Multiplies reflected light; 1 is physical.
-    pub specular_reflectance: Rgb,
-    /// Multiplies refracted light; 1 is physical.
-    pub specular_transmittance: Rgb,
+real_struct! {
+    /// Smooth glass, water, and the like; the normal points outside.
+    pub struct Dielectric<R> {
+        /// Refractive index inside over outside, above 0.
+        pub eta: R,
+        /// How the Fresnel reflectance is computed: the same in all lanes.
+        pub model: DielectricModel,
+        /// Multiplies reflected light; 1 is physical.
+        pub specular_reflectance: R::Vec3,
+        /// Multiplies refracted light; 1 is physical.
+        pub specular_transmittance: R::Vec3,
+    }
 }
 
-impl Dielectric {
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, mode: TransportMode) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let fresnel = fresnel::dielectric(wo.z, self.eta, self.model);
-        let (eta_it, eta_ti) = (fresnel.eta_it, fresnel.eta_ti);
-        Some(if u_lobe < fresnel.reflectance {
-            BsdfSample {
-                wi: mirrored(wo),
-                weight: self.specular_reflectance,
-                pdf: fresnel.reflectance,
-                is_delta: true,
-                eta: 1.0,
-            }
-        } else {
-            BsdfSample {
-                wi: Vec3::new(-eta_ti * wo.x, -eta_ti * wo.y, fresnel.cos_t),
-                weight: self.specular_transmittance * mode.refraction_factor(eta_ti),
-                pdf: 1.0 - fresnel.reflectance,
-                is_delta: true,
-                eta: eta_it,
-            }
-        })
+impl<R: Real> Model<R> for Dielectric<R> {
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        _: [R; 2],
+        mode: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
+        let fresnel = fresnel::dielectric(wo.z(), self.eta, self.model);
+        let eta_ti = fresnel.eta_ti;
+        let is_reflected = u_lobe.is_less(fresnel.reflectance);
+        let refracted = R::Vec3::of(-eta_ti * wo.x(), -eta_ti * wo.y(), fresnel.cos_t);
+        let sample = BsdfSample {
+            wi: R::Vec3::select(is_reflected, wo.mirrored(), refracted),
+            weight: R::Vec3::select(
+                is_reflected,
+                self.specular_reflectance,
+                self.specular_transmittance * mode.refraction_factor(eta_ti),
+            ),
+            pdf: R::select(is_reflected, fresnel.reflectance, R::ONE - fresnel.reflectance),
+            is_delta: R::Mask::ALWAYS,
+            eta: R::select(is_reflected, R::ONE, fresnel.eta_it),
+        };
+        (sample, !wo.z().equals(R::ZERO))
     }
 }

@@ -1,35 +1,42 @@
 //! Lambert's ideally diffuse reflection; black from behind.
 
-use super::BsdfSample;
-use crate::{color::Rgb, sampling::warp};
-use glam::{Vec2, Vec3};
+use super::{BsdfSample, DiffuseLobe, Model, ShadingTables, TransportMode};
+use crate::math::{Mask, Real, Vector, real_struct};
+use crate::sampling::warp;
 
-/// A surface that looks equally bright from everywhere above it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Diffuse {
-    /// Reflected fraction of the power, [0, 1].
-    pub reflectance: Rgb,
+real_struct! {
+    /// A surface that looks equally bright from everywhere above it.
+    pub struct Diffuse<R> {
+        /// Reflected fraction of the power, [0, 1].
+        pub reflectance: R::Vec3,
+    }
 }
 
-impl Diffuse {
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        let pdf = if wo.z > 0.0 {
-            warp::cosine_hemisphere_pdf(wi.z)
-        } else {
-            0.0
-        };
+impl<R: Real> Model<R> for Diffuse<R> {
+    const IS_SHORT: bool = true;
+
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: R::Vec3, wi: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
+        let pdf = warp::cosine_hemisphere_pdf(wi.z()).only(wo.z().is_more(R::ZERO));
         (self.reflectance * pdf, pdf)
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
+    #[inline(always)]
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, _: R, u: [R; 2], _: TransportMode) -> (BsdfSample<R>, R::Mask) {
         let wi = warp::cosine_hemisphere(u);
-        let (_, pdf) = self.eval_and_pdf(wo, wi);
-        (pdf > 0.0).then_some(BsdfSample {
+        let pdf = warp::cosine_hemisphere_pdf(wi.z()).only(wo.z().is_more(R::ZERO));
+        let sample = BsdfSample {
             wi,
             weight: self.reflectance,
             pdf,
-            is_delta: false,
-            eta: 1.0,
-        })
+            is_delta: R::Mask::NEVER,
+            eta: R::ONE,
+        };
+        (sample, pdf.is_more(R::ZERO))
+    }
+
+    #[inline(always)]
+    fn diffuse_lobe(&self, _: &ShadingTables, _: R::Vec3) -> DiffuseLobe<R> {
+        DiffuseLobe::ALL
     }
 }

@@ -1,18 +1,19 @@
 //! Fresnel reflectance of smooth interfaces for unpolarised light.
 
-use crate::color::Rgb;
+use crate::math::{LanesOf, Real, Vector, real_struct};
 
-/// Reflection and refraction of light at the interface of two dielectrics.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DielectricFresnel {
-    /// The reflected fraction of the power, in [0, 1]; 1 under total internal reflection.
-    pub reflectance: f32,
-    /// Cosine of the refracted direction, with the opposite sign of the incident one; 0 under total internal reflection.
-    pub cos_t: f32,
-    /// Refractive index of the far side over that of the near side, as the path sees it.
-    pub eta_it: f32,
-    /// The reciprocal of `eta_it`, by which Snell's law scales the tangential components.
-    pub eta_ti: f32,
+real_struct! {
+    /// Reflection and refraction of light at the interface of two dielectrics.
+    pub struct DielectricFresnel<R> {
+        /// The reflected fraction of the power, in [0, 1]; 1 under total internal reflection.
+        pub reflectance: R,
+        /// Cosine of the refracted direction, with the opposite sign of the incident one; 0 under total internal reflection.
+        pub cos_t: R,
+        /// Refractive index of the far side over that of the near side, as the path sees it.
+        pub eta_it: R,
+        /// The reciprocal of `eta_it`, by which Snell's law scales the tangential components.
+        pub eta_ti: R,
+    }
 }
 
 /// The law by which a dielectric's reflectance depends on the angle.
@@ -26,38 +27,49 @@ pub enum DielectricModel {
     Schlick,
 }
 
+/// The model is the same in all lanes.
+impl LanesOf<DielectricModel> for DielectricModel {
+    fn splat(one: DielectricModel) -> Self {
+        one
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, one: DielectricModel) {
+        *self = one;
+    }
+}
+
 /// Reflectance and refraction at `cos_i` (either sign; positive is outside), where `eta` is the inner over the outer index.
-pub fn dielectric(cos_i: f32, eta: f32, model: DielectricModel) -> DielectricFresnel {
-    let (eta_it, eta_ti) = if cos_i >= 0.0 {
-        (eta, eta.recip())
-    } else {
-        (eta.recip(), eta)
-    };
-    let cos_i_abs = cos_i.abs();
+#[inline(always)]
+pub fn dielectric<R: Real>(cos_i: R, eta: R, model: DielectricModel) -> DielectricFresnel<R> {
+    let is_outside = !cos_i.is_less(R::ZERO);
+    let inverse = R::ONE / eta;
+    let eta_it = R::select(is_outside, eta, inverse);
+    let eta_ti = R::select(is_outside, inverse, eta);
+    let cos_i = cos_i.abs();
     // Snell: sin_t = eta_ti sin_i.
-    let cos_t_squared = 1.0 - eta_ti * eta_ti * (1.0 - cos_i * cos_i).max(0.0);
-    let cos_t_abs = cos_t_squared.max(0.0).sqrt();
-    let reflectance = if eta == 1.0 {
-        0.0
-    } else if cos_t_squared <= 0.0 || cos_i_abs == 0.0 {
-        1.0
-    } else {
-        match model {
-            DielectricModel::Exact => {
-                let s = (cos_i_abs - eta_it * cos_t_abs) / (cos_i_abs + eta_it * cos_t_abs);
-                let p = (eta_it * cos_i_abs - cos_t_abs) / (eta_it * cos_i_abs + cos_t_abs);
-                0.5 * (s * s + p * p)
-            }
-            DielectricModel::Schlick => {
-                let r = (1.0 - eta) / (1.0 + eta);
-                let thinner = if eta_it > 1.0 { cos_i_abs } else { cos_t_abs };
-                r * r + (1.0 - r * r) * (1.0 - thinner).powi(5)
-            }
+    let sin_i_squared = (-cos_i).mul_add(cos_i, R::ONE).max(R::ZERO);
+    let cos_t_squared = (-(eta_ti * eta_ti)).mul_add(sin_i_squared, R::ONE);
+    let cos_t = cos_t_squared.max(R::ZERO).sqrt();
+    let partial = match model {
+        DielectricModel::Exact => {
+            let (near, far) = (eta_it * cos_i, eta_it * cos_t);
+            let s = (cos_i - far) / (cos_i + far);
+            let p = (near - cos_t) / (near + cos_t);
+            R::HALF * s.mul_add(s, p * p)
+        }
+        DielectricModel::Schlick => {
+            let head_on = ((R::ONE - eta) / (R::ONE + eta)).squared();
+            let thinner = R::select(eta_it.is_more(R::ONE), cos_i, cos_t);
+            let grazing = R::ONE - thinner;
+            let fourth = grazing.squared().squared();
+            head_on + (R::ONE - head_on) * (fourth * grazing)
         }
     };
+    let is_total = cos_t_squared.is_at_most(R::ZERO) | cos_i.equals(R::ZERO);
     DielectricFresnel {
-        reflectance,
-        cos_t: if cos_i >= 0.0 { -cos_t_abs } else { cos_t_abs },
+        reflectance: R::select(is_total, R::ONE, partial).only(!eta.equals(R::ONE)),
+        cos_t: R::select(is_outside, -cos_t, cos_t),
         eta_it,
         eta_ti,
     }
@@ -67,22 +79,32 @@ pub fn dielectric(cos_i: f32, eta: f32, model: DielectricModel) -> DielectricFre
 ///
 /// The intensity form of Fresnel's equations: with a^2 - b^2 = eta^2 - k^2 - sin^2 and a^2 + b^2 its modulus with 4 eta^2 k^2
 /// (K. D. Moeller, Optics, 1988). Index 0 + i reflects everything.
-pub fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
+#[inline(always)]
+pub fn conductor<R: Real>(cos_i: R, eta: R::Vec3, k: R::Vec3) -> R::Vec3 {
     let cos2 = cos_i * cos_i;
-    let sin2 = (1.0 - cos2).max(0.0);
-    let difference = eta * eta - k * k - Rgb::splat(sin2);
-    let modulus = (difference * difference + 4.0 * eta * eta * k * k).map(f32::sqrt);
-    let a = (0.5 * (modulus + difference)).map(|x| x.max(0.0).sqrt());
-    let (even, odd) = (modulus + Rgb::splat(cos2), 2.0 * cos_i * a);
-    let s = ratio(even - odd, even + odd);
-    let (even, odd) = (modulus * cos2 + Rgb::splat(sin2 * sin2), odd * sin2);
-    let p = s * ratio(even - odd, even + odd);
-    0.5 * (s + p)
+    let sin2 = (R::ONE - cos2).max(R::ZERO);
+    let channel = |eta: R, k: R| {
+        let (eta2, k2) = (eta * eta, k * k);
+        let difference = eta2 - k2 - sin2;
+        let modulus = difference.mul_add(difference, R::splat(4.0) * eta2 * k2).sqrt();
+        let a = (R::HALF * (modulus + difference)).max(R::ZERO).sqrt();
+        let odd = (cos_i + cos_i) * a;
+        let s = ratio(modulus + cos2, odd);
+        let p = s * ratio(modulus.mul_add(cos2, sin2 * sin2), odd * sin2);
+        R::HALF * (s + p)
+    };
+    R::Vec3::of(
+        channel(eta.x(), k.x()),
+        channel(eta.y(), k.y()),
+        channel(eta.z(), k.z()),
+    )
 }
 
-/// 0 / 0 happens at two limits only, index 0 head on and index 1 at grazing incidence: all is reflected there.
-fn ratio(numerator: Rgb, denominator: Rgb) -> Rgb {
-    Rgb::select(denominator.cmpgt(Rgb::ZERO), numerator / denominator, Rgb::ONE)
+/// The difference over the sum. 0 / 0 happens at two limits only, index 0 head on and index 1 at grazing incidence: all is reflected there.
+#[inline(always)]
+fn ratio<R: Real>(even: R, odd: R) -> R {
+    let sum = even + odd;
+    R::select(sum.is_more(R::ZERO), (even - odd) / sum, R::ONE)
 }
 
 /// The reflectance of a dielectric with the index `eta`, inner over outer, for diffuse light from outside: the integral of

@@ -20,8 +20,8 @@ use std::f32::consts::{FRAC_PI_8, PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::BsdfSample;
 use super::fresnel::{self, DielectricModel};
+use super::{BsdfSample, Model, ShadingTables, TransportMode};
 use crate::color::{Rgb, luminance};
 use crate::math::scaled_bessel_i0;
 
@@ -194,22 +194,36 @@ impl Hair {
         [Rgb::splat(reflected), crossed, crossed * again, rest]
     }
 
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    /// The share of the light that passes straight through to `wo`.
+    pub(super) fn transmittance(&self, wo: Vec3) -> Rgb {
+        if wo.z < 0.0 { Rgb::ONE } else { Rgb::ZERO }
+    }
+
+    /// The colour of many such fibres together (section 4.2 of the paper).
+    pub(super) fn albedo(&self) -> Rgb {
+        self.sigma_a
+            .map(|sigma_a| (-self.fiber.darkening * sigma_a.sqrt()).exp())
+    }
+}
+
+impl Model<f32> for Hair {
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: Vec3, wi: Vec3, _: TransportMode) -> (Rgb, f32) {
         if wo.z < 0.0 {
             return (Rgb::ZERO, 0.0);
         }
         value_and_density(&self.lobes(wo), wi)
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, _: &ShadingTables, wo: Vec3, u_lobe: f32, u: [f32; 2], _: TransportMode) -> (BsdfSample, bool) {
         if wo.z < 0.0 {
-            return Some(BsdfSample {
+            let straight = BsdfSample {
                 wi: -wo,
                 weight: Rgb::ONE,
                 pdf: 1.0,
                 is_delta: true,
                 eta: 1.0,
-            });
+            };
+            return (straight, true);
         }
         let lobes = self.lobes(wo);
         // The rest of the number within the chosen lobe's share is uniform again.
@@ -222,26 +236,16 @@ impl Hair {
             share = luminance(lobes[chosen].attenuation);
         }
         let u_azimuth = (left / share.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0 - f32::EPSILON);
-        let wi = lobes[chosen].sample(u_azimuth, u);
+        let wi = lobes[chosen].sample(u_azimuth, Vec2::from(u));
         let (value, pdf) = value_and_density(&lobes, wi);
-        (pdf > 0.0).then(|| BsdfSample {
+        let sample = BsdfSample {
             wi,
             weight: value / pdf,
             pdf,
             is_delta: false,
             eta: 1.0,
-        })
-    }
-
-    /// The share of the light that passes straight through to `wo`.
-    pub(super) fn transmittance(&self, wo: Vec3) -> Rgb {
-        if wo.z < 0.0 { Rgb::ONE } else { Rgb::ZERO }
-    }
-
-    /// The colour of many such fibres together (section 4.2 of the paper).
-    pub(super) fn albedo(&self) -> Rgb {
-        self.sigma_a
-            .map(|sigma_a| (-self.fiber.darkening * sigma_a.sqrt()).exp())
+        };
+        (sample, pdf > 0.0)
     }
 }
 

@@ -1,42 +1,76 @@
-//! The commonest models for sixteen surfaces at once: diffuse, smooth and rough (GGX) metal, glass.
+//! Models for sixteen surfaces at once: every lane has a model of its own with its own parameters.
 //!
-//! Every lane has a model of its own with its own parameters; all are evaluated, and each lane keeps its own. Contracts are those of
-//! [`super`], whose models the tests hold these to.
+//! Each model that some lane has is evaluated in all lanes, and each lane keeps its own. Contracts are those of [`super`].
 
-use std::f32::consts::{FRAC_1_PI, TAU};
+use super::{Bsdf, BsdfSample, DiffuseLobe, Model, ModelLanes, ShadingTables, TransportMode};
+use crate::math::LanesOf;
+use crate::math::lanes::{Lanes, Vec3Lanes, lanes_of};
 
-use super::fresnel::DielectricModel;
-use super::{Bsdf, ConductorSpecular, Microfacet, TransportMode};
-use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign, lanes_of};
-use crate::sampling::lanes::cosine_hemisphere;
-
-/// A model per lane.
+/// The parameters of one kind of model in the lanes that have it.
 #[derive(Clone, Debug)]
-pub(crate) struct BsdfLanes {
-    diffuse: u32,
-    conductor: u32,
-    rough: u32,
-    dielectric: u32,
-    /// Reflectance of a diffuse surface; eta of a metal; specular reflectance of glass.
-    reflectance_or_eta: Vec3Lanes,
-    /// The k of a metal; the specular transmittance of glass.
-    transmittance_or_k: Vec3Lanes,
-    /// The specular reflectance of a metal.
-    metal_reflectance: Vec3Lanes,
-    /// Roughness of a rough metal; index of glass.
-    alpha_or_index: Lanes,
+pub(super) struct Held<M> {
+    /// A bit per lane.
+    pub lanes: u32,
+    /// None until some lane has had one. Other lanes have parameters of earlier ones, which are harmless.
+    model: Option<M>,
 }
 
-/// A continuation per lane, as [`super::BsdfSample`].
+impl<M> Default for Held<M> {
+    fn default() -> Self {
+        Self { lanes: 0, model: None }
+    }
+}
+
+impl<M> Held<M> {
+    #[inline(always)]
+    pub fn set<One: Copy>(&mut self, lane: usize, one: One)
+    where
+        M: LanesOf<One>,
+    {
+        self.lanes |= 1 << lane;
+        match &mut self.model {
+            Some(model) => model.set_lane(lane, one),
+            None => self.model = Some(M::splat(one)),
+        }
+    }
+
+    /// The lanes that have the model, and their parameters; None if there are none.
+    #[inline(always)]
+    pub fn held(&self) -> Option<(Lanes, &M)> {
+        match self.lanes {
+            0 => None,
+            lanes => Some((lanes_of(lanes), self.model.as_ref()?)),
+        }
+    }
+}
+
+/// What is done with each kind of model that some lane has.
+pub(super) trait Visit {
+    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M);
+}
+
+/// A model per lane.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BsdfLanes {
+    models: ModelLanes,
+    smooth: u32,
+    guided: u32,
+    transmitting: u32,
+    choosing: u32,
+}
+
+/// A continuation per lane.
 #[derive(Clone, Copy, Debug)]
-pub struct BsdfSampleLanes {
-    /// The directions as [`super::BsdfSample::wi`].
+pub(crate) struct BsdfSampleLanes {
+    /// The directions as [`BsdfSample::wi`].
     pub wi: Vec3Lanes,
-    /// The weights as [`super::BsdfSample::weight`].
+    /// The weights as [`BsdfSample::weight`].
     pub weight: Vec3Lanes,
-    /// The densities as [`super::BsdfSample::pdf`].
+    /// The densities as [`BsdfSample::pdf`].
     pub pdf: Lanes,
-    /// The relative indices as [`super::BsdfSample::eta`].
+    /// Where [`BsdfSample::is_delta`] holds.
+    pub is_delta: Lanes,
+    /// The relative indices as [`BsdfSample::eta`].
     pub eta: Lanes,
     /// The lanes whose light is not absorbed.
     pub returned: Lanes,
@@ -45,264 +79,213 @@ pub struct BsdfSampleLanes {
 impl BsdfLanes {
     /// Lanes without a model.
     pub fn new() -> Self {
-        Self {
-            diffuse: 0,
-            conductor: 0,
-            rough: 0,
-            dielectric: 0,
-            reflectance_or_eta: Vec3Lanes::ZERO,
-            transmittance_or_k: Vec3Lanes::ZERO,
-            metal_reflectance: Vec3Lanes::ZERO,
-            alpha_or_index: Lanes::ONE,
-        }
+        Self::default()
     }
 
     /// Removes the models of all lanes.
     pub fn clear(&mut self) {
-        (self.diffuse, self.conductor, self.rough, self.dielectric) = (0, 0, 0, 0);
+        self.models.clear();
+        (self.smooth, self.guided, self.transmitting, self.choosing) = (0, 0, 0, 0);
     }
 
-    /// Whether [`Self::set`] knows the model.
+    /// Whether lanes can have the model. Paths that pass straight through one take their step alone.
     pub fn knows(bsdf: &Bsdf) -> bool {
-        match bsdf {
-            Bsdf::Diffuse(_) | Bsdf::Conductor(_) => true,
-            Bsdf::RoughConductor(rough) => {
-                rough.multiple_scattering.is_none()
-                    && rough.distribution.is_isotropic()
-                    && matches!(rough.distribution, Microfacet::Ggx(_))
-            }
-            Bsdf::Dielectric(dielectric) => dielectric.model == DielectricModel::Exact,
-            _ => false,
-        }
+        ModelLanes::knows(bsdf) && !bsdf.has_null_lobe()
     }
 
-    /// Gives lane `lane` a model that it [knows](Self::knows).
+    /// Makes this the model of a lane that has none. It must be [known](Self::knows).
     #[inline(always)]
     pub fn set(&mut self, lane: usize, bsdf: &Bsdf) {
-        let bit = 1 << lane;
-        match bsdf {
-            Bsdf::Diffuse(diffuse) => {
-                self.diffuse |= bit;
-                self.reflectance_or_eta.set(lane, diffuse.reflectance);
-            }
-            Bsdf::Conductor(conductor) => {
-                self.conductor |= bit;
-                self.set_metal(lane, &conductor.specular);
-            }
-            Bsdf::RoughConductor(rough) => {
-                self.rough |= bit;
-                self.set_metal(lane, &rough.specular);
-                self.alpha_or_index.as_mut_array()[lane] = rough.distribution.mean_alpha();
-            }
-            Bsdf::Dielectric(dielectric) => {
-                self.dielectric |= bit;
-                self.reflectance_or_eta.set(lane, dielectric.specular_reflectance);
-                self.transmittance_or_k.set(lane, dielectric.specular_transmittance);
-                self.alpha_or_index.as_mut_array()[lane] = dielectric.eta;
-            }
-            other => debug_assert!(false, "no model of lanes: {other:?}"),
-        }
-    }
-
-    fn set_metal(&mut self, lane: usize, specular: &ConductorSpecular) {
-        self.reflectance_or_eta.set(lane, specular.eta);
-        self.transmittance_or_k.set(lane, specular.k);
-        self.metal_reflectance.set(lane, specular.specular_reflectance);
+        self.models.set(lane, bsdf);
+        let bit = |condition: bool| u32::from(condition) << lane;
+        self.smooth |= bit(bsdf.has_smooth_lobe());
+        self.guided |= bit(bsdf.may_have_diffuse_lobe());
+        self.transmitting |= bit(bsdf.transmits());
+        self.choosing |= bit(bsdf.chooses_lobes());
     }
 
     /// The lanes with [`Bsdf::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
-        self.diffuse | self.rough
+        self.smooth
     }
 
-    /// The lanes whose directions are worth guiding.
+    /// The lanes with [`Bsdf::may_have_diffuse_lobe`], whose directions are worth guiding.
     pub fn guided(&self) -> u32 {
-        self.diffuse
+        self.guided
     }
 
     /// The lanes with [`Bsdf::transmits`], a bit each.
     pub fn transmitting(&self) -> u32 {
-        self.dielectric
+        self.transmitting
     }
 
-    /// Evaluates as [`Bsdf::eval_and_pdf`].
+    /// The lanes with [`Bsdf::chooses_lobes`], a bit each.
+    pub fn choosing(&self) -> u32 {
+        self.choosing
+    }
+
+    /// Evaluates as [`Bsdf::eval_and_pdf`], for paths that carry radiance.
     #[inline(always)]
-    pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
-        let above = wo.z.simd_gt(Lanes::ZERO) & wi.z.simd_gt(Lanes::ZERO);
-        let cosine = (wi.z * Lanes::splat(FRAC_1_PI)) & above & lanes_of(self.diffuse);
-        let (mut value, mut pdf) = (self.reflectance_or_eta * cosine, cosine);
-        if self.rough != 0 {
-            let m = (wo + wi).normalize();
-            let alpha = self.alpha_or_index;
-            let seen = density(alpha, m) * (Lanes::splat(0.5) / reach(alpha, wo));
-            let here = above & lanes_of(self.rough);
-            let masking = (wi.z + wi.z) / reach(alpha, wi);
-            value = Vec3Lanes::select(here, self.reflectance(wo.dot(m)) * (seen * masking), value);
-            pdf = here.select(seen, pdf);
-        }
-        (value, pdf)
+    pub fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
+        let mut evaluating = Evaluating {
+            tables,
+            wo,
+            wi,
+            value: Vec3Lanes::ZERO,
+            pdf: Lanes::ZERO,
+        };
+        self.models.each(&mut evaluating);
+        (evaluating.value, evaluating.pdf)
     }
 
     /// Samples as [`Bsdf::sample`].
     #[inline(always)]
-    pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2], mode: TransportMode) -> BsdfSampleLanes {
-        let zero = Lanes::ZERO;
-        let facing = wo.z.simd_gt(zero);
-        let mut sample = BsdfSampleLanes {
-            wi: Vec3Lanes::ZERO,
-            weight: self.reflectance_or_eta,
-            pdf: zero,
-            eta: Lanes::ONE,
-            returned: zero,
+    pub fn sample(
+        &self,
+        tables: &ShadingTables,
+        wo: Vec3Lanes,
+        u_lobe: Lanes,
+        u: [Lanes; 2],
+        mode: TransportMode,
+    ) -> BsdfSampleLanes {
+        let mut sampling = Sampling {
+            tables,
+            wo,
+            u_lobe,
+            u,
+            mode,
+            sample: BsdfSampleLanes::NONE,
         };
-        if self.diffuse != 0 {
-            sample.wi = cosine_hemisphere(u);
-            sample.pdf = sample.wi.z * Lanes::splat(FRAC_1_PI);
-            sample.returned = facing & sample.wi.z.simd_gt(zero) & lanes_of(self.diffuse);
-        }
-        if self.rough != 0 {
-            sample.choose(lanes_of(self.rough), self.sample_rough(wo, u));
-        }
-        if self.conductor != 0 {
-            let mirrored = BsdfSampleLanes {
-                wi: Vec3Lanes::of(-wo.x, -wo.y, wo.z),
-                weight: self.reflectance(wo.z),
-                pdf: Lanes::ONE,
-                eta: Lanes::ONE,
-                returned: facing,
-            };
-            sample.choose(lanes_of(self.conductor), mirrored);
-        }
-        if self.dielectric != 0 {
-            sample.choose(lanes_of(self.dielectric), self.sample_dielectric(wo, u_lobe, mode));
-        }
-        sample
+        self.models.each(&mut sampling);
+        sampling.sample
     }
 
-    /// Samples as [`super::Ggx::sample_visible`], and reflects.
-    #[inline(always)]
-    fn sample_rough(&self, wo: Vec3Lanes, [u, v]: [Lanes; 2]) -> BsdfSampleLanes {
-        let (zero, one) = (Lanes::ZERO, Lanes::ONE);
-        let alpha = self.alpha_or_index;
-        let stretch = |v: Vec3Lanes| Vec3Lanes::of(alpha * v.x, alpha * v.y, v.z);
-        let view = stretch(wo).normalize();
-        let z = v.mul_neg_add(one + view.z, one);
-        let radius = z.mul_neg_add(z, one).fast_max(zero).sqrt();
-        let (sin, cos) = (Lanes::splat(TAU) * u).sin_cos();
-        let half = stretch(Vec3Lanes::of(
-            radius.mul_add(cos, view.x),
-            radius.mul_add(sin, view.y),
-            (z + view.z).fast_max(zero),
-        ));
-        let length_squared = half.length_squared();
-        let m = Vec3Lanes::select(
-            length_squared.simd_gt(zero),
-            half * (one / length_squared.sqrt()),
-            Vec3Lanes::of(zero, zero, one),
-        );
-        let cos = wo.dot(m);
-        let wi = (-wo).plus_scaled(cos + cos, m);
-        let pdf = density(alpha, m) * (Lanes::splat(0.5) / reach(alpha, wo));
-        let masking = (wi.z + wi.z) / reach(alpha, wi);
-        BsdfSampleLanes {
-            wi,
-            weight: self.reflectance(cos) * masking,
-            pdf,
-            eta: one,
-            returned: wo.z.simd_gt(zero) & wi.z.simd_gt(zero) & cos.simd_gt(zero) & pdf.simd_gt(zero),
-        }
-    }
-
-    /// Samples as [`super::Dielectric`].
-    #[inline(always)]
-    fn sample_dielectric(&self, wo: Vec3Lanes, u_lobe: Lanes, mode: TransportMode) -> BsdfSampleLanes {
-        let (zero, one) = (Lanes::ZERO, Lanes::ONE);
-        let eta = self.alpha_or_index;
-        let outside = wo.z.simd_ge(zero);
-        let inverse = one / eta;
-        let (eta_it, eta_ti) = (outside.select(eta, inverse), outside.select(inverse, eta));
-        let cos_i = wo.z.abs();
-        let sin2_i = cos_i.mul_neg_add(cos_i, one).fast_max(zero);
-        let cos2_t = (eta_ti * eta_ti).mul_neg_add(sin2_i, one);
-        let cos_t = cos2_t.fast_max(zero).sqrt();
-        let s = (cos_i - eta_it * cos_t) / (cos_i + eta_it * cos_t);
-        let p = (eta_it * cos_i - cos_t) / (eta_it * cos_i + cos_t);
-        let fresnel = Lanes::splat(0.5) * s.mul_add(s, p * p);
-        let total = cos2_t.simd_le(zero) | cos_i.simd_eq(zero);
-        let reflectance = total.select(one, fresnel) & eta.simd_ne(one);
-        let reflected = u_lobe.simd_lt(reflectance);
-        let mirrored = Vec3Lanes::of(-wo.x, -wo.y, wo.z);
-        let refracted = Vec3Lanes::of(-eta_ti * wo.x, -eta_ti * wo.y, copy_sign(cos_t, -wo.z));
-        BsdfSampleLanes {
-            wi: Vec3Lanes::select(reflected, mirrored, refracted),
-            weight: Vec3Lanes::select(
-                reflected,
-                self.reflectance_or_eta,
-                self.transmittance_or_k * mode.refraction_factor(eta_ti),
-            ),
-            pdf: reflected.select(reflectance, one - reflectance),
-            eta: reflected.select(one, eta_it),
-            returned: wo.z.simd_ne(zero),
-        }
-    }
-
-    /// The reflectance as [`ConductorSpecular::reflectance`].
-    #[inline(always)]
-    fn reflectance(&self, cos: Lanes) -> Vec3Lanes {
-        let zero = Lanes::ZERO;
-        let cos2 = cos * cos;
-        let sin2 = (Lanes::ONE - cos2).fast_max(zero);
-        let channel = |eta: Lanes, k: Lanes| {
-            let ratio = |even: Lanes, odd: Lanes| {
-                let sum = even + odd;
-                sum.simd_gt(zero).select((even - odd) / sum, Lanes::ONE)
-            };
-            let (eta2, k2) = (eta * eta, k * k);
-            let difference = eta2 - k2 - sin2;
-            let modulus = difference.mul_add(difference, Lanes::splat(4.0) * eta2 * k2).sqrt();
-            let a = (Lanes::splat(0.5) * (modulus + difference)).fast_max(zero).sqrt();
-            let odd = (cos + cos) * a;
-            let s = ratio(modulus + cos2, odd);
-            let p = s * ratio(modulus.mul_add(cos2, sin2 * sin2), odd * sin2);
-            Lanes::splat(0.5) * (s + p)
+    /// The lobes of [`Bsdf::diffuse_lobe`].
+    #[inline(never)]
+    pub fn diffuse_lobes(&self, tables: &ShadingTables, wo: Vec3Lanes) -> DiffuseLobe<Lanes> {
+        let mut seeking = SeekingLobes {
+            tables,
+            wo,
+            lobe: DiffuseLobe::NONE,
         };
-        let (eta, k) = (self.reflectance_or_eta, self.transmittance_or_k);
-        self.metal_reflectance * Vec3Lanes::of(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
+        self.models.each(&mut seeking);
+        seeking.lobe
     }
 }
 
-impl Default for BsdfLanes {
-    fn default() -> Self {
-        Self::new()
+struct Evaluating<'a> {
+    tables: &'a ShadingTables,
+    wo: Vec3Lanes,
+    wi: Vec3Lanes,
+    value: Vec3Lanes,
+    pdf: Lanes,
+}
+
+impl Evaluating<'_> {
+    #[inline(always)]
+    fn evaluate<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        let (value, pdf) = model.eval_and_pdf(self.tables, self.wo, self.wi, TransportMode::Radiance);
+        self.value = Vec3Lanes::select(lanes, value, self.value);
+        self.pdf = lanes.select(pdf, self.pdf);
+    }
+
+    #[inline(never)]
+    fn evaluate_apart<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        self.evaluate(lanes, model);
+    }
+}
+
+impl Visit for Evaluating<'_> {
+    #[inline(always)]
+    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        match M::IS_SHORT {
+            true => self.evaluate(lanes, model),
+            false => self.evaluate_apart(lanes, model),
+        }
+    }
+}
+
+struct Sampling<'a> {
+    tables: &'a ShadingTables,
+    wo: Vec3Lanes,
+    u_lobe: Lanes,
+    u: [Lanes; 2],
+    mode: TransportMode,
+    sample: BsdfSampleLanes,
+}
+
+impl Sampling<'_> {
+    #[inline(always)]
+    fn draw<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        let (sample, returned) = model.sample(self.tables, self.wo, self.u_lobe, self.u, self.mode);
+        let BsdfSample {
+            wi,
+            weight,
+            pdf,
+            is_delta,
+            eta,
+        } = sample;
+        let sample = BsdfSampleLanes {
+            wi,
+            weight,
+            pdf,
+            is_delta,
+            eta,
+            returned,
+        };
+        self.sample.choose(lanes, sample);
+    }
+
+    #[inline(never)]
+    fn draw_apart<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        self.draw(lanes, model);
+    }
+}
+
+impl Visit for Sampling<'_> {
+    #[inline(always)]
+    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        match M::IS_SHORT {
+            true => self.draw(lanes, model),
+            false => self.draw_apart(lanes, model),
+        }
+    }
+}
+
+struct SeekingLobes<'a> {
+    tables: &'a ShadingTables,
+    wo: Vec3Lanes,
+    lobe: DiffuseLobe<Lanes>,
+}
+
+impl Visit for SeekingLobes<'_> {
+    #[inline(never)]
+    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M) {
+        self.lobe = model.diffuse_lobe(self.tables, self.wo).or(lanes, self.lobe);
     }
 }
 
 impl BsdfSampleLanes {
+    /// No continuation.
+    const NONE: Self = Self {
+        wi: Vec3Lanes::ZERO,
+        weight: Vec3Lanes::ZERO,
+        pdf: Lanes::ONE,
+        is_delta: Lanes::ZERO,
+        eta: Lanes::ONE,
+        returned: Lanes::ZERO,
+    };
+
     /// The sample of `other` where `condition` holds.
     #[inline(always)]
-    pub(crate) fn choose(&mut self, condition: Lanes, other: Self) {
+    pub fn choose(&mut self, condition: Lanes, other: Self) {
         self.wi = Vec3Lanes::select(condition, other.wi, self.wi);
         self.weight = Vec3Lanes::select(condition, other.weight, self.weight);
         self.pdf = condition.select(other.pdf, self.pdf);
+        self.is_delta = condition.select(other.is_delta, self.is_delta);
         self.eta = condition.select(other.eta, self.eta);
-        self.returned |= other.returned & condition;
+        self.returned = condition.select(other.returned, self.returned);
     }
-}
-
-/// The density as [`super::Ggx::density`], equally rough along both tangents.
-#[inline(always)]
-fn density(alpha: Lanes, m: Vec3Lanes) -> Lanes {
-    let alpha2 = alpha * alpha;
-    let across = m.x.mul_add(m.x, m.y * m.y) / alpha2;
-    let stretched = m.z.mul_add(m.z, across);
-    Lanes::splat(FRAC_1_PI) / (alpha2 * stretched * stretched)
-}
-
-/// The divisor of masking in [`super::Ggx`].
-#[inline(always)]
-fn reach(alpha: Lanes, v: Vec3Lanes) -> Lanes {
-    let (x, y) = (alpha * v.x, alpha * v.y);
-    v.z.abs() + x.mul_add(x, y.mul_add(y, v.z * v.z)).sqrt()
 }
 
 #[cfg(test)]
@@ -310,137 +293,305 @@ mod tests {
     use glam::{Vec2, Vec3};
 
     use super::*;
+    use crate::color::Rgb;
     use crate::math::lanes::LANES;
-    use crate::shading::{Conductor, Dielectric, Diffuse, Ggx, Metal, RoughConductor, ShadingTables};
+    use crate::shading::*;
 
-    fn number(k: u32, factor: f32) -> f32 {
-        (k as f32 * factor).fract()
+    /// Numbers in [0, 1) that look random.
+    struct Numbers(u32);
+
+    impl Numbers {
+        fn next(&mut self) -> f32 {
+            self.0 += 1;
+            let [word, ..] = crate::sampling::hash::pcg4d([self.0, 1, 2, 3]);
+            (word >> 8) as f32 / (1 << 24) as f32
+        }
+
+        fn color(&mut self) -> Rgb {
+            Rgb::new(self.next(), self.next(), self.next())
+        }
+
+        /// Often an end of the range.
+        fn share(&mut self) -> f32 {
+            (1.5 * self.next() - 0.25).clamp(0.0, 1.0)
+        }
+
+        /// Often near the horizon, or straight up.
+        fn direction(&mut self) -> Vec3 {
+            let part = |x: f32| 2.0 * x - 1.0;
+            let v = Vec3::new(part(self.next()), part(self.next()), part(self.next()));
+            match self.0 % 7 {
+                0 => Vec3::new(v.x, v.y, 1e-3 * v.z).normalize(),
+                1 => Vec3::new(1e-4 * v.x, 1e-4 * v.y, v.z).normalize(),
+                _ => v.normalize(),
+            }
+        }
+
+        fn specular(&mut self) -> ConductorSpecular {
+            ConductorSpecular {
+                // With a k of nearly zero the reflectance would be a difference of large numbers.
+                eta: 2.0 * self.color() + Vec3::splat(0.05),
+                k: 4.0 * self.color() + Vec3::splat(0.5),
+                specular_reflectance: self.color(),
+            }
+        }
+
+        fn facets(&mut self) -> Microfacet {
+            let kind = [MicrofacetKind::Ggx, MicrofacetKind::Beckmann][(self.0 / 3 % 2) as usize];
+            Microfacet::new(kind, 0.03 + self.next(), 0.03 + self.next())
+        }
+
+        fn base(&mut self) -> CoatedBase {
+            CoatedBase {
+                diffuse_reflectance: self.color(),
+                nonlinear: self.next() < 0.5,
+                specular_reflectance: self.color(),
+            }
+        }
+
+        fn eta(&mut self) -> f32 {
+            [1.5, 1.33, 0.7, 2.4][(self.next() * 4.0) as usize]
+        }
     }
 
-    fn model(k: u32) -> Bsdf {
-        let color = |shift: f32| {
-            Vec3::new(
-                number(k, 0.618_034 + shift),
-                number(k, 0.414_214 + shift),
-                number(k, 0.732_051 + shift),
-            )
-        };
-        let specular = ConductorSpecular {
-            // With a k of nearly zero the reflectance would be a difference of large numbers.
-            eta: 2.0 * color(0.1) + Vec3::splat(0.05),
-            k: 4.0 * color(0.2) + Vec3::splat(0.5),
-            specular_reflectance: color(0.3),
-        };
-        match k % 4 {
+    const MODELS: usize = 10;
+
+    /// A model of each kind in turn.
+    fn model(kind: usize, tables: &Tables, numbers: &mut Numbers) -> Bsdf {
+        match kind {
             0 => Bsdf::Diffuse(Diffuse {
-                reflectance: color(0.0),
+                reflectance: numbers.color(),
             }),
-            1 => Bsdf::Conductor(Conductor { specular }),
+            1 => Bsdf::Conductor(Conductor {
+                specular: numbers.specular(),
+            }),
             2 => {
-                let alpha = 0.02 + number(k, 0.236_068);
+                let (specular, distribution) = (numbers.specular(), numbers.facets());
+                let is_compensated = numbers.next() < 0.5;
                 Bsdf::RoughConductor(RoughConductor {
                     specular,
-                    distribution: Microfacet::Ggx(Ggx::new(alpha, alpha)),
-                    multiple_scattering: None,
+                    distribution,
+                    multiple_scattering: match is_compensated {
+                        true => Compensation::new(tables.microalbedo, &distribution, &specular),
+                        false => Compensation::NONE,
+                    },
                 })
             }
-            _ => Bsdf::Dielectric(Dielectric {
-                eta: [1.5, 1.0, 0.7][(k / 4 % 3) as usize],
+            3 => Bsdf::Dielectric(Dielectric {
+                eta: numbers.eta(),
                 model: DielectricModel::Exact,
-                specular_reflectance: color(0.1),
-                specular_transmittance: color(0.2),
+                specular_reflectance: numbers.color(),
+                specular_transmittance: numbers.color(),
+            }),
+            4 => Bsdf::Metal(Metal {
+                color: numbers.color(),
+                fuzz: numbers.share(),
+            }),
+            5 => Bsdf::Principled(Principled {
+                base_color: numbers.color(),
+                roughness: 0.1 + 0.9 * numbers.next(),
+                anisotropic: numbers.share(),
+                metallic: numbers.share(),
+                spec_trans: numbers.share(),
+                eta: numbers.eta(),
+                spec_tint: numbers.share(),
+                sheen: numbers.share(),
+                sheen_tint: numbers.share(),
+                flatness: numbers.share(),
+                clearcoat: numbers.share(),
+                clearcoat_gloss: numbers.share(),
+                rates: SamplingRates::default(),
+            }),
+            6 => Bsdf::PrincipledThin(PrincipledThin {
+                base_color: numbers.color(),
+                roughness: 0.1 + 0.9 * numbers.next(),
+                anisotropic: numbers.share(),
+                spec_trans: numbers.share(),
+                diff_trans: 2.0 * numbers.share(),
+                eta: 1.1 + numbers.next(),
+                spec_tint: numbers.share(),
+                sheen: numbers.share(),
+                sheen_tint: numbers.share(),
+                flatness: numbers.share(),
+                rates: ThinSamplingRates::default(),
+            }),
+            7 => Bsdf::RoughDielectric(RoughDielectric {
+                eta: numbers.eta(),
+                model: DielectricModel::Exact,
+                distribution: numbers.facets(),
+                specular_reflectance: numbers.color(),
+                specular_transmittance: numbers.color(),
+            }),
+            8 => Bsdf::Plastic(Plastic {
+                coat: SmoothCoat::new(1.1 + numbers.next()),
+                base: numbers.base(),
+            }),
+            _ => Bsdf::RoughPlastic(RoughPlastic {
+                coat: tables.coats[(numbers.next() * 2.0) as usize],
+                alpha: 0.05 + 0.9 * numbers.next(),
+                base: numbers.base(),
             }),
         }
     }
 
-    fn direction(k: u32) -> Vec3 {
-        let part = |factor: f32| number(k, factor) * 2.0 - 1.0;
-        Vec3::new(part(0.754_878), part(0.569_84), part(0.311_7)).normalize()
+    struct Tables {
+        tables: ShadingTables,
+        microalbedo: MicroalbedoId,
+        coats: [CoatId; 2],
+    }
+
+    fn tables() -> Tables {
+        let mut tables = ShadingTables::default();
+        Tables {
+            microalbedo: tables.microalbedo_of(MicrofacetKind::Ggx),
+            coats: [
+                tables.varying_coat(MicrofacetKind::Beckmann, 1.5),
+                tables.varying_coat(MicrofacetKind::Ggx, 1.3),
+            ],
+            tables,
+        }
     }
 
     /// Relative to the larger one.
     fn is_near(a: Vec3, b: Vec3) -> bool {
-        a.abs_diff_eq(b, 2e-4 * a.abs().max(b.abs()).max_element().max(1e-3))
+        a.abs_diff_eq(b, 1e-3 * a.abs().max(b.abs()).max_element().max(1e-3))
     }
 
-    #[test]
-    fn models_are_those_of_one() {
-        let tables = ShadingTables::default();
-        let (mut returned, mut transmitted) = (0, 0);
-        for start in (0..20_000).step_by(LANES) {
-            let models: [Bsdf; LANES] = std::array::from_fn(|lane| model(start + lane as u32));
-            let mut lanes = BsdfLanes::new();
-            let (mut wo, mut wi) = (Vec3Lanes::ZERO, Vec3Lanes::ZERO);
-            let mut u = [[0.0; LANES]; 3];
-            for (lane, bsdf) in models.iter().enumerate() {
-                let k = start + lane as u32;
-                assert!(BsdfLanes::knows(bsdf));
-                lanes.set(lane, bsdf);
-                wo.set(lane, direction(3 * k));
-                wi.set(lane, direction(5 * k + 1));
-                (u[0][lane], u[1][lane], u[2][lane]) = (number(k, 0.29), number(k, 0.47), number(k, 0.83));
-            }
-            let (value, pdf) = lanes.eval_and_pdf(wo, wi);
-            let batch = start as usize / LANES;
-            let mode = [TransportMode::Radiance, TransportMode::Importance][batch % 2];
-            let sample = lanes.sample(wo, u[0].into(), [u[1].into(), u[2].into()], mode);
-            for (lane, bsdf) in models.iter().enumerate() {
-                assert_eq!(lanes.smooth() >> lane & 1 == 1, bsdf.has_smooth_lobe());
-                assert_eq!(lanes.transmitting() >> lane & 1 == 1, bsdf.transmits());
-                let (wo, wi) = (wo.get(lane), wi.get(lane));
-                let expected = bsdf.eval_and_pdf(&tables, wo, wi, mode);
-                assert!(
-                    is_near(value.get(lane), expected.0),
-                    "{bsdf:?} {} {expected:?}",
-                    value.get(lane)
-                );
-                assert!(is_near(Vec3::splat(pdf.as_array()[lane]), Vec3::splat(expected.1)));
-                let expected = bsdf.sample(&tables, wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]), mode);
-                assert_eq!(
-                    sample.returned.to_bitmask() >> lane & 1 == 1,
-                    expected.is_some(),
-                    "{bsdf:?}"
-                );
-                let Some(expected) = expected else {
-                    continue;
-                };
-                returned += 1;
-                transmitted += u32::from(expected.eta != 1.0);
-                assert!(is_near(sample.wi.get(lane), expected.wi));
-                assert!(
-                    is_near(sample.weight.get(lane), expected.weight),
-                    "{bsdf:?} {wo} {} {expected:?}",
-                    sample.weight.get(lane)
-                );
-                let pdf = sample.pdf.as_array()[lane];
-                // A cosine near the horizon is the root of a difference that rounding decides.
-                let rim = if expected.wi.z.abs() < 0.05 { 2e-4 } else { 0.0 };
-                assert!(
-                    (pdf - expected.pdf).abs() <= 2e-4 * expected.pdf.max(1e-3) + rim,
-                    "{bsdf:?} {wo} {pdf} {expected:?}"
-                );
-                assert!((sample.eta.as_array()[lane] - expected.eta).abs() < 1e-6);
+    /// Counts comparisons. Few may differ: where rounding decides what is chosen, and where a small number is left of two large ones.
+    #[derive(Default)]
+    struct Comparisons {
+        equal: u32,
+        different: u32,
+        example: String,
+    }
+
+    impl Comparisons {
+        fn note(&mut self, is_equal: bool, example: impl FnOnce() -> String) {
+            match is_equal {
+                true => self.equal += 1,
+                false => {
+                    self.different += 1;
+                    if self.different < 4 {
+                        self.example += &example();
+                    }
+                }
             }
         }
-        assert!(returned > 8000 && transmitted > 1000, "{returned} {transmitted}");
+
+        fn check(&self, least: u32) {
+            let Self {
+                equal,
+                different,
+                example,
+            } = self;
+            assert!(*equal >= least, "only {equal} were compared");
+            assert!(
+                1000 * different <= equal + different,
+                "{different} of {equal} differ, such as {example}"
+            );
+        }
+    }
+
+    /// 100,000 values, and as many samples, of every model, alone in all lanes and mixed with others.
+    #[test]
+    fn models_are_those_of_one() {
+        let tables = tables();
+        let mut numbers = Numbers(0);
+        for mixed in 0..=MODELS {
+            let (mut values, mut samples, mut directions) = <(Comparisons, Comparisons, Comparisons)>::default();
+            for batch in 0..100_000 / LANES {
+                let kind = |lane: usize| {
+                    if mixed == MODELS {
+                        (batch + lane) % MODELS
+                    } else {
+                        mixed
+                    }
+                };
+                let models: [Bsdf; LANES] = std::array::from_fn(|lane| model(kind(lane), &tables, &mut numbers));
+                let mut lanes = BsdfLanes::new();
+                let (mut wo, mut wi) = (Vec3Lanes::ZERO, Vec3Lanes::ZERO);
+                let mut u = [[0.0; LANES]; 3];
+                for (lane, bsdf) in models.iter().enumerate() {
+                    assert!(BsdfLanes::knows(bsdf));
+                    lanes.set(lane, bsdf);
+                    wo.set(lane, numbers.direction());
+                    wi.set(lane, numbers.direction());
+                    u.iter_mut().for_each(|u| u[lane] = numbers.next());
+                }
+                let (value, pdf) = lanes.eval_and_pdf(&tables.tables, wo, wi);
+                let mode = [TransportMode::Radiance, TransportMode::Importance][batch % 2];
+                let sample = lanes.sample(&tables.tables, wo, u[0].into(), [u[1].into(), u[2].into()], mode);
+                let lobes = lanes.diffuse_lobes(&tables.tables, wo);
+                for (lane, bsdf) in models.iter().enumerate() {
+                    let (wo, wi) = (wo.get(lane), wi.get(lane));
+                    let expected = bsdf.eval_and_pdf(&tables.tables, wo, wi, TransportMode::Radiance);
+                    let found = (value.get(lane), pdf.as_array()[lane]);
+                    let is_equal =
+                        is_near(found.0, expected.0) && is_near(Vec3::splat(found.1), Vec3::splat(expected.1));
+                    values.note(is_equal, || format!("{bsdf:?} {wo} {wi}: {found:?} {expected:?}"));
+                    let lobe = bsdf.diffuse_lobe(&tables.tables, wo);
+                    assert!(
+                        (lobes.start.as_array()[lane] - lobe.start).abs() < 1e-4,
+                        "{bsdf:?} {wo} {lobe:?}"
+                    );
+                    assert!(
+                        (lobes.share.as_array()[lane] - lobe.share).abs() < 1e-4,
+                        "{bsdf:?} {wo} {lobe:?}"
+                    );
+
+                    let expected = bsdf.sample(&tables.tables, wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]), mode);
+                    let is_returned = sample.returned.to_bitmask() >> lane & 1 == 1;
+                    samples.note(is_returned == expected.is_some(), || {
+                        format!("{bsdf:?} {wo} {expected:?}")
+                    });
+                    let Some(expected) = expected.filter(|_| is_returned) else {
+                        continue;
+                    };
+                    let pdf = sample.pdf.as_array()[lane];
+                    let is_equal = sample.wi.get(lane).abs_diff_eq(expected.wi, 1e-3)
+                        && is_near(sample.weight.get(lane), expected.weight)
+                        && (pdf - expected.pdf).abs() <= 0.01 * expected.pdf.max(1e-3)
+                        && (sample.is_delta.to_bitmask() >> lane & 1 == 1) == expected.is_delta
+                        && (sample.eta.as_array()[lane] - expected.eta).abs() < 1e-6;
+                    directions.note(is_equal, || {
+                        format!("{bsdf:?} {wo} {} {pdf} {expected:?}", sample.wi.get(lane))
+                    });
+                }
+            }
+            println!(
+                "{mixed}: {} {} {}",
+                values.different, samples.different, directions.different
+            );
+            values.check(99_000);
+            samples.check(99_000);
+            directions.check(20_000);
+        }
     }
 
     #[test]
-    fn other_models_are_not_known() {
-        let metal = Bsdf::Metal(Metal {
-            color: Vec3::ONE,
-            fuzz: 0.1,
+    fn lanes_know_what_their_models_do() {
+        let tables = tables();
+        let mut numbers = Numbers(7);
+        for kind in 0..MODELS {
+            let mut lanes = BsdfLanes::new();
+            let bsdf = model(kind, &tables, &mut numbers);
+            lanes.set(3, &bsdf);
+            let bit = |condition: bool| u32::from(condition) << 3;
+            assert_eq!(lanes.smooth(), bit(bsdf.has_smooth_lobe()));
+            assert_eq!(lanes.guided(), bit(bsdf.may_have_diffuse_lobe()));
+            assert_eq!(lanes.transmitting(), bit(bsdf.transmits()));
+            lanes.clear();
+            assert_eq!(
+                lanes.smooth() | lanes.guided() | lanes.transmitting() | lanes.choosing(),
+                0
+            );
+        }
+        let pane = Bsdf::ThinDielectric(ThinDielectric {
+            eta: 1.5,
+            model: DielectricModel::Exact,
+            specular_reflectance: Rgb::ONE,
+            specular_transmittance: Rgb::ONE,
         });
-        assert!(!BsdfLanes::knows(&metal));
-        let stretched = Bsdf::RoughConductor(RoughConductor {
-            specular: ConductorSpecular {
-                eta: Vec3::ZERO,
-                k: Vec3::ONE,
-                specular_reflectance: Vec3::ONE,
-            },
-            distribution: Microfacet::Ggx(Ggx::new(0.1, 0.2)),
-            multiple_scattering: None,
-        });
-        assert!(!BsdfLanes::knows(&stretched));
+        assert!(!BsdfLanes::knows(&pane), "light passes straight through");
     }
 }

@@ -10,75 +10,80 @@
 //!
 //!   p(w) = ((c + s)^3 - (c - s)^3) / (4 pi f^3) = s (3 c^2 + s^2) / (2 pi f^3),   where c > 0 and sin < f.
 
-use super::{BsdfSample, mirrored};
-use crate::{color::Rgb, sampling::warp};
-use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
+
+use super::{BsdfSample, Model, ShadingTables, TransportMode};
+use crate::math::{Real, Vector, real_struct};
+use crate::sampling::warp;
 
 /// The least fuzz. Below it the density's `f^2 - sin^2` has too few digits left, and no picture shows the difference to a mirror.
 const LEAST_FUZZ: f32 = 1e-4;
 
-/// A coloured mirror with a blur.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Metal {
-    /// The reflected fraction of the power where nothing is absorbed, [0, 1].
-    pub color: Rgb,
-    /// The radius of the ball, [0, 1]; 0 is a mirror. Values outside are clamped.
-    pub fuzz: f32,
+real_struct! {
+    /// A coloured mirror with a blur.
+    pub struct Metal<R> {
+        /// The reflected fraction of the power where nothing is absorbed, [0, 1].
+        pub color: R::Vec3,
+        /// The radius of the ball, [0, 1]; 0 is a mirror. Values outside are clamped.
+        pub fuzz: R,
+    }
 }
 
-impl Metal {
+impl<R: Real> Metal<R> {
     /// Whether it is a mirror, without a density.
-    pub(super) fn is_delta(&self) -> bool {
-        self.fuzz < LEAST_FUZZ
+    #[inline(always)]
+    pub(super) fn is_delta(&self) -> R::Mask {
+        self.fuzz.is_less(R::splat(LEAST_FUZZ))
     }
 
-    fn radius(&self) -> f32 {
-        self.fuzz.min(1.0)
+    #[inline(always)]
+    fn radius(&self) -> R {
+        self.fuzz.min(R::ONE)
     }
 
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    #[inline(always)]
+    fn pdf(&self, wo: R::Vec3, wi: R::Vec3) -> R {
+        let (center, fuzz) = (wo.mirrored(), self.radius());
+        let cos = center.dot(wi);
+        // The cross product keeps the sine's digits for nearly equal directions.
+        let half_chord_squared = fuzz * fuzz - center.cross(wi).length_squared();
+        let pdf = half_chord_squared.sqrt() * (R::splat(3.0) * cos * cos + half_chord_squared)
+            / (R::splat(TAU) * fuzz * fuzz * fuzz);
+        let zero = R::ZERO;
+        let is_there = wo.z().is_more(zero) & wi.z().is_more(zero) & cos.is_more(zero);
+        pdf.only(is_there & half_chord_squared.is_more(zero) & !self.is_delta())
+    }
+}
+
+impl<R: Real> Model<R> for Metal<R> {
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: R::Vec3, wi: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
         let pdf = self.pdf(wo, wi);
         (self.color * pdf, pdf)
     }
 
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if self.is_delta() || wo.z <= 0.0 || wi.z <= 0.0 {
-            return 0.0;
-        }
-        let (center, fuzz) = (mirrored(wo), self.radius());
-        let cos = center.dot(wi);
-        // The cross product keeps the sine's digits for nearly equal directions.
-        let half_chord_squared = fuzz * fuzz - center.cross(wi).length_squared();
-        if cos <= 0.0 || half_chord_squared <= 0.0 {
-            return 0.0;
-        }
-        half_chord_squared.sqrt() * (3.0 * cos * cos + half_chord_squared) / (TAU * fuzz * fuzz * fuzz)
-    }
-
-    pub(super) fn sample(&self, wo: Vec3, u_radius: f32, u: Vec2) -> Option<BsdfSample> {
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let center = mirrored(wo);
-        if self.is_delta() {
-            return Some(BsdfSample {
-                wi: center,
-                weight: self.color,
-                pdf: 1.0,
-                is_delta: true,
-                eta: 1.0,
-            });
-        }
-        let wi = (center + self.radius() * warp::unit_ball(u, u_radius)).try_normalize()?;
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_radius: R,
+        u: [R; 2],
+        _: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
+        let (center, is_delta) = (wo.mirrored(), self.is_delta());
+        let sum = center + warp::unit_ball(u, u_radius) * self.radius();
+        let length_squared = sum.length_squared();
+        let fuzzy = sum * (R::ONE / length_squared.sqrt());
         // The density is zero below the surface (absorbed), and where rounding has put the direction on the rim of the lobe.
-        let pdf = self.pdf(wo, wi);
-        (pdf > 0.0).then_some(BsdfSample {
-            wi,
+        let pdf = self.pdf(wo, fuzzy).only(length_squared.is_more(R::ZERO));
+        let sample = BsdfSample {
+            wi: R::Vec3::select(is_delta, center, fuzzy),
             weight: self.color,
-            pdf,
-            is_delta: false,
-            eta: 1.0,
-        })
+            pdf: R::select(is_delta, R::ONE, pdf),
+            is_delta,
+            eta: R::ONE,
+        };
+        (sample, wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)))
     }
 }

@@ -1,14 +1,19 @@
 //! Tables of the albedo of a rough surface of perfect mirrors in one bounce.
 
-use super::{Microfacet, MicrofacetKind};
-use crate::math::gauss_legendre;
-use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
+
+use glam::Vec3;
+
+use super::{Microfacet, MicrofacetKind};
+use crate::math::{Real, Word, gauss_legendre};
 
 /// Nodes over the root of alpha in [0, 1], and over the root of the cosine: the albedo is steep where both are small.
 const ALPHAS: usize = 24;
 const COSINES: usize = 32;
-const NODES: u32 = 32;
+const QUADRATURE: u32 = 32;
+
+/// The nodes of a table.
+pub(super) const NODES: usize = ALPHAS * COSINES;
 
 /// The single-scattering albedo of isotropic white microfacets, by roughness up to 1 and cosine.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +33,7 @@ pub(super) fn of(kind: MicrofacetKind) -> &'static Microalbedo {
 
 impl Microalbedo {
     fn new(kind: MicrofacetKind) -> Self {
-        let nodes = gauss_legendre(NODES);
+        let nodes = gauss_legendre(QUADRATURE);
         let node = |i: usize, count: usize| (i as f32 / (count - 1) as f32).powi(2);
         Self {
             albedos: std::array::from_fn(|row| {
@@ -39,17 +44,28 @@ impl Microalbedo {
         }
     }
 
-    /// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between nodes.
-    pub fn albedo(&self, row: f32, cos: f32) -> f32 {
-        let split = |x: f32, count: usize| {
-            let i = (x as usize).min(count - 2);
-            (i, x - i as f32)
-        };
-        let ((i, u), (j, v)) = (split(row, ALPHAS), split(place(cos, COSINES), COSINES));
-        let in_row = |row: &[f32; COSINES]| row[j] + v * (row[j + 1] - row[j]);
-        let (low, high) = (in_row(&self.albedos[i]), in_row(&self.albedos[i + 1]));
-        low + u * (high - low)
+    /// The number at a place of the table, whose rows lie one after the other.
+    pub fn node(&self, place: usize) -> f32 {
+        self.albedos[place / COSINES][place % COSINES]
     }
+}
+
+/// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between the nodes that `node` gives as [`Microalbedo::node`].
+#[inline(always)]
+pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R {
+    let (i, u) = split(row, ALPHAS);
+    let (j, v) = split(place(cos, COSINES), COSINES);
+    let first = i * R::Word::splat(COSINES as u32) + j;
+    let at = |offset: usize| node(first + R::Word::splat(offset as u32));
+    let (low, high) = (at(0).mix(at(1), v), at(COSINES).mix(at(COSINES + 1), v));
+    low.mix(high, u)
+}
+
+/// The node before a place among `count` nodes, and the share of the next.
+#[inline(always)]
+pub(super) fn split<R: Real>(place: R, count: usize) -> (R::Word, R) {
+    let first = place.floor().min(R::splat((count - 2) as f32));
+    (first.whole(), place - first)
 }
 
 /// The place of a roughness among the nodes of every table; as of 1 above that.
@@ -58,8 +74,9 @@ pub(super) fn row_of(alpha: f32) -> f32 {
 }
 
 /// The place of a number in [0, 1] among `count` nodes, and of one outside as of the nearest inside.
-fn place(x: f32, count: usize) -> f32 {
-    x.clamp(0.0, 1.0).sqrt() * (count - 1) as f32
+#[inline(always)]
+fn place<R: Real>(x: R, count: usize) -> R {
+    x.saturated().sqrt() * R::splat((count - 1) as f32)
 }
 
 /// The albedo by quadrature over visible normals, each weighted with the visibility of what it reflects.
@@ -68,7 +85,7 @@ fn white_albedo(facets: &Microfacet, cos: f32, nodes: &[(f32, f32)]) -> f32 {
     let mut albedo = 0.0;
     for &(x, weight_x) in nodes {
         for &(y, weight_y) in nodes {
-            let m = facets.sample_visible(wo, Vec2::new(x, y));
+            let m = facets.sample_visible(wo, [x, y]);
             let wi = 2.0 * wo.dot(m) * m - wo;
             if wi.z > 0.0 {
                 albedo += weight_x * weight_y * facets.g1(wi);

@@ -12,7 +12,7 @@
 //!
 //! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission or geometry.
 //!
-//! Models are flat records. What some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
+//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]). What some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
 //! within the model are of.
 
 mod beckmann;
@@ -59,52 +59,170 @@ pub use tables::{CoatId, MicroalbedoId, ShadingTables};
 pub use thin_dielectric::ThinDielectric;
 pub use transport_mode::TransportMode;
 
-use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// A surface's scattering model with its parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bsdf {
-    /// Lambert's reflection.
-    Diffuse(Diffuse),
-    /// A smooth metal.
-    Conductor(Conductor),
-    /// A metal of microfacets.
-    RoughConductor(RoughConductor),
-    /// A smooth interface of two transparent media.
-    Dielectric(Dielectric),
-    /// The fuzzy metal of the course project's format.
-    Metal(Metal),
-    /// The principled model of a closed surface.
-    Principled(Principled),
-    /// The principled model of a sheet without thickness.
-    PrincipledThin(PrincipledThin),
-    /// An interface of microfacets between two transparent media.
-    RoughDielectric(RoughDielectric),
-    /// A pane through which light goes straight.
-    ThinDielectric(ThinDielectric),
-    /// A diffuse base below a smooth coat.
-    Plastic(Plastic),
-    /// A diffuse base below a coat of microfacets.
-    RoughPlastic(RoughPlastic),
-    /// A fibre that light passes through and is reflected inside of.
-    Hair(Hair),
+use crate::color::Rgb;
+use crate::math::lanes::Lanes;
+use crate::math::{Real, Vector, real_struct};
+
+real_struct! {
+    /// A sampled continuation of a path.
+    pub struct BsdfSample<R> {
+        /// Unit vector to the light.
+        pub wi: R::Vec3,
+        /// The weight f |cos wi| / pdf.
+        pub weight: R::Vec3,
+        /// Solid angle density of `wi`; for a delta lobe the probability of choosing it.
+        pub pdf: R,
+        /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
+        pub is_delta: R::Mask,
+        /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette
+        /// divides radiance by its square).
+        pub eta: R,
+    }
 }
 
-/// A sampled continuation of a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
-    /// Unit vector to the light.
-    pub wi: Vec3,
-    /// The weight f |cos wi| / pdf.
-    pub weight: Rgb,
-    /// Solid angle density of `wi`; for a delta lobe the probability of choosing it.
-    pub pdf: f32,
-    /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
-    pub is_delta: bool,
-    /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette
-    /// divides radiance by its square).
-    pub eta: f32,
+/// A scattering model in one form of numbers; the contracts are those of this module.
+pub(crate) trait Model<R: Real> {
+    /// Whether it is so short that lanes evaluate it in place. Longer models would take the registers of all that is around them.
+    const IS_SHORT: bool = false;
+
+    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] gives `wi`, both without delta lobes: zero unless the model has others.
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, _: R::Vec3, _: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
+        (R::Vec3::even(R::ZERO), R::ZERO)
+    }
+
+    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. The mask tells where there is one: else the
+    /// light is absorbed, and the sample has any numbers.
+    fn sample(
+        &self,
+        tables: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        u: [R; 2],
+        mode: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask);
+
+    /// The lobe of [`Bsdf::diffuse_lobe`].
+    #[inline(always)]
+    fn diffuse_lobe(&self, _: &ShadingTables, _: R::Vec3) -> DiffuseLobe<R> {
+        DiffuseLobe::NONE
+    }
+}
+
+/// Declares the models: those whose formulas are for lanes as well, with their fields in [`BsdfLanes`](lanes::BsdfLanes), and those that are evaluated one by one.
+macro_rules! models {
+    (
+        in lanes { $($(#[$about:meta])* $Model:ident: $field:ident,)* }
+        one by one { $($(#[$about_other:meta])* $Other:ident,)* }
+    ) => {
+        /// A surface's scattering model with its parameters.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Bsdf {
+            $($(#[$about])* $Model($Model),)*
+            $($(#[$about_other])* $Other($Other),)*
+        }
+
+        /// The methods of the model, whichever it is.
+        impl Model<f32> for Bsdf {
+            fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+                match self {
+                    $(Self::$Model(model) => Model::<f32>::eval_and_pdf(model, tables, wo, wi, mode),)*
+                    $(Self::$Other(model) => model.eval_and_pdf(tables, wo, wi, mode),)*
+                }
+            }
+
+            fn sample(
+                &self,
+                tables: &ShadingTables,
+                wo: Vec3,
+                u_lobe: f32,
+                u: [f32; 2],
+                mode: TransportMode,
+            ) -> (BsdfSample, bool) {
+                match self {
+                    $(Self::$Model(model) => Model::<f32>::sample(model, tables, wo, u_lobe, u, mode),)*
+                    $(Self::$Other(model) => model.sample(tables, wo, u_lobe, u, mode),)*
+                }
+            }
+
+            fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
+                match self {
+                    $(Self::$Model(model) => Model::<f32>::diffuse_lobe(model, tables, wo),)*
+                    $(Self::$Other(model) => model.diffuse_lobe(tables, wo),)*
+                }
+            }
+        }
+
+        /// A model per lane, each in the lanes that have it.
+        #[derive(Clone, Debug, Default)]
+        struct ModelLanes {
+            $($field: lanes::Held<$Model<Lanes>>,)*
+        }
+
+        impl ModelLanes {
+            /// Whether lanes can have the model.
+            fn knows(bsdf: &Bsdf) -> bool {
+                matches!(bsdf, $(Bsdf::$Model(_))|*)
+            }
+
+            /// Removes the models of all lanes.
+            fn clear(&mut self) {
+                $(self.$field.lanes = 0;)*
+            }
+
+            /// Makes this the model of a lane that has none. It must be [known](Self::knows).
+            #[inline(always)]
+            fn set(&mut self, lane: usize, bsdf: &Bsdf) {
+                match bsdf {
+                    $(Bsdf::$Model(model) => self.$field.set(lane, *model),)*
+                    other => debug_assert!(false, "no model of lanes: {other:?}"),
+                }
+            }
+
+            /// Calls `visit` with each model that some lane has.
+            #[inline(always)]
+            fn each(&self, visit: &mut impl lanes::Visit) {
+                $(
+                    if let Some((lanes, model)) = self.$field.held() {
+                        visit.model(lanes, model);
+                    }
+                )*
+            }
+        }
+    };
+}
+
+models! {
+    in lanes {
+        /// Lambert's reflection.
+        Diffuse: diffuse,
+        /// A smooth metal.
+        Conductor: conductor,
+        /// A metal of microfacets.
+        RoughConductor: rough_conductor,
+        /// A smooth interface of two transparent media.
+        Dielectric: dielectric,
+        /// The fuzzy metal of the course project's format.
+        Metal: metal,
+        /// The principled model of a closed surface.
+        Principled: principled,
+        /// The principled model of a sheet without thickness.
+        PrincipledThin: principled_thin,
+        /// An interface of microfacets between two transparent media.
+        RoughDielectric: rough_dielectric,
+        /// A pane through which light goes straight.
+        ThinDielectric: thin_dielectric,
+        /// A diffuse base below a smooth coat.
+        Plastic: plastic,
+        /// A diffuse base below a coat of microfacets.
+        RoughPlastic: rough_plastic,
+    }
+    one by one {
+        /// A fibre that light passes through and is reflected inside of.
+        Hair,
+    }
 }
 
 impl Bsdf {
@@ -119,18 +237,7 @@ impl Bsdf {
             wo.is_normalized() && wi.is_normalized(),
             "{wo} or {wi} is not of unit length"
         );
-        let (value, pdf) = match self {
-            Self::Diffuse(diffuse) => diffuse.eval_and_pdf(wo, wi),
-            Self::RoughConductor(rough) => rough.eval_and_pdf(tables, wo, wi),
-            Self::Metal(metal) => metal.eval_and_pdf(wo, wi),
-            Self::Principled(principled) => principled.eval_and_pdf(wo, wi, mode),
-            Self::PrincipledThin(thin) => thin.eval_and_pdf(wo, wi),
-            Self::RoughDielectric(rough) => rough.eval_and_pdf(wo, wi, mode),
-            Self::Plastic(plastic) => plastic.eval_and_pdf(wo, wi),
-            Self::RoughPlastic(rough) => rough.eval_and_pdf(tables, wo, wi),
-            Self::Hair(hair) => hair.eval_and_pdf(wo, wi),
-            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
-        };
+        let (value, pdf) = Model::eval_and_pdf(self, tables, wo, wi, mode);
         debug_assert!(
             value.min_element() >= 0.0 && value.is_finite() && pdf >= 0.0,
             "{self:?} is {value} with density {pdf} for {wo} and {wi}"
@@ -140,15 +247,7 @@ impl Bsdf {
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
     pub fn pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> f32 {
-        debug_assert!(
-            wo.is_normalized() && wi.is_normalized(),
-            "{wo} or {wi} is not of unit length"
-        );
-        match self {
-            // It is much less than the value.
-            Self::RoughConductor(rough) => rough.pdf(wo, wi),
-            _ => self.eval_and_pdf(tables, wo, wi, TransportMode::Radiance).1,
-        }
+        self.eval_and_pdf(tables, wo, wi, TransportMode::Radiance).1
     }
 
     /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. `None` if the
@@ -162,20 +261,8 @@ impl Bsdf {
         mode: TransportMode,
     ) -> Option<BsdfSample> {
         debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
-        let sample = match self {
-            Self::Diffuse(diffuse) => diffuse.sample(wo, u),
-            Self::Conductor(conductor) => conductor.sample(wo),
-            Self::RoughConductor(rough) => rough.sample(tables, wo, u),
-            Self::Dielectric(dielectric) => dielectric.sample(wo, u_lobe, mode),
-            Self::Metal(metal) => metal.sample(wo, u_lobe, u),
-            Self::Principled(principled) => principled.sample(wo, u_lobe, u, mode),
-            Self::PrincipledThin(thin) => thin.sample(wo, u_lobe, u),
-            Self::RoughDielectric(rough) => rough.sample(wo, u_lobe, u, mode),
-            Self::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
-            Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
-            Self::RoughPlastic(rough) => rough.sample(tables, wo, u_lobe, u),
-            Self::Hair(hair) => hair.sample(wo, u_lobe, u),
-        };
+        let (sample, is_returned) = Model::sample(self, tables, wo, u_lobe, u.to_array(), mode);
+        let sample = is_returned.then_some(sample);
         debug_assert!(
             sample.is_none_or(|sample| sample.wi.is_normalized() && sample.weight.is_finite() && sample.pdf > 0.0),
             "{self:?} samples {sample:?} for {wo}"
@@ -187,7 +274,7 @@ impl Bsdf {
     pub(crate) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {
             Self::RoughConductor(rough) => {
-                let table = rough.multiple_scattering.map(|compensation| compensation.table());
+                let table = rough.multiple_scattering.table();
                 table.is_none_or(|table| tables.has_microalbedo(table))
             }
             Self::RoughPlastic(rough) => tables.has_coat(rough.coat),
@@ -206,13 +293,12 @@ impl Bsdf {
     /// The lobe of [`Self::sample`] whose directions have the density of the cosine with the normal. It is empty where there is none, and for what
     /// lets light through.
     pub fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
-        match self {
-            Self::Diffuse(_) => DiffuseLobe::ALL,
-            Self::Plastic(plastic) => plastic.diffuse_lobe(wo),
-            Self::RoughPlastic(plastic) => plastic.diffuse_lobe(tables, wo),
-            Self::Principled(principled) => principled.diffuse_lobe(wo),
-            _ => DiffuseLobe::NONE,
-        }
+        Model::diffuse_lobe(self, tables, wo)
+    }
+
+    /// Whether [`Self::sample`] depends on `u_lobe`.
+    pub(crate) fn chooses_lobes(&self) -> bool {
+        !matches!(self, Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_))
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
@@ -347,9 +433,4 @@ impl Bsdf {
             Self::Diffuse(_) | Self::Plastic(_) | Self::RoughPlastic(_) | Self::Hair(_) => None,
         }
     }
-}
-
-/// The mirror image of `wo` about the normal.
-pub(crate) fn mirrored(wo: Vec3) -> Vec3 {
-    Vec3::new(-wo.x, -wo.y, wo.z)
 }

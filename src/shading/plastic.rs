@@ -4,19 +4,17 @@
 //! f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic keeps the colour by leaving a out
 //! of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, 2007; Elias, Simonot and Menu, 2001.)
 
-use super::{
-    BsdfSample, DiffuseLobe,
-    fresnel::{self, DielectricModel},
-    mirrored,
-};
-use crate::{color::Rgb, sampling::warp};
-use glam::{Vec2, Vec3};
+use super::fresnel::{self, DielectricModel};
+use super::{BsdfSample, DiffuseLobe, Model, ShadingTables, TransportMode};
+use crate::math::{Real, Vector, real_struct};
+use crate::sampling::warp;
 
-/// The coat, with what follows from its index alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmoothCoat {
-    eta: f32,
-    internal_reflectance: f32,
+real_struct! {
+    /// The coat, with what follows from its index alone.
+    pub struct SmoothCoat<R> {
+        eta: R,
+        internal_reflectance: R,
+    }
 }
 
 impl SmoothCoat {
@@ -27,103 +25,105 @@ impl SmoothCoat {
             internal_reflectance: fresnel::diffuse_reflectance(eta.recip()),
         }
     }
+}
 
+impl<R: Real> SmoothCoat<R> {
     /// The reflected fraction at a cosine.
-    fn reflectance(&self, cos: f32) -> f32 {
+    #[inline(always)]
+    fn reflectance(&self, cos: R) -> R {
         fresnel::dielectric(cos, self.eta, DielectricModel::Exact).reflectance
     }
 }
 
-/// The base below a coat.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoatedBase {
-    /// The reflectance of the base, [0, 1].
-    pub diffuse_reflectance: Rgb,
-    /// Whether light that is scattered again takes up the base's colour each time.
-    pub nonlinear: bool,
-    /// Multiplies what the coat reflects; 1 is physical.
-    pub specular_reflectance: Rgb,
+real_struct! {
+    /// The base below a coat.
+    pub struct CoatedBase<R> {
+        /// The reflectance of the base, [0, 1].
+        pub diffuse_reflectance: R::Vec3,
+        /// Whether light that is scattered again takes up the base's colour each time.
+        pub nonlinear: R::Mask,
+        /// Multiplies what the coat reflects; 1 is physical.
+        pub specular_reflectance: R::Vec3,
+    }
 }
 
-impl CoatedBase {
+impl<R: Real> CoatedBase<R> {
     /// The share of the light inside that gets out, per squared transmittance: albedo / (eta^2 (1 - a R_int)).
-    pub(super) fn escaping(&self, eta: f32, internal_reflectance: f32) -> Rgb {
-        let again = if self.nonlinear {
-            self.diffuse_reflectance * internal_reflectance
-        } else {
-            Rgb::splat(internal_reflectance)
-        };
-        self.diffuse_reflectance / ((Rgb::ONE - again) * (eta * eta))
+    #[inline(always)]
+    pub(super) fn escaping(&self, eta: R, internal_reflectance: R) -> R::Vec3 {
+        let color = R::Vec3::select(self.nonlinear, self.diffuse_reflectance, R::Vec3::even(R::ONE));
+        let again = color * internal_reflectance;
+        self.diffuse_reflectance / ((R::Vec3::even(R::ONE) - again) * (eta * eta))
     }
 
     /// The probability of sampling the coat, which reflects the fraction `reflected`.
-    pub(super) fn coat_probability(&self, reflected: f32) -> f32 {
-        let coat = reflected * self.specular_reflectance.element_sum();
-        let base = (1.0 - reflected) * self.diffuse_reflectance.element_sum();
+    #[inline(always)]
+    pub(super) fn coat_probability(&self, reflected: R) -> R {
+        let coat = reflected * self.specular_reflectance.sum();
+        let base = (R::ONE - reflected) * self.diffuse_reflectance.sum();
         // If both are black, either choice will do.
-        if coat + base > 0.0 { coat / (coat + base) } else { 1.0 }
+        R::select((coat + base).is_more(R::ZERO), coat / (coat + base), R::ONE)
     }
 }
 
-/// Smooth plastic.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plastic {
-    /// The interface on top.
-    pub coat: SmoothCoat,
-    /// The base below the coat.
-    pub base: CoatedBase,
+real_struct! {
+    /// Smooth plastic.
+    pub struct Plastic<R> {
+        /// The interface on top.
+        pub coat: SmoothCoat<R>,
+        /// The base below the coat.
+        pub base: CoatedBase<R>,
+    }
 }
 
-impl Plastic {
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        if wo.z <= 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
-        self.of_base(self.coat.reflectance(wo.z), wi)
-    }
-
+impl<R: Real> Plastic<R> {
     /// What the base scatters to a viewer for whom the coat reflects the fraction `reflected`, and the density of that.
-    fn of_base(&self, reflected: f32, wi: Vec3) -> (Rgb, f32) {
-        if wi.z <= 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
-        let cosine = warp::cosine_hemisphere_pdf(wi.z);
-        let through = (1.0 - reflected) * (1.0 - self.coat.reflectance(wi.z));
+    #[inline(always)]
+    fn of_base(&self, reflected: R, wi: R::Vec3) -> (R::Vec3, R) {
+        let cosine = warp::cosine_hemisphere_pdf(wi.z());
+        let through = (R::ONE - reflected) * (R::ONE - self.coat.reflectance(wi.z()));
         let escaping = self.base.escaping(self.coat.eta, self.coat.internal_reflectance);
-        let chance = 1.0 - self.base.coat_probability(reflected);
+        let chance = R::ONE - self.base.coat_probability(reflected);
         (escaping * (through * cosine), chance * cosine)
     }
+}
 
-    pub(super) fn diffuse_lobe(&self, wo: Vec3) -> DiffuseLobe {
-        match wo.z > 0.0 {
-            true => DiffuseLobe::below(self.base.coat_probability(self.coat.reflectance(wo.z))),
-            false => DiffuseLobe::NONE,
-        }
+impl<R: Real> Model<R> for Plastic<R> {
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: R::Vec3, wi: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
+        let is_above = wo.z().is_more(R::ZERO);
+        let (value, pdf) = self.of_base(self.coat.reflectance(wo.z()), wi);
+        (value.only(is_above), pdf.only(is_above))
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let reflected = self.coat.reflectance(wo.z);
+    #[inline(always)]
+    fn diffuse_lobe(&self, _: &ShadingTables, wo: R::Vec3) -> DiffuseLobe<R> {
+        let coat = self.base.coat_probability(self.coat.reflectance(wo.z()));
+        DiffuseLobe::below(coat, wo.z().is_more(R::ZERO))
+    }
+
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        u: [R; 2],
+        _: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
+        let reflected = self.coat.reflectance(wo.z());
         let probability = self.base.coat_probability(reflected);
-        if u_lobe < probability {
-            return Some(BsdfSample {
-                wi: mirrored(wo),
-                weight: self.base.specular_reflectance * (reflected / probability),
-                pdf: probability,
-                is_delta: true,
-                eta: 1.0,
-            });
-        }
+        let is_delta = u_lobe.is_less(probability);
         let wi = warp::cosine_hemisphere(u);
         let (value, pdf) = self.of_base(reflected, wi);
-        (pdf > 0.0).then(|| BsdfSample {
-            wi,
-            weight: value / pdf,
-            pdf,
-            is_delta: false,
-            eta: 1.0,
-        })
+        let mirrored = self.base.specular_reflectance * (reflected / probability);
+        let sample = BsdfSample {
+            wi: R::Vec3::select(is_delta, wo.mirrored(), wi),
+            weight: R::Vec3::select(is_delta, mirrored, value / pdf),
+            pdf: R::select(is_delta, probability, pdf),
+            is_delta,
+            eta: R::ONE,
+        };
+        (sample, wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)))
     }
 }

@@ -5,9 +5,10 @@
 //! milliseconds to make and 260 bytes per roughness to keep.
 
 use super::fresnel::{self, DielectricModel};
+use super::microalbedo::split as node_of;
 use super::{Microfacet, MicrofacetKind};
-use crate::math::gauss_legendre;
-use glam::{Vec2, Vec3};
+use crate::math::{Real, Word, gauss_legendre};
+use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -74,48 +75,45 @@ pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
 
 /// A coat at the roughness of a place.
 #[derive(Clone, Copy)]
-pub(super) struct CoatThere<'a> {
-    /// The distribution of the coat's microfacet normals.
-    pub kind: MicrofacetKind,
+pub(super) struct CoatThere<'a, R: Real> {
+    /// Whether the distribution of the coat's microfacet normals is Beckmann's.
+    pub is_beckmann: R::Mask,
     /// The refractive index of the coat relative to the outside.
-    pub eta: f32,
-    low: &'a CoatLayer,
-    high: &'a CoatLayer,
+    pub eta: R,
+    /// All layers of the scene, and those of the coat before and behind the roughness.
+    pub layers: &'a [CoatLayer],
+    pub low: R::Word,
+    pub high: R::Word,
     /// The weight of high against low, [0, 1].
-    between: f32,
+    pub between: R,
 }
 
-impl<'a> CoatThere<'a> {
-    /// The coat of these layers, of which there is at least one, where the roughness is `alpha`.
-    pub fn new(kind: MicrofacetKind, eta: f32, layers: &'a [CoatLayer], alpha: f32) -> Self {
-        let place = alpha.clamp(0.0, 1.0).sqrt() * (layers.len() - 1) as f32;
-        let low = place as usize;
-        let high = (low + 1).min(layers.len() - 1);
-        Self {
-            kind,
-            eta,
-            low: &layers[low],
-            high: &layers[high],
-            between: place - low as f32,
-        }
+impl<R: Real> CoatThere<'_, R> {
+    /// A lane that is not asked for may have any number.
+    #[inline(always)]
+    fn layer(&self, number: usize) -> &CoatLayer {
+        &self.layers[number.min(self.layers.len() - 1)]
     }
 
     /// The fraction of light that gets in at this cosine in [0, 1], or by reciprocity out.
-    pub fn transmittance(&self, cos: f32) -> f32 {
-        let place = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
-        let i = (place as usize).min(COSINES - 2);
-        let in_layer = |layer: &CoatLayer| {
-            let [a, b] = [layer.transmittance[i], layer.transmittance[i + 1]];
-            a + (place - i as f32) * (b - a)
+    #[inline(always)]
+    pub fn transmittance(&self, cos: R) -> R {
+        let (i, share) = node_of(cos.saturated() * R::splat((COSINES - 1) as f32), COSINES);
+        let node = |layer: R::Word, i: R::Word| {
+            let place = layer * R::Word::splat(COSINES as u32) + i;
+            R::gather(place, |place| {
+                self.layer(place / COSINES).transmittance[place % COSINES]
+            })
         };
-        let low = in_layer(self.low);
-        low + self.between * (in_layer(self.high) - low)
+        let in_layer = |layer: R::Word| node(layer, i).mix(node(layer, i + R::Word::splat(1)), share);
+        in_layer(self.low).mix(in_layer(self.high), self.between)
     }
 
     /// The fraction of diffuse light from below that is reflected.
-    pub fn internal_reflectance(&self) -> f32 {
-        let [low, high] = [self.low, self.high].map(|layer| layer.internal_reflectance);
-        low + self.between * (high - low)
+    #[inline(always)]
+    pub fn internal_reflectance(&self) -> R {
+        let in_layer = |layer: R::Word| R::gather(layer, |layer| self.layer(layer).internal_reflectance);
+        in_layer(self.low).mix(in_layer(self.high), self.between)
     }
 }
 
@@ -151,7 +149,7 @@ fn split(facets: &Microfacet, cos: f32, eta: f32, nodes: &[(f32, f32)]) -> Split
     };
     for &(x, weight_x) in nodes {
         for &(y, weight_y) in nodes {
-            let m = facets.sample_visible(wo, Vec2::new(x, y));
+            let m = facets.sample_visible(wo, [x, y]);
             let cos_m = wo.dot(m).max(0.0);
             let fresnel = fresnel::dielectric(cos_m, eta, DielectricModel::Exact);
             let mirrored = 2.0 * cos_m * m - wo;

@@ -3,133 +3,116 @@
 //! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. The surface is the same from both sides;
 //! f(wo, wi) / n_o^2 is symmetric for radiance, n_o being the index on the side of wo.
 
-use super::{
-    BsdfSample, Microfacet, TransportMode,
-    fresnel::{self, DielectricModel},
-};
-use crate::color::Rgb;
-use glam::{Vec2, Vec3};
+use super::fresnel::{self, DielectricModel};
+use super::{BsdfSample, Microfacet, Model, ShadingTables, TransportMode};
+use crate::math::{Mask, Real, Vector, real_struct};
 
-/// Ground glass, ice, and the like; the normal points outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughDielectric {
-    /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth dielectric is used then.
-    pub eta: f32,
-    /// The law of the Fresnel reflectance.
-    pub model: DielectricModel,
-    /// Roughness of the interface.
-    pub distribution: Microfacet,
-    /// Multiplies reflected light; 1 is physical.
-    pub specular_reflectance: Rgb,
-    /// Multiplies refracted light; 1 is physical.
-    pub specular_transmittance: Rgb,
+real_struct! {
+    /// Ground glass, ice, and the like; the normal points outside.
+    pub struct RoughDielectric<R> {
+        /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth dielectric is used then.
+        pub eta: R,
+        /// The law of the Fresnel reflectance: the same in all lanes.
+        pub model: DielectricModel,
+        /// Roughness of the interface.
+        pub distribution: Microfacet<R>,
+        /// Multiplies reflected light; 1 is physical.
+        pub specular_reflectance: R::Vec3,
+        /// Multiplies refracted light; 1 is physical.
+        pub specular_transmittance: R::Vec3,
+    }
 }
 
-/// A pair of directions with `wo` above the surface, and the facet that connects them.
-struct Facet {
-    /// The facet's normal, z > 0.
-    m: Vec3,
-    /// The cosine of `wo` with it, positive.
-    cos_o: f32,
-    /// The Fresnel reflectance.
-    reflectance: f32,
-    /// The Jacobian d omega_m / d omega_i.
-    jacobian: f32,
-}
-
-impl RoughDielectric {
+impl<R: Real> RoughDielectric<R> {
     /// The index beyond the surface over that before it.
-    fn eta_it(&self, wo: Vec3) -> f32 {
-        if wo.z > 0.0 { self.eta } else { self.eta.recip() }
+    #[inline(always)]
+    fn eta_it(&self, wo: R::Vec3) -> R {
+        R::select(wo.z().is_more(R::ZERO), self.eta, R::ONE / self.eta)
     }
+}
 
-    /// The facet that connects the directions; `None` if there is none, with each direction on its side of both facet and surface. `wo.z` is
-    /// positive.
-    fn facet(&self, wo: Vec3, wi: Vec3, eta_it: f32) -> Option<Facet> {
-        let stretch = if wi.z > 0.0 { 1.0 } else { eta_it };
-        let m = (wo + stretch * wi).try_normalize()?;
-        let m = if m.z < 0.0 { -m } else { m };
-        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
-        if cos_o <= 0.0 || cos_i * wi.z <= 0.0 {
-            return None;
-        }
-        let jacobian = if wi.z > 0.0 {
-            0.25 / cos_i
-        } else {
-            let path = cos_o + eta_it * cos_i;
-            eta_it * eta_it * -cos_i / (path * path)
-        };
-        Some(Facet {
-            m,
-            cos_o,
-            reflectance: fresnel::dielectric(cos_o, eta_it, self.model).reflectance,
-            jacobian,
-        })
-    }
-
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        if wo.z == 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
+impl<R: Real> Model<R> for RoughDielectric<R> {
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: R::Vec3, wi: R::Vec3, mode: TransportMode) -> (R::Vec3, R) {
+        let (zero, one) = (R::ZERO, R::ONE);
         let eta_it = self.eta_it(wo);
-        let (wo, wi) = (wo * wo.z.signum(), wi * wo.z.signum());
-        let Some(facet) = self.facet(wo, wi, eta_it) else {
-            return (Rgb::ZERO, 0.0);
-        };
-        let (color, lobe) = if wi.z > 0.0 {
-            (self.specular_reflectance * facet.reflectance, facet.reflectance)
-        } else {
-            let passing = 1.0 - facet.reflectance;
-            (
-                self.specular_transmittance * (passing / mode.refraction_factor(eta_it)),
-                passing,
-            )
-        };
+        let is_seen = !wo.z().equals(zero);
+        let side = one.copy_sign(wo.z());
+        let (wo, wi) = (wo * side, wi * side);
+        let is_reflected = wi.z().is_more(zero);
+
+        // The facet that connects the directions, with each direction on its side of both facet and surface.
+        let half = wo + wi * R::select(is_reflected, one, eta_it);
+        let length_squared = half.length_squared();
+        let m = half * (one / length_squared.sqrt()).copy_sign(half.z());
+        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
+        let is_connected =
+            length_squared.is_more(R::splat(LEAST_SQUARE)) & cos_o.is_more(zero) & (cos_i * wi.z()).is_more(zero);
+        // The Jacobian d omega_m / d omega_i.
+        let path = cos_o + eta_it * cos_i;
+        let refracting = eta_it * eta_it * -cos_i / (path * path);
+        let jacobian = R::select(is_reflected, R::splat(0.25) / cos_i, refracting);
+
+        let reflectance = fresnel::dielectric(cos_o, eta_it, self.model).reflectance;
+        let lobe = R::select(is_reflected, reflectance, one - reflectance);
+        let color = R::Vec3::select(
+            is_reflected,
+            self.specular_reflectance,
+            self.specular_transmittance / mode.refraction_factor(eta_it),
+        );
         let facets = &self.distribution;
-        let visible = 4.0 * facets.density(facet.m) * facets.g1_over_four_cos(wo) * facet.cos_o * facet.jacobian;
-        (
-            color * (visible * facets.g1(wi)),
-            lobe * visible / facets.masking_ratio(wo),
-        )
+        let visible = R::splat(4.0) * facets.density(m) * facets.g1_over_four_cos(wo) * cos_o * jacobian;
+        let here = is_seen & is_connected;
+        let value = color * (lobe * visible * facets.g1(wi));
+        (value.only(here), (lobe * visible / facets.masking_ratio(wo)).only(here))
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let (side, facets) = (wo.z.signum(), &self.distribution);
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        u: [R; 2],
+        mode: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
+        let (zero, one) = (R::ZERO, R::ONE);
+        let (eta_it, facets) = (self.eta_it(wo), &self.distribution);
+        let is_seen = !wo.z().equals(zero);
+        let side = one.copy_sign(wo.z());
         let wo = wo * side;
         let m = facets.sample_visible(wo, u);
         let cos_o = wo.dot(m);
-        if cos_o <= 0.0 {
-            return None;
-        }
-        let eta_it = if side > 0.0 { self.eta } else { self.eta.recip() };
         let fresnel = fresnel::dielectric(cos_o, eta_it, self.model);
-        let reflected = u_lobe < fresnel.reflectance;
-        let (wi, color, lobe, jacobian, eta) = if reflected {
-            let wi = 2.0 * cos_o * m - wo;
-            (wi, self.specular_reflectance, fresnel.reflectance, 0.25 / cos_o, 1.0)
-        } else {
-            let eta_ti = fresnel.eta_ti;
-            // A large eta_ti scales rounding up.
-            let wi = ((eta_ti * cos_o + fresnel.cos_t) * m - eta_ti * wo).normalize();
-            let path = cos_o + eta_it * fresnel.cos_t;
-            let jacobian = eta_it * eta_it * -fresnel.cos_t / (path * path);
-            let color = self.specular_transmittance * mode.refraction_factor(eta_ti);
-            (wi, color, 1.0 - fresnel.reflectance, jacobian, eta_it)
-        };
-        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
-        if (wi.z > 0.0) != reflected || wi.z == 0.0 {
-            return None;
-        }
-        let pdf = 4.0 * lobe * facets.reflected_density(wo, m) * cos_o * jacobian;
-        (pdf > 0.0 && pdf.is_finite()).then(|| BsdfSample {
+        let is_reflected = u_lobe.is_less(fresnel.reflectance);
+        let eta_ti = fresnel.eta_ti;
+        let reflected = m * (cos_o + cos_o) - wo;
+        // A large eta_ti scales rounding up.
+        let refracted = (m * (eta_ti * cos_o + fresnel.cos_t) - wo * eta_ti).normalize();
+        let wi = R::Vec3::select(is_reflected, reflected, refracted);
+        let path = cos_o + eta_it * fresnel.cos_t;
+        let refracting = eta_it * eta_it * -fresnel.cos_t / (path * path);
+        let jacobian = R::select(is_reflected, R::splat(0.25) / cos_o, refracting);
+        let lobe = R::select(is_reflected, fresnel.reflectance, one - fresnel.reflectance);
+        let color = R::Vec3::select(
+            is_reflected,
+            self.specular_reflectance,
+            self.specular_transmittance * mode.refraction_factor(eta_ti),
+        );
+        let pdf = R::splat(4.0) * lobe * facets.reflected_density(wo, m) * cos_o * jacobian;
+        let sample = BsdfSample {
             wi: wi * side,
             weight: color * (facets.masking_ratio(wo) * facets.g1(wi)),
             pdf,
-            is_delta: false,
-            eta,
-        })
+            is_delta: R::Mask::NEVER,
+            eta: R::select(is_reflected, one, eta_it),
+        };
+        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
+        let is_right = (is_reflected & wi.z().is_more(zero)) | (!is_reflected & wi.z().is_less(zero));
+        let has_density = pdf.is_more(zero) & pdf.is_less(R::splat(f32::INFINITY));
+        (sample, is_seen & cos_o.is_more(zero) & is_right & has_density)
     }
 }
+
+/// The least squared length of a half vector that has a direction.
+const LEAST_SQUARE: f32 = 1e-30;

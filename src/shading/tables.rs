@@ -4,11 +4,25 @@
 use super::MicrofacetKind;
 use super::microalbedo::{self, Microalbedo};
 use super::rough_coat::{self, CoatKey, CoatLayer, CoatThere};
+use crate::math::lanes::WordLanes;
+use crate::math::{LanesOf, Real, Word};
 use std::collections::HashMap;
 
-/// An index into the coats of [`ShadingTables`].
+/// An index into the coats of [`ShadingTables`], or one per lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CoatId(pub u32);
+pub struct CoatId<W = u32>(pub W);
+
+impl LanesOf<CoatId> for CoatId<WordLanes> {
+    #[inline(always)]
+    fn splat(one: CoatId) -> Self {
+        Self(LanesOf::splat(one.0))
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, one: CoatId) {
+        self.0.set_lane(lane, one.0);
+    }
+}
 
 /// An index into the micro-albedos of [`ShadingTables`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,13 +94,38 @@ impl ShadingTables {
     }
 
     /// A coat where its roughness is `alpha`, which only matters if it varies.
-    pub(super) fn coat(&self, id: CoatId, alpha: f32) -> CoatThere<'_> {
-        let coat = &self.coats[id.0 as usize];
-        let layers = &self.layers[coat.first_layer as usize..][..coat.layer_count as usize];
-        CoatThere::new(coat.kind, coat.eta, layers, alpha)
+    #[inline(always)]
+    pub(super) fn coat<R: Real>(&self, coat: R::Word, alpha: R) -> CoatThere<'_, R> {
+        let of_coat = |get: &dyn Fn(&Coat) -> f32| R::gather(coat, |coat| get(&self.coats[coat]));
+        // Numbers of layers are below 2^24.
+        let (first, count) = (
+            of_coat(&|coat| coat.first_layer as f32),
+            of_coat(&|coat| coat.layer_count as f32),
+        );
+        let place = alpha.saturated().sqrt() * (count - R::ONE);
+        let low = place.floor();
+        let high = (low + R::ONE).min(count - R::ONE);
+        CoatThere {
+            is_beckmann: !of_coat(&|coat| f32::from(coat.kind == MicrofacetKind::Beckmann)).equals(R::ZERO),
+            eta: of_coat(&|coat| coat.eta),
+            layers: &self.layers,
+            low: (first + low).whole(),
+            high: (first + high).whole(),
+            between: place - low,
+        }
     }
 
-    pub(super) fn microalbedo(&self, id: MicroalbedoId) -> &Microalbedo {
-        &self.microalbedos[id.0 as usize]
+    /// The micro-albedo of the table of this number, at the place `row` of [`microalbedo::row_of`], seen at `cos` in [0, 1].
+    #[inline(always)]
+    pub(super) fn microalbedo<R: Real>(&self, table: R::Word, row: R, cos: R) -> R {
+        let size = R::Word::splat(microalbedo::NODES as u32);
+        microalbedo::albedo(row, cos, |node| {
+            let place = table * size + node;
+            // A lane that is not asked for may have any place.
+            R::gather(place, |place| {
+                let table = self.microalbedos.get(place / microalbedo::NODES);
+                table.map_or(0.0, |table| table.node(place % microalbedo::NODES))
+            })
+        })
     }
 }

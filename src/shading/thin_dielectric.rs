@@ -1,51 +1,57 @@
 //! A thin pane of glass: both its interfaces and all reflections between them as one surface, through which light goes straight.
 
-use super::{
-    BsdfSample,
-    fresnel::{self, DielectricModel},
-    mirrored,
-};
-use crate::color::Rgb;
-use glam::Vec3;
+use super::fresnel::{self, DielectricModel};
+use super::{BsdfSample, Model, ShadingTables, TransportMode};
+use crate::math::{Mask, Real, Vector, real_struct};
 
-/// A window pane, or a bubble; the same from both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThinDielectric {
-    /// Refractive index of the pane over that around it, above 0.
-    pub eta: f32,
-    /// The law of the Fresnel reflectance.
-    pub model: DielectricModel,
-    /// Multiplies reflected light; 1 is physical.
-    pub specular_reflectance: Rgb,
-    /// Multiplies the light that goes through; 1 is physical.
-    pub specular_transmittance: Rgb,
+real_struct! {
+    /// A window pane, or a bubble; the same from both sides.
+    pub struct ThinDielectric<R> {
+        /// Refractive index of the pane over that around it, above 0.
+        pub eta: R,
+        /// The law of the Fresnel reflectance: the same in all lanes.
+        pub model: DielectricModel,
+        /// Multiplies reflected light; 1 is physical.
+        pub specular_reflectance: R::Vec3,
+        /// Multiplies the light that goes through; 1 is physical.
+        pub specular_transmittance: R::Vec3,
+    }
 }
 
-impl ThinDielectric {
+impl<R: Real> ThinDielectric<R> {
     /// The reflected fraction: r + t r t + t r^3 t + ... = 2 r / (1 + r).
-    fn reflectance(&self, wo: Vec3) -> f32 {
-        let once = fresnel::dielectric(wo.z.abs(), self.eta, self.model).reflectance;
-        2.0 * once / (1.0 + once)
+    #[inline(always)]
+    fn reflectance(&self, wo: R::Vec3) -> R {
+        let once = fresnel::dielectric(wo.z().abs(), self.eta, self.model).reflectance;
+        (once + once) / (R::ONE + once)
     }
 
     /// The share of the light that goes through to `wo`.
-    pub(super) fn transmittance(&self, wo: Vec3) -> Rgb {
-        (1.0 - self.reflectance(wo)) * self.specular_transmittance
+    #[inline(always)]
+    pub(super) fn transmittance(&self, wo: R::Vec3) -> R::Vec3 {
+        self.specular_transmittance * (R::ONE - self.reflectance(wo))
     }
+}
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
+impl<R: Real> Model<R> for ThinDielectric<R> {
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        _: [R; 2],
+        _: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
         let reflectance = self.reflectance(wo);
-        let (wi, weight, pdf) = if u_lobe < reflectance {
-            (mirrored(wo), self.specular_reflectance, reflectance)
-        } else {
-            (-wo, self.specular_transmittance, 1.0 - reflectance)
+        let is_reflected = u_lobe.is_less(reflectance);
+        let sample = BsdfSample {
+            wi: R::Vec3::select(is_reflected, wo.mirrored(), -wo),
+            weight: R::Vec3::select(is_reflected, self.specular_reflectance, self.specular_transmittance),
+            pdf: R::select(is_reflected, reflectance, R::ONE - reflectance),
+            is_delta: R::Mask::ALWAYS,
+            eta: R::ONE,
         };
-        BsdfSample {
-            wi,
-            weight,
-            pdf,
-            is_delta: true,
-            eta: 1.0,
-        }
+        (sample, R::Mask::ALWAYS)
     }
 }

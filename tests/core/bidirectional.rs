@@ -20,7 +20,7 @@ use sunroom::render::sight::CutPlane;
 use sunroom::render::view::{Integrator, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
+    Bsdf, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor, RoughDielectric,
 };
 use sunroom::texture::Parameter;
@@ -78,7 +78,7 @@ fn room(scene: &mut SceneBuilder) {
     let rough = Bsdf::RoughConductor(RoughConductor {
         distribution: facets(0.3),
         specular: metal(),
-        multiple_scattering: None,
+        multiple_scattering: Compensation::NONE,
     });
     scene.add(Primitive::Sphere, ball(0.4, 0.4, 0.25), rough, None);
     let frosted = Bsdf::RoughDielectric(RoughDielectric {

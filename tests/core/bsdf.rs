@@ -8,8 +8,8 @@ use crate::statistics::{assert_all_plausible, sphere_integral};
 use glam::{Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
-    RoughConductor, fresnel, ior,
+    Bsdf, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
+    MicrofacetKind, RoughConductor, fresnel, ior,
 };
 
 fn specular(material: &str) -> ConductorSpecular {
@@ -25,7 +25,7 @@ fn rough(material: &str, alpha_x: f32, alpha_y: f32) -> Bsdf {
     Bsdf::RoughConductor(RoughConductor {
         specular: specular(material),
         distribution: Microfacet::new(MicrofacetKind::Ggx, alpha_x, alpha_y),
-        multiple_scattering: None,
+        multiple_scattering: Compensation::NONE,
     })
 }
 

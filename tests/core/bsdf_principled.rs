@@ -295,12 +295,13 @@ fn sampling_rates_change_densities_only() {
         ..PRINCIPLED
     };
     let case = |[main_specular, clearcoat, diffuse_reflectance]: [f32; 3]| {
-        let rates = SamplingRates {
+        let mut principled = all;
+        principled.rates = SamplingRates {
             main_specular,
             clearcoat,
             diffuse_reflectance,
         };
-        Single::new("", Bsdf::Principled(Principled { rates, ..all }))
+        Single::new("", Bsdf::Principled(principled))
     };
     let (wo, wi) = (direction(30.0, 1.0), direction(50.0, 3.0));
     let usual = case([1.0; 3]);

@@ -57,7 +57,7 @@ fn numbers_of_the_lobe_choose_directions_by_the_cosine() {
                 );
                 let sample = model.sample(&tables, wo, u_lobe, u, TransportMode::Radiance);
                 let is_in = u_lobe >= lobe.start && u_lobe < lobe.start + lobe.share;
-                let is_cosine = sample.is_some_and(|sample| sample.wi == cosine_hemisphere(u));
+                let is_cosine = sample.is_some_and(|sample| sample.wi == cosine_hemisphere(u.to_array()));
                 assert!(is_cosine || !is_in, "{model:?} {wo} {u_lobe} {lobe:?}");
                 let is_glass = matches!(model, Bsdf::Principled(model) if model.spec_trans > 0.0);
                 assert!(is_in || !is_cosine || is_glass, "{model:?} {wo} {u_lobe} {lobe:?}");

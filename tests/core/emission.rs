@@ -222,7 +222,7 @@ fn rays_bring_the_light_that_sampling_finds() {
             }));
             let found = mean((0..COUNT).map(|index| {
                 let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(6, 2), index, 4);
-                let normal = sunroom::sampling::warp::uniform_sphere(sampler.at_2d(0));
+                let normal = sunroom::sampling::warp::uniform_sphere(sampler.at_2d(0).to_array());
                 let reference = LightReference {
                     position: ball + radius * normal,
                     normal: Some(normal),

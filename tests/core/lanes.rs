@@ -17,9 +17,9 @@ use sunroom::render::tile::{render_preview, render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Beckmann, Bsdf, CoatedBase, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse,
-    Fiber, Ggx, Hair, Metal, Microfacet, MicrofacetKind, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
-    ShadingTables, SmoothCoat, ThinDielectric,
+    Bsdf, CoatedBase, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair,
+    Metal, Microfacet, MicrofacetKind, Plastic, RoughConductor, RoughDielectric, RoughPlastic, ShadingTables,
+    SmoothCoat, ThinDielectric,
 };
 use sunroom::texture::{Checkerboard, Parameter, Texture, TextureId, TextureTable};
 
@@ -62,8 +62,8 @@ fn room() -> SceneBuilder {
     let ball = |x: f32, z: f32| placed(Vec3::new(x, -0.6, z), Quat::IDENTITY, 0.4);
     let rough = Bsdf::RoughConductor(RoughConductor {
         specular: gold(),
-        distribution: Microfacet::Ggx(Ggx::new(0.2, 0.2)),
-        multiple_scattering: None,
+        distribution: Microfacet::new(MicrofacetKind::Ggx, 0.2, 0.2),
+        multiple_scattering: Compensation::NONE,
     });
     let glass = Bsdf::Dielectric(Dielectric {
         eta: 1.5,
@@ -125,8 +125,8 @@ fn others(tables: &mut ShadingTables) -> [Material; 7] {
         specular_reflectance: Vec3::ONE,
         nonlinear: true,
     };
-    let satin = Microfacet::Beckmann(Beckmann::new(0.3, 0.2));
-    let brushed = Microfacet::Ggx(Ggx::new(0.4, 0.4));
+    let satin = Microfacet::new(MicrofacetKind::Beckmann, 0.3, 0.2);
+    let brushed = Microfacet::new(MicrofacetKind::Ggx, 0.4, 0.4);
     let compensation = Compensation::new(tables.microalbedo_of(MicrofacetKind::Ggx), &brushed, &gold());
     [
         Material::Plain(Bsdf::Plastic(Plastic {
@@ -148,12 +148,12 @@ fn others(tables: &mut ShadingTables) -> [Material; 7] {
         Material::Plain(Bsdf::RoughConductor(RoughConductor {
             specular: gold(),
             distribution: satin,
-            multiple_scattering: None,
+            multiple_scattering: Compensation::NONE,
         })),
         Material::Plain(Bsdf::RoughConductor(RoughConductor {
             specular: gold(),
             distribution: brushed,
-            multiple_scattering: Some(compensation),
+            multiple_scattering: compensation,
         })),
         Material::Textured(TexturedBsdf::Diffuse {
             reflectance: Parameter::Texture(TextureId(0)),
@@ -485,8 +485,8 @@ fn meshes() -> RenderScene {
     let blas = |mesh: MeshData| Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)));
     let rough = Bsdf::RoughConductor(RoughConductor {
         specular: gold(),
-        distribution: Microfacet::Ggx(Ggx::new(0.2, 0.2)),
-        multiple_scattering: None,
+        distribution: Microfacet::new(MicrofacetKind::Ggx, 0.2, 0.2),
+        multiple_scattering: Compensation::NONE,
     });
     let floor: Vec<[Vec3; 3]> = (0..60 * 60)
         .flat_map(|cell| {

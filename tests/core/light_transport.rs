@@ -20,8 +20,8 @@ use sunroom::render::tile::{Tile, render_tile, tiles};
 use sunroom::render::view::{LONGEST_PATH, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, Microfacet,
-    MicrofacetKind, RoughConductor,
+    Bsdf, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal,
+    Microfacet, MicrofacetKind, RoughConductor,
 };
 use sunroom::texture::Parameter;
 
@@ -332,7 +332,7 @@ fn furnished_room() -> RenderScene {
             specular_reflectance: Rgb::ONE,
         },
         distribution: Microfacet::new(MicrofacetKind::Ggx, 0.2, 0.2),
-        multiple_scattering: None,
+        multiple_scattering: Compensation::NONE,
     };
     scene.add(
         Primitive::Sphere,

@@ -267,7 +267,7 @@ fn materials_that_cannot_be_are_refused() {
     assert!(MaterialTable::new(mixes(3)).is_ok());
     let has_table = |bsdf: &Bsdf| match bsdf {
         Bsdf::RoughPlastic(_) => true,
-        Bsdf::RoughConductor(rough) => rough.multiple_scattering.is_some(),
+        Bsdf::RoughConductor(rough) => rough.multiple_scattering.table().is_some(),
         _ => false,
     };
     let models = textured_models(0, 0).into_iter();

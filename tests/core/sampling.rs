@@ -294,7 +294,7 @@ fn directions_follow_their_densities() {
             sphere_p(
                 count,
                 Vec3::Z,
-                |i| Some(warp::cosine_hemisphere(noise(i, 0))),
+                |i| Some(warp::cosine_hemisphere(noise(i, 0).to_array())),
                 |d| warp::cosine_hemisphere_pdf(d.z),
             ),
         ),
@@ -303,7 +303,7 @@ fn directions_follow_their_densities() {
             sphere_p(
                 count,
                 Vec3::Z,
-                |i| Some(warp::uniform_sphere(noise(i, 1))),
+                |i| Some(warp::uniform_sphere(noise(i, 1).to_array())),
                 |_| warp::UNIFORM_SPHERE_PDF,
             ),
         ),
@@ -312,7 +312,7 @@ fn directions_follow_their_densities() {
             sphere_p(
                 count,
                 Vec3::Z,
-                |i| Some(warp::uniform_hemisphere(noise(i, 2))),
+                |i| Some(warp::uniform_hemisphere(noise(i, 2).to_array())),
                 |d| if d.z >= 0.0 { warp::UNIFORM_HEMISPHERE_PDF } else { 0.0 },
             ),
         ),
@@ -324,7 +324,7 @@ fn directions_follow_their_densities() {
             sphere_p(
                 count,
                 Vec3::Z,
-                |i| Some(warp::uniform_cone(noise(i, 3), omc)),
+                |i| Some(warp::uniform_cone(noise(i, 3).to_array(), omc)),
                 cone(omc),
             ),
         ));
@@ -333,10 +333,10 @@ fn directions_follow_their_densities() {
     for i in 0..1000 {
         let u = noise(i, 4);
         let directions = [
-            warp::cosine_hemisphere(u),
-            warp::uniform_sphere(u),
-            warp::uniform_cone(u, 1e-7),
-            warp::uniform_cone(u, 2.0),
+            warp::cosine_hemisphere(u.to_array()),
+            warp::uniform_sphere(u.to_array()),
+            warp::uniform_cone(u.to_array(), 1e-7),
+            warp::uniform_cone(u.to_array(), 2.0),
         ];
         for d in directions {
             assert!((d.length() - 1.0).abs() < 1e-6, "{d}");
@@ -351,7 +351,7 @@ fn points_are_uniform_in_disk_triangle_and_ball() {
     // Twelve rings of equal area by sixteen sectors.
     let mut counted = vec![0.0; 192];
     for i in 0..count {
-        let p = warp::concentric_disk(noise(i, 0));
+        let p = Vec2::from(warp::concentric_disk(noise(i, 0).to_array()));
         let sector = (p.y.atan2(p.x) / std::f32::consts::TAU).rem_euclid(1.0);
         counted[((p.length_squared() * 12.0) as usize).min(11) * 16 + ((sector * 16.0) as usize).min(15)] += 1.0;
     }
@@ -376,7 +376,7 @@ fn points_are_uniform_in_disk_triangle_and_ball() {
 
     let mut counted = vec![0.0; 8 * 8 * 8];
     for i in 0..count {
-        let p = warp::unit_ball(noise(i, 2), noise(i, 3).x);
+        let p = warp::unit_ball(noise(i, 2).to_array(), noise(i, 3).x);
         let radius = p.length();
         let sector = (p.y.atan2(p.x) / std::f32::consts::TAU).rem_euclid(1.0);
         let shell = ((radius.powi(3) * 8.0) as usize).min(7);

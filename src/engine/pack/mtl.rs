@@ -26,7 +26,7 @@ use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
 use crate::scene::assets::mtl_picture::mtl_picture;
 use crate::scene::parameters::{INDICES, PRINCIPLED_ETA};
 use crate::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
+    Bsdf, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
 };
 use crate::texture::Parameter;
@@ -129,7 +129,7 @@ fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> 
             Bsdf::RoughConductor(RoughConductor {
                 specular: metal(check.reflectance("Kd", mtl.kd)),
                 distribution: Microfacet::new(MicrofacetKind::Ggx, roughness * roughness, roughness * roughness),
-                multiple_scattering: None,
+                multiple_scattering: Compensation::NONE,
             })
         }
         MtlModel::Mirror => Bsdf::Conductor(Conductor {

@@ -70,7 +70,7 @@ impl LightTable {
                     start: pmf * sample.pdf,
                     next: 1.0 / sphere.cross_section(),
                 };
-                let place = sphere.radius * warp::concentric_disk(u_place);
+                let place = sphere.radius * Vec2::from(warp::concentric_disk(u_place.to_array()));
                 let side = Frame::from_normal(sample.wi).to_world(place.extend(0.0));
                 Some(EmittedRay {
                     light: *id,
@@ -267,7 +267,7 @@ impl Side {
             side = if u.x < 0.5 { 1.0 } else { -1.0 };
             u.x = (2.0 * u.x).fract();
         }
-        let local = warp::cosine_hemisphere(u);
+        let local = warp::cosine_hemisphere(u.to_array());
         Frame::from_normal(side * self.normal).to_world(local).normalize()
     }
 

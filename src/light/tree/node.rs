@@ -183,7 +183,7 @@ mod tests {
     fn directions() -> impl Iterator<Item = Vec3> {
         let random = (0..4000).map(|i| {
             let [a, b, ..] = pcg4d([i, 7, 8, 9]);
-            warp::uniform_sphere(Vec2::new(unit_float(a), unit_float(b)))
+            warp::uniform_sphere([unit_float(a), unit_float(b)])
         });
         random.chain([Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z])
     }

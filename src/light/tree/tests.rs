@@ -1,6 +1,6 @@
 //! Tests the probabilities of the tree, on ordinary and on awkward sets of emitters.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::LightTree;
 use crate::light::LightReference;
@@ -15,7 +15,7 @@ fn random(index: u32, stream: u32) -> [f32; 4] {
 
 fn random_direction(index: u32, stream: u32) -> Vec3 {
     let [a, b, ..] = random(index, stream);
-    warp::uniform_sphere(Vec2::new(a, b))
+    warp::uniform_sphere([a, b])
 }
 
 fn point(position: Vec3, intensity: f32) -> LightBounds {

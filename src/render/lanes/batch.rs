@@ -241,7 +241,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// A step at a surface that is not of one of the commonest models.
+    /// A step at a surface whose model depends on more than the side that is seen.
     #[inline(never)]
     fn arrive_elsewhere(
         &mut self,

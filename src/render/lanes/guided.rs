@@ -100,6 +100,7 @@ impl<'a> Guided<'a> {
             wi,
             weight: value / pdf,
             pdf,
+            is_delta: Lanes::ZERO,
             // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In other directions paths have more than
             // that, and are to be kept for it.
             eta: (pdf / bsdf_pdf).fast_max(Lanes::ONE).sqrt(),

@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 use super::context::Context;
-use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
+use crate::light::lanes::{ReferenceLanes, SkyLanes, SoleLight, sample_constant};
 use crate::light::{LightId, LightReference, Target};
 use crate::math::PerLane;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
@@ -96,16 +96,19 @@ impl LightLanes {
         light.with_others(context, alone, seen_from, [u_choice, u[0], u[1]])
     }
 
-    /// Replaces the samples of the lanes `asked`, one by one. It is not inlined, because what is set lane by lane is in memory.
+    /// Replaces the samples of the lanes `asked`: the sky for all that have chosen it, other lights one by one. It is not inlined, because what is set lane
+    /// by lane is in memory.
     #[inline(never)]
     fn with_others(mut self, context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         self.infinite &= !asked;
         let mut valid = self.is_valid.to_bitmask() & !asked;
+        let mut skies = SkyLanes::default();
         for lane in each_lane(asked) {
             let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
             let place = Vec2::new(x, y);
             let reference = LightReference::gather_lane(&seen_from, lane);
-            let Some((id, sample)) = context.scene.lights.sample(&reference, u_choice, place) else {
+            let lights = &context.scene.lights;
+            let Some((id, sample)) = lights.sample_or_note(lane, &reference, u_choice, place, &mut skies) else {
                 continue;
             };
             let bit = 1 << lane;
@@ -119,6 +122,15 @@ impl LightLanes {
                 Target::Point(target) => self.target.set(lane, target),
                 Target::Infinity => self.infinite |= bit,
             }
+        }
+        if let Some((id, sample, is_there)) = skies.sample([u[1], u[2]]) {
+            self.wi = Vec3Lanes::select(is_there, sample.wi, self.wi);
+            self.radiance = Vec3Lanes::select(is_there, sample.radiance, self.radiance);
+            self.pdf = is_there.select(sample.pdf, self.pdf);
+            let lanes = is_there.to_bitmask();
+            each_lane(lanes).for_each(|lane| self.light[lane] = id);
+            self.infinite |= lanes;
+            valid |= lanes;
         }
         self.is_valid = lanes_of(valid);
         self

@@ -17,6 +17,7 @@ use crate::render::roulette;
 use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, transmittance};
 use crate::render::view::{PathSettings, Strategy};
 use crate::sampling::Sampler;
+use crate::shading::ShadingTables;
 use crate::shading::lanes::BsdfSampleLanes;
 
 /// The surfaces at the vertices, and the directions they are seen from.
@@ -44,10 +45,7 @@ impl Surfaces {
     #[inline(always)]
     fn new<const MEDIA: bool>(vertices: &Vertices<'_, MEDIA>, dir: Vec3Lanes) -> Self {
         let lanes = vertices.lanes;
-        let frame = FrameLanes {
-            n: vertices.shading_normal * vertices.side,
-            ..FrameLanes::from_normal(vertices.shading_normal)
-        };
+        let frame = vertices.frames();
         Self {
             lanes,
             here: lanes_of(lanes),
@@ -103,14 +101,17 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         self.paths.depth += ones_in(surfaces.lanes);
         let guided = context.field.and_then(|field| {
             let asked = self.vertices.guided() & surfaces.lanes;
-            let lobes = self.vertices.diffuse_lobes(asked, surfaces.frame.n);
+            let tables = context.scene.materials.tables();
+            let lobes = self
+                .vertices
+                .diffuse_lobes(tables, asked, surfaces.frame.n, surfaces.wo);
             Guided::of(field, asked, surfaces.reference.position, lobes)
         });
         if surfaces.smooth != 0 && context.samples_lights() {
             self.sample_lights(&surfaces, coherence, context, guided.as_ref(), samples);
         }
         self.note_scattering(samples);
-        let (sample, scattered) = self.sample_bsdfs(&surfaces, guided.as_ref());
+        let (sample, scattered) = self.sample_bsdfs(&surfaces, context, guided.as_ref());
         let is_scattered = lanes_of(scattered);
         let mut goes_on = self.bounce(&surfaces, &sample, scattered);
         goes_on &= self.play_roulette(&surfaces, context.settings, is_scattered);
@@ -142,7 +143,9 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             self.paths.depth,
             raised,
         );
-        let (mut value, mut bsdf_pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(light.wi));
+        let (mut value, mut bsdf_pdf) =
+            self.vertices
+                .eval_and_pdf(context.scene.materials.tables(), wo, frame.to_local(light.wi));
         if surfaces.other & smooth != 0 {
             let asked = surfaces.other & smooth & light.is_valid.to_bitmask();
             (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
@@ -288,32 +291,31 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
 
     /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only ones of a lobe.
     #[inline(always)]
-    fn sample_bsdfs(&self, surfaces: &Surfaces, guided: Option<&Guided>) -> (BsdfSampleLanes, u32) {
+    fn sample_bsdfs(&self, surfaces: &Surfaces, context: &Context, guided: Option<&Guided>) -> (BsdfSampleLanes, u32) {
         let Surfaces { lanes, other, .. } = *surfaces;
         let (bsdf, sampler) = (&self.vertices.bsdf, &self.paths.sampler);
-        let u_lobe = match bsdf.transmitting() | other {
+        let u_lobe = match bsdf.choosing() | other {
             0 => Lanes::ZERO,
             _ => sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth)),
         };
         let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
-        let local = self.vertices.sample(surfaces.wo, u_lobe, u_direction);
+        let tables = context.scene.materials.tables();
+        let local = self.vertices.sample(tables, surfaces.wo, u_lobe, u_direction);
         let mut sample = BsdfSampleLanes {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
-        let mut smooth = surfaces.smooth;
-        let mut delta = 0;
         if other != 0 {
-            let (with_others, smooth_others) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
-            sample = with_others;
-            smooth &= !other | smooth_others;
-            delta = other & !smooth_others & sample.returned.to_bitmask();
+            sample = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
         }
+        let smooth = surfaces.smooth & !sample.is_delta.to_bitmask();
         match guided {
             Some(guided) => {
                 // A coat that is smooth keeps its only direction.
-                let here = guided.lanes() & !delta;
-                (self.guide(guided, surfaces, here, u_direction, sample), smooth | here)
+                let delta = sample.is_delta & sample.returned;
+                let here = guided.lanes() & !delta.to_bitmask();
+                let sample = self.guide(guided, surfaces, tables, here, u_direction, sample);
+                (sample, smooth | here)
             }
             None => (sample, smooth),
         }
@@ -325,6 +327,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         &self,
         guided: &Guided,
         surfaces: &Surfaces,
+        tables: &ShadingTables,
         here: u32,
         u: [Lanes; 2],
         sample: BsdfSampleLanes,
@@ -333,7 +336,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let u_lobe = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
         let others = surfaces.other & here;
         let eval_and_pdf = |wi: Vec3Lanes, is_there: u32| {
-            let (value, pdf) = self.vertices.eval_and_pdf(wo, frame.to_local(wi));
+            let (value, pdf) = self.vertices.eval_and_pdf(tables, wo, frame.to_local(wi));
             match others & is_there {
                 0 => (value, pdf),
                 asked => self.vertices.eval_others(asked, wi, value, pdf),

@@ -6,12 +6,12 @@ use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::material::{Lobe, Single};
 use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::medium::lanes::PhaseLanes;
 use crate::medium::{MediumId, MediumInterface};
 use crate::render::scene::{RenderScene, SurfaceSlot};
-use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
+use crate::shading::{DiffuseLobe, ShadingTables, TransportMode};
 
 /// The surfaces and their models; only the lanes of `lanes` have a meaning.
 pub(super) struct Vertices<'a, const MEDIA: bool> {
@@ -24,14 +24,17 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     pub shading_normal: Vec3Lanes,
     /// The side of the shading normal that the model is seen from: 1, or -1 from behind.
     pub side: Lanes,
-    /// The commonest models.
+    /// The lanes whose first two axes are given, a bit each. Those of the others follow from the shading normal.
+    framed: u32,
+    axes: [Vec3Lanes; 2],
+    /// The models.
     pub bsdf: BsdfLanes,
     /// The lanes that are in a medium and not on a surface. Their shading normal is the direction in which the path has come.
     pub phase: PhaseLanes,
     /// The lanes on surfaces with media on their sides, which are in the list below.
     pub borders: u32,
     sides: [MediumInterface; LANES],
-    /// The lanes of others.
+    /// The lanes of models that are evaluated one by one.
     pub other: u32,
     singles: [Option<Single<'a>>; LANES],
     /// The lanes of `other` that have smooth lobes.
@@ -71,6 +74,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             geometric_normal: Vec3Lanes::ZERO,
             shading_normal: Vec3Lanes::ZERO,
             side: Lanes::ONE,
+            framed: 0,
+            axes: [Vec3Lanes::ZERO; 2],
             bsdf: BsdfLanes::new(),
             phase: PhaseLanes::NONE,
             borders: 0,
@@ -84,7 +89,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     }
 
     pub fn clear(&mut self) {
-        self.lanes = 0;
+        (self.lanes, self.framed) = (0, 0);
         self.bsdf.clear();
         self.phase.lanes = 0;
         self.borders = 0;
@@ -108,17 +113,32 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.bsdf.guided() | self.other_diffuse
     }
 
-    /// The diffuse lobes of the lanes `asked`, which are among [`Self::guided`]. `normal` are those of the commonest models.
+    /// The frames in which the models are, with the shading normals on the side that is seen.
     #[inline(always)]
-    pub fn diffuse_lobes(&self, asked: u32, normal: Vec3Lanes) -> DiffuseLobeLanes {
-        let all = DiffuseLobeLanes {
-            normal,
-            start: Lanes::ZERO,
-            share: Lanes::ONE,
-        };
+    pub fn frames(&self) -> FrameLanes {
+        let upright = FrameLanes::from_normal(self.shading_normal);
+        let (own, [s, t]) = (lanes_of(self.framed), self.axes);
+        FrameLanes {
+            s: Vec3Lanes::select(own, s, upright.s),
+            t: Vec3Lanes::select(own, t, upright.t),
+            n: self.shading_normal * self.side,
+        }
+    }
+
+    /// The diffuse lobes of the lanes `asked`, which are among [`Self::guided`]. `normal` are the normals of the models in lanes, and `wo` the directions in their frames.
+    #[inline(always)]
+    pub fn diffuse_lobes(
+        &self,
+        tables: &ShadingTables,
+        asked: u32,
+        normal: Vec3Lanes,
+        wo: Vec3Lanes,
+    ) -> DiffuseLobeLanes {
+        let DiffuseLobe { start, share } = self.bsdf.diffuse_lobes(tables, wo);
+        let lobes = DiffuseLobeLanes { normal, start, share };
         match asked & self.other {
-            0 => all,
-            others => self.with_lobes_of_others(others, all),
+            0 => lobes,
+            others => self.with_lobes_of_others(others, lobes),
         }
     }
 
@@ -140,10 +160,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.lanes & !(self.bsdf.transmitting() | self.in_media() | self.other & !self.other_halved)
     }
 
-    /// The values and densities of the commonest models and of phase functions, in the frames of the vertices.
+    /// The values and densities of the models in lanes and of phase functions, in the frames of the vertices.
     #[inline(always)]
-    pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
-        let (value, pdf) = self.bsdf.eval_and_pdf(wo, wi);
+    pub fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
+        let (value, pdf) = self.bsdf.eval_and_pdf(tables, wo, wi);
         match self.in_media() {
             0 => (value, pdf),
             _ => self.with_densities(value, pdf, wi.z),
@@ -161,10 +181,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         )
     }
 
-    /// Directions by the commonest models and by phase functions, in the frames of the vertices.
+    /// Directions by the models in lanes and by phase functions, in the frames of the vertices.
     #[inline(always)]
-    pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
-        let sample = self.bsdf.sample(wo, u_lobe, u, TransportMode::Radiance);
+    pub fn sample(&self, tables: &ShadingTables, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+        let sample = self.bsdf.sample(tables, wo, u_lobe, u, TransportMode::Radiance);
         match self.in_media() {
             0 => sample,
             _ => self.with_phases(sample, u),
@@ -179,6 +199,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             wi,
             weight: Vec3Lanes::splat(Vec3::ONE),
             pdf,
+            is_delta: Lanes::ZERO,
             eta: Lanes::ONE,
             returned: lanes_of(self.phase.lanes),
         };
@@ -234,8 +255,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         (value, pdf)
     }
 
-    /// Replaces `sample` by that of [`Single::sample`] in the lanes of `other` that are among `lanes`, in world space, and gives the mask of those
-    /// of smooth lobes.
+    /// Replaces `sample` by that of [`Single::sample`] in the lanes of `other` that are among `lanes`, in world space.
     #[inline(never)]
     pub fn sample_others(
         &self,
@@ -243,10 +263,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         u_lobe: Lanes,
         u: [Lanes; 2],
         mut sample: BsdfSampleLanes,
-    ) -> (BsdfSampleLanes, u32) {
+    ) -> BsdfSampleLanes {
         let asked = lanes & self.other;
         let mut returned = sample.returned.to_bitmask() & !asked;
-        let mut smooth = 0;
+        let mut delta = sample.is_delta.to_bitmask() & !asked;
         for lane in each_lane(asked) {
             let [u_lobe, x, y] = [u_lobe, u[0], u[1]].map(|numbers| numbers.as_array()[lane]);
             let single = self.singles[lane].as_ref();
@@ -256,14 +276,14 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
                 sample.pdf.as_mut_array()[lane] = own.pdf;
                 sample.eta.as_mut_array()[lane] = own.eta;
                 returned |= 1 << lane;
-                smooth |= u32::from(own.lobe == Lobe::Smooth) << lane;
+                delta |= u32::from(own.lobe != Lobe::Smooth) << lane;
             }
         }
-        sample.returned = lanes_of(returned);
-        (sample, smooth)
+        (sample.returned, sample.is_delta) = (lanes_of(returned), lanes_of(delta));
+        sample
     }
 
-    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it is not of the commonest models, or if its light
+    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it depends on more than the side that is seen, or if its light
     /// needs to know more.
     #[inline(always)]
     pub fn set_plain(
@@ -304,22 +324,38 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     ) -> Option<Met> {
         let point = scene.surface(ray, hit, slot);
         let single = scene.single(slot.material, hit, &point, -ray.dir, TransportMode::Radiance)?;
-        let (one_sided_normal, albedo) = (single.one_sided_normal(), single.albedo());
-        let (is_smooth, may_be_diffuse) = (single.has_smooth_lobe(), single.may_have_diffuse_lobe());
-        self.singles[lane] = Some(single);
+        let (is_smooth, albedo) = (single.has_smooth_lobe(), single.albedo());
+        match single.model() {
+            Some((bsdf, frame, side)) if BsdfLanes::knows(bsdf) => {
+                self.bsdf.set(lane, bsdf);
+                self.shading_normal.set(lane, frame.n);
+                self.side.as_mut_array()[lane] = side;
+                self.framed |= 1 << lane;
+                self.axes[0].set(lane, frame.s);
+                self.axes[1].set(lane, frame.t);
+            }
+            _ => self.set_single(lane, single),
+        }
         self.set_place(lane, &point);
-        self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
-        self.side.as_mut_array()[lane] = 1.0;
-        let bit = |condition: bool| u32::from(condition) << lane;
-        self.other |= bit(true);
-        self.other_smooth |= bit(is_smooth);
-        self.other_diffuse |= bit(may_be_diffuse);
-        self.other_halved |= bit(one_sided_normal.is_some());
         Some(Met {
             point,
             is_smooth,
             albedo,
         })
+    }
+
+    /// Sets a model that is evaluated by itself.
+    #[inline(never)]
+    fn set_single(&mut self, lane: usize, single: Single<'a>) {
+        let one_sided_normal = single.one_sided_normal();
+        self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
+        self.side.as_mut_array()[lane] = 1.0;
+        let bit = |condition: bool| u32::from(condition) << lane;
+        self.other |= bit(true);
+        self.other_smooth |= bit(single.has_smooth_lobe());
+        self.other_diffuse |= bit(single.may_have_diffuse_lobe());
+        self.other_halved |= bit(one_sided_normal.is_some());
+        self.singles[lane] = Some(single);
     }
 
     #[inline(always)]

@@ -22,11 +22,9 @@ mod thin;
 
 pub use thin::{PrincipledThin, ThinSamplingRates};
 
-use glam::{Vec2, Vec3};
-
 use super::fresnel::{self, DielectricFresnel, DielectricModel};
-use super::{BsdfSample, DiffuseLobe, TransportMode};
-use crate::color::Rgb;
+use super::{BsdfSample, DiffuseLobe, Model, ShadingTables, TransportMode};
+use crate::math::{Mask, Real, Vector, real_struct};
 use crate::sampling::warp;
 use clearcoat::Clearcoat;
 use specular::Facet;
@@ -37,46 +35,48 @@ const CLEARCOAT_SHARE: f32 = 0.25;
 /// The power of full sheen relative to a white base, at most: how often it is sampled over glass.
 const SHEEN_SHARE: f32 = 0.25;
 
-/// A principled surface. Numbers are in [0, 1] unless stated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Principled {
-    /// The colour of base, metal, and (its root, for each of the two crossings) glass.
-    pub base_color: Rgb,
-    /// The perceptual roughness: that of GGX is its square.
-    pub roughness: f32,
-    /// The stretch of highlights along the first tangent; 0 is isotropic.
-    pub anisotropic: f32,
-    /// The share of metal.
-    pub metallic: f32,
-    /// The share of glass in what is not metal; the rest is base.
-    pub spec_trans: f32,
-    /// Refractive index inside over outside, above 0; not 1 if there is glass.
-    pub eta: f32,
-    /// The share of the base colour's hue in the dielectric reflection.
-    pub spec_tint: f32,
-    /// The strength of the grazing reflection of fabrics.
-    pub sheen: f32,
-    /// The share of the base colour's hue in the sheen.
-    pub sheen_tint: f32,
-    /// The blend from diffuse reflection to imitated subsurface scattering.
-    pub flatness: f32,
-    /// The strength of a second specular lobe on top.
-    pub clearcoat: f32,
-    /// The gloss of the coat, from satin to glossy.
-    pub clearcoat_gloss: f32,
-    /// The rates at which lobes are sampled.
-    pub rates: SamplingRates,
+real_struct! {
+    /// A principled surface. Numbers are in [0, 1] unless stated.
+    pub struct Principled<R> {
+        /// The colour of base, metal, and (its root, for each of the two crossings) glass.
+        pub base_color: R::Vec3,
+        /// The perceptual roughness: that of GGX is its square.
+        pub roughness: R,
+        /// The stretch of highlights along the first tangent; 0 is isotropic.
+        pub anisotropic: R,
+        /// The share of metal.
+        pub metallic: R,
+        /// The share of glass in what is not metal; the rest is base.
+        pub spec_trans: R,
+        /// Refractive index inside over outside, above 0; not 1 if there is glass.
+        pub eta: R,
+        /// The share of the base colour's hue in the dielectric reflection.
+        pub spec_tint: R,
+        /// The strength of the grazing reflection of fabrics.
+        pub sheen: R,
+        /// The share of the base colour's hue in the sheen.
+        pub sheen_tint: R,
+        /// The blend from diffuse reflection to imitated subsurface scattering.
+        pub flatness: R,
+        /// The strength of a second specular lobe on top.
+        pub clearcoat: R,
+        /// The gloss of the coat, from satin to glossy.
+        pub clearcoat_gloss: R,
+        /// The rates at which lobes are sampled.
+        pub rates: SamplingRates<R>,
+    }
 }
 
-/// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SamplingRates {
-    /// The rate of reflection and refraction at the base's own interface.
-    pub main_specular: f32,
-    /// The rate of the clear coat.
-    pub clearcoat: f32,
-    /// The rate of diffuse light and sheen.
-    pub diffuse_reflectance: f32,
+real_struct! {
+    /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
+    pub struct SamplingRates<R> {
+        /// The rate of reflection and refraction at the base's own interface.
+        pub main_specular: R,
+        /// The rate of the clear coat.
+        pub clearcoat: R,
+        /// The rate of diffuse light and sheen.
+        pub diffuse_reflectance: R,
+    }
 }
 
 impl Default for SamplingRates {
@@ -95,199 +95,236 @@ pub fn eta_from_specular(specular: f32) -> f32 {
 }
 
 /// The value f |cos wi| and the solid angle density of one pair of directions.
-#[derive(Clone, Copy, Default)]
-struct Evaluation {
-    value: Rgb,
-    pdf: f32,
+#[derive(Clone, Copy)]
+struct Evaluation<R: Real> {
+    value: R::Vec3,
+    pdf: R,
 }
 
-impl Evaluation {
-    fn into_sample(self, wi: Vec3, eta: f32) -> Option<BsdfSample> {
-        (self.pdf > 0.0).then(|| BsdfSample {
+impl<R: Real> Evaluation<R> {
+    /// The evaluation where `condition` holds, else that of no light.
+    #[inline(always)]
+    fn only(self, condition: R::Mask) -> Self {
+        Self {
+            value: self.value.only(condition),
+            pdf: self.pdf.only(condition),
+        }
+    }
+
+    /// The evaluation where `condition` holds, else `other`.
+    #[inline(always)]
+    fn or(self, condition: R::Mask, other: Self) -> Self {
+        Self {
+            value: R::Vec3::select(condition, self.value, other.value),
+            pdf: R::select(condition, self.pdf, other.pdf),
+        }
+    }
+
+    #[inline(always)]
+    fn into_sample(self, wi: R::Vec3, eta: R, is_returned: R::Mask) -> (BsdfSample<R>, R::Mask) {
+        let sample = BsdfSample {
             wi,
             weight: self.value / self.pdf,
             pdf: self.pdf,
-            is_delta: false,
+            is_delta: R::Mask::NEVER,
             eta,
-        })
+        };
+        (sample, is_returned & self.pdf.is_more(R::ZERO))
     }
 }
 
 /// The interface as a viewer meets it, and the probabilities of sampling each group of lobes.
-struct Aspect {
-    base: f32,
-    clearcoat: f32,
-    specular: f32,
+struct Aspect<R: Real> {
+    base: R,
+    clearcoat: R,
+    specular: R,
     /// The probability that light that facets do not reflect is sampled as refracted; otherwise it is sampled as reflected.
-    refracted: f32,
-    outside: bool,
+    refracted: R,
+    is_outside: R::Mask,
     /// Index of the far side over that of the viewer's.
-    eta: f32,
+    eta: R,
+    /// Whether anything is seen.
+    is_seen: R::Mask,
 }
 
-impl Aspect {
-    fn fresnel(&self, cos: f32) -> DielectricFresnel {
+impl<R: Real> Aspect<R> {
+    #[inline(always)]
+    fn fresnel(&self, cos: R) -> DielectricFresnel<R> {
         fresnel::dielectric(cos, self.eta, DielectricModel::Exact)
     }
 }
 
-impl Principled {
+impl<R: Real> Principled<R> {
     /// The share of glass in all.
-    fn glass(&self) -> f32 {
-        (1.0 - self.metallic) * self.spec_trans
+    #[inline(always)]
+    fn glass(&self) -> R {
+        (R::ONE - self.metallic) * self.spec_trans
     }
 
-    /// The interface for a viewer; `None` if nothing is seen.
-    fn aspect(&self, wo: Vec3) -> Option<Aspect> {
-        let glass = self.glass();
-        if wo.z < 0.0 && glass > 0.0 {
-            return Some(Aspect {
-                base: 0.0,
-                clearcoat: 0.0,
-                specular: 1.0,
-                refracted: 1.0,
-                outside: false,
-                eta: self.eta.recip(),
-            });
-        }
-        let rates = &self.rates;
-        let diffuse = (1.0 - self.metallic) * (1.0 - self.spec_trans).max(SHEEN_SHARE * self.sheen);
-        let base = rates.diffuse_reflectance * diffuse;
-        let clearcoat = rates.clearcoat * CLEARCOAT_SHARE * self.clearcoat;
+    /// The interface for a viewer.
+    #[inline(always)]
+    fn aspect(&self, wo: R::Vec3) -> Aspect<R> {
+        let (zero, one) = (R::ZERO, R::ONE);
+        let (glass, rates) = (self.glass(), &self.rates);
+        let is_outside = wo.z().is_more(zero);
+        let is_inside = wo.z().is_less(zero) & glass.is_more(zero);
+        let opaque = (one - self.spec_trans).max(R::splat(SHEEN_SHARE) * self.sheen);
+        let base = rates.diffuse_reflectance * (one - self.metallic) * opaque;
+        let clearcoat = rates.clearcoat * R::splat(CLEARCOAT_SHARE) * self.clearcoat;
         let total = base + clearcoat + rates.main_specular;
-        (wo.z > 0.0 && total > 0.0).then(|| Aspect {
-            base: base / total,
-            clearcoat: clearcoat / total,
-            specular: rates.main_specular / total,
-            refracted: glass,
-            outside: true,
-            eta: self.eta,
-        })
-    }
-
-    pub(super) fn diffuse_lobe(&self, wo: Vec3) -> DiffuseLobe {
-        match self.aspect(wo).filter(|_| self.glass() == 0.0) {
-            Some(aspect) => DiffuseLobe {
-                start: 0.0,
-                share: aspect.base,
-            },
-            None => DiffuseLobe::NONE,
+        Aspect {
+            base: (base / total).only(is_outside),
+            clearcoat: (clearcoat / total).only(is_outside),
+            specular: R::select(is_outside, rates.main_specular / total, one),
+            refracted: R::select(is_outside, glass, one),
+            is_outside,
+            eta: R::select(is_outside, self.eta, one / self.eta),
+            is_seen: (is_outside & total.is_more(zero)) | is_inside,
         }
     }
 
-    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        let Evaluation { value, pdf } = self.evaluate(wo, wi, mode);
-        (value, pdf)
-    }
-
-    fn evaluate(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Evaluation {
-        let Some(aspect) = self.aspect(wo) else {
-            return Evaluation::default();
-        };
-        let (wo, wi) = (upright(wo, wo), upright(wi, wo));
+    #[inline(always)]
+    fn evaluate(&self, aspect: &Aspect<R>, wo: R::Vec3, wi: R::Vec3, mode: TransportMode) -> Evaluation<R> {
+        let (wo, wi) = (upright::<R>(wo, wo), upright::<R>(wi, wo));
         let distribution = specular::microfacets(self.roughness, self.anisotropic);
-        let evaluation = if wi.z > 0.0 {
-            specular::reflecting(&distribution, wo, wi).map(|facet| self.reflected(&aspect, wo, wi, &facet))
-        } else if wi.z < 0.0 && aspect.refracted > 0.0 {
-            specular::refracting(&distribution, aspect.eta, wo, wi).map(|facet| self.refracted(&aspect, &facet, mode))
-        } else {
-            None
-        };
-        evaluation.unwrap_or_default()
+        let facet = specular::reflecting(&distribution, wo, wi);
+        let is_reflected = aspect.is_seen & wi.z().is_more(R::ZERO) & facet.is_there;
+        let evaluation = self.reflected(aspect, wo, wi, &facet).only(is_reflected);
+        let is_below = aspect.is_seen & wi.z().is_less(R::ZERO) & aspect.refracted.is_more(R::ZERO);
+        if !is_below.any() {
+            return evaluation;
+        }
+        let facet = specular::refracting(&distribution, aspect.eta, wo, wi);
+        self.refracted(aspect, &facet, mode)
+            .or(is_below & facet.is_there, evaluation)
     }
 
-    fn refracted(&self, aspect: &Aspect, facet: &Facet, mode: TransportMode) -> Evaluation {
-        let transmittance = 1.0 - aspect.fresnel(facet.cos).reflectance;
+    #[inline(always)]
+    fn refracted(&self, aspect: &Aspect<R>, facet: &Facet<R>, mode: TransportMode) -> Evaluation<R> {
+        let transmittance = R::ONE - aspect.fresnel(facet.cos).reflectance;
         let strength = self.glass() * transmittance / mode.refraction_factor(aspect.eta);
         Evaluation {
-            value: self.base_color.map(f32::sqrt) * (strength * facet.unmasked * facet.pdf),
+            value: self.base_color.map(R::sqrt) * (strength * facet.unmasked * facet.pdf),
             pdf: aspect.specular * aspect.refracted * transmittance * facet.pdf,
         }
     }
 
     /// The reflected light. `facet` is the main lobe's; its angle and normal are those of all lobes.
-    fn reflected(&self, aspect: &Aspect, wo: Vec3, wi: Vec3, facet: &Facet) -> Evaluation {
+    #[inline(always)]
+    fn reflected(&self, aspect: &Aspect<R>, wo: R::Vec3, wi: R::Vec3, facet: &Facet<R>) -> Evaluation<R> {
+        let (zero, one) = (R::ZERO, R::ONE);
         let fresnel = aspect.fresnel(facet.cos);
-        let mut evaluation = Evaluation {
-            value: self.reflectance(aspect, facet.cos, &fresnel) * (facet.unmasked * facet.pdf),
-            pdf: aspect.specular * (1.0 - aspect.refracted * (1.0 - fresnel.reflectance)) * facet.pdf,
-        };
-        if !aspect.outside {
-            return evaluation;
-        }
+        let mut value = self.reflectance(aspect, facet.cos, &fresnel) * (facet.unmasked * facet.pdf);
+        let mut pdf = aspect.specular * (one - aspect.refracted * (one - fresnel.reflectance)) * facet.pdf;
 
-        let base = (1.0 - self.metallic) * (1.0 - self.spec_trans);
-        let sheen = (1.0 - self.metallic) * self.sheen;
-        evaluation.value +=
-            self.base_color * (base * base::value(self.roughness, self.flatness, wo.z, wi.z, facet.cos));
-        evaluation.pdf += aspect.base * warp::cosine_hemisphere_pdf(wi.z);
-        if sheen > 0.0 {
-            evaluation.value += sheen * sheen::value(self.base_color, self.sheen_tint, wi.z, facet.cos);
+        let is_outside = aspect.is_outside;
+        let base = (one - self.metallic) * (one - self.spec_trans);
+        let diffuse = base::value(self.roughness, self.flatness, wo.z(), wi.z(), facet.cos);
+        value += self.base_color * (base * diffuse).only(is_outside);
+        pdf += aspect.base * warp::cosine_hemisphere_pdf(wi.z());
+        let sheen = ((one - self.metallic) * self.sheen).only(is_outside);
+        if sheen.is_more(zero).any() {
+            value += sheen::value(self.base_color, self.sheen_tint, wi.z(), facet.cos) * sheen;
         }
-        if self.clearcoat > 0.0 {
+        let is_coated = is_outside & self.clearcoat.is_more(zero);
+        if is_coated.any() {
             let coat = Clearcoat::new(self.clearcoat_gloss);
-            let value = coat.value(wo, wi, facet.normal, facet.cos, &fresnel);
-            evaluation.value += CLEARCOAT_SHARE * self.clearcoat * value;
-            evaluation.pdf += aspect.clearcoat * coat.pdf(facet.normal, facet.cos);
+            let of_coat = coat.value(wo, wi, facet.normal, facet.cos, &fresnel);
+            let strength = R::splat(CLEARCOAT_SHARE) * self.clearcoat;
+            value += R::Vec3::even((strength * of_coat).only(is_coated));
+            pdf += (aspect.clearcoat * coat.pdf(facet.normal, facet.cos)).only(is_coated);
         }
-        evaluation
+        Evaluation { value, pdf }
     }
 
     /// Reflectance of the main lobe's facets, met with cosine `cos`.
-    fn reflectance(&self, aspect: &Aspect, cos: f32, fresnel: &DielectricFresnel) -> Rgb {
-        let exact = Rgb::splat(fresnel.reflectance);
-        if !aspect.outside {
-            return self.glass() * exact;
-        }
-        if fresnel.reflectance == 0.0 {
-            return Rgb::ZERO;
-        }
-        let dielectric = exact.lerp(schlick::tinted(self.base_color, self.eta, cos, fresnel), self.spec_tint);
-        dielectric.lerp(schlick::interpolated(self.base_color, cos, fresnel), self.metallic)
+    #[inline(always)]
+    fn reflectance(&self, aspect: &Aspect<R>, cos: R, fresnel: &DielectricFresnel<R>) -> R::Vec3 {
+        let exact = R::Vec3::even(fresnel.reflectance);
+        let dielectric = exact.mix(schlick::tinted(self.base_color, self.eta, cos, fresnel), self.spec_tint);
+        let outside = dielectric.mix(schlick::interpolated(self.base_color, cos, fresnel), self.metallic);
+        let outside = outside.only(!fresnel.reflectance.equals(R::ZERO));
+        R::Vec3::select(aspect.is_outside, outside, exact * self.glass())
+    }
+}
+
+impl<R: Real> Model<R> for Principled<R> {
+    #[inline(always)]
+    fn diffuse_lobe(&self, _: &ShadingTables, wo: R::Vec3) -> DiffuseLobe<R> {
+        let aspect = self.aspect(wo);
+        let lobe = DiffuseLobe {
+            start: R::ZERO,
+            share: aspect.base,
+        };
+        lobe.or(aspect.is_seen & self.glass().equals(R::ZERO), DiffuseLobe::NONE)
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let aspect = self.aspect(wo)?;
-        let above = upright(wo, wo);
-        let (wi, refracted) = if u_lobe < aspect.base {
-            (warp::cosine_hemisphere(u), false)
-        } else if u_lobe < aspect.base + aspect.clearcoat {
-            (
-                reflect(above, Clearcoat::new(self.clearcoat_gloss).sample_normal(u)),
-                false,
-            )
-        } else {
+    #[inline(always)]
+    fn eval_and_pdf(&self, _: &ShadingTables, wo: R::Vec3, wi: R::Vec3, mode: TransportMode) -> (R::Vec3, R) {
+        let Evaluation { value, pdf } = self.evaluate(&self.aspect(wo), wo, wi, mode);
+        (value, pdf)
+    }
+
+    #[inline(always)]
+    fn sample(
+        &self,
+        _: &ShadingTables,
+        wo: R::Vec3,
+        u_lobe: R,
+        u: [R; 2],
+        mode: TransportMode,
+    ) -> (BsdfSample<R>, R::Mask) {
+        let zero = R::ZERO;
+        let aspect = self.aspect(wo);
+        let above = upright::<R>(wo, wo);
+        let is_of_base = u_lobe.is_less(aspect.base);
+        let is_of_coat = !is_of_base & u_lobe.is_less(aspect.base + aspect.clearcoat);
+        let is_of_facets = !(is_of_base | is_of_coat);
+        let mut wi = above;
+        let mut is_refracted = R::Mask::NEVER;
+        if is_of_base.any() {
+            wi = warp::cosine_hemisphere(u);
+        }
+        if is_of_coat.any() {
+            let normal = Clearcoat::new(self.clearcoat_gloss).sample_normal(u);
+            wi = R::Vec3::select(is_of_coat, reflect::<R>(above, normal), wi);
+        }
+        if is_of_facets.any() {
             let normal = specular::microfacets(self.roughness, self.anisotropic).sample_visible(above, u);
             let fresnel = aspect.fresnel(above.dot(normal));
             let u_refract = (u_lobe - aspect.base - aspect.clearcoat) / aspect.specular;
-            if u_refract < aspect.refracted * (1.0 - fresnel.reflectance) {
-                (refract(above, normal, &fresnel), true)
-            } else {
-                (reflect(above, normal), false)
+            let passing = aspect.refracted * (R::ONE - fresnel.reflectance);
+            is_refracted = is_of_facets & u_refract.is_less(passing);
+            wi = R::Vec3::select(is_of_facets, reflect::<R>(above, normal), wi);
+            if is_refracted.any() {
+                wi = R::Vec3::select(is_refracted, refract(above, normal, &fresnel), wi);
             }
-        };
-        // A facet may send light to the wrong side, where another would catch it: lost here.
-        if wi.z == 0.0 || refracted != (wi.z < 0.0) {
-            return None;
         }
-        let eta = if refracted { aspect.eta } else { 1.0 };
-        let wi = upright(wi, wo);
-        self.evaluate(wo, wi, mode).into_sample(wi, eta)
+        // A facet may send light to the wrong side, where another would catch it: lost here.
+        let is_right = (is_refracted & wi.z().is_less(zero)) | (!is_refracted & wi.z().is_more(zero));
+        let eta = R::select(is_refracted, aspect.eta, R::ONE);
+        let wi = upright::<R>(wi, wo);
+        self.evaluate(&aspect, wo, wi, mode)
+            .into_sample(wi, eta, aspect.is_seen & is_right)
     }
 }
 
 /// The vector `v` with the z axis turned to the viewer `wo`.
-fn upright(v: Vec3, wo: Vec3) -> Vec3 {
-    if wo.z < 0.0 { v.with_z(-v.z) } else { v }
+#[inline(always)]
+fn upright<R: Real>(v: R::Vec3, wo: R::Vec3) -> R::Vec3 {
+    v.with_third(R::select(wo.z().is_less(R::ZERO), -v.z(), v.z()))
 }
 
-fn reflect(wo: Vec3, normal: Vec3) -> Vec3 {
-    2.0 * wo.dot(normal) * normal - wo
+#[inline(always)]
+fn reflect<R: Real>(wo: R::Vec3, normal: R::Vec3) -> R::Vec3 {
+    let cos = wo.dot(normal);
+    normal * (cos + cos) - wo
 }
 
 /// The refracted direction. `fresnel` is that of `wo` meeting `normal` from its own side.
-fn refract(wo: Vec3, normal: Vec3, fresnel: &DielectricFresnel) -> Vec3 {
-    let wi = (fresnel.eta_ti * wo.dot(normal) + fresnel.cos_t) * normal - fresnel.eta_ti * wo;
+#[inline(always)]
+fn refract<R: Real>(wo: R::Vec3, normal: R::Vec3, fresnel: &DielectricFresnel<R>) -> R::Vec3 {
+    let wi = normal * (fresnel.eta_ti * wo.dot(normal) + fresnel.cos_t) - wo * fresnel.eta_ti;
     // Large indices magnify rounding.
     wi.normalize()
 }

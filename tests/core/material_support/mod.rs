@@ -14,8 +14,8 @@ use sunroom::material::{BumpOptions, Material, MaterialId, MaterialTable, Scatte
 use sunroom::math::Frame;
 use sunroom::sampling::{Sampler, SequenceKind, warp};
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, DielectricModel, Diffuse, Microfacet, MicrofacetKind, RoughConductor,
-    RoughDielectric, ShadingTables, ThinDielectric, TransportMode, ior,
+    Bsdf, Compensation, Conductor, ConductorSpecular, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
+    RoughConductor, RoughDielectric, ShadingTables, ThinDielectric, TransportMode, ior,
 };
 use sunroom::texture::{Parameter, TextureId, TexturePoint, TextureTable};
 
@@ -88,7 +88,7 @@ impl Placed {
 /// Uniform over the sphere.
 pub fn random_direction(index: u32) -> Vec3 {
     let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(8, 1), index, 6);
-    warp::uniform_sphere(sampler.at_2d(0))
+    warp::uniform_sphere(sampler.at_2d(0).to_array())
 }
 
 type Value = Rc<dyn Fn(Vec3, Vec3) -> Rgb>;
@@ -317,7 +317,7 @@ fn metal(material: &str, alpha_x: f32, alpha_y: f32) -> Bsdf {
     Bsdf::RoughConductor(RoughConductor {
         specular: specular(material),
         distribution: Microfacet::new(MicrofacetKind::Ggx, alpha_x, alpha_y),
-        multiple_scattering: None,
+        multiple_scattering: Compensation::NONE,
     })
 }
 

@@ -125,7 +125,7 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
             Bsdf::RoughConductor(RoughConductor {
                 specular,
                 distribution: facets,
-                multiple_scattering: None,
+                multiple_scattering: Compensation::NONE,
             }),
         ),
         (
@@ -137,7 +137,7 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
             Bsdf::RoughConductor(RoughConductor {
                 specular,
                 distribution: facets,
-                multiple_scattering: Some(Compensation::new(microalbedo, &facets, &specular)),
+                multiple_scattering: Compensation::new(microalbedo, &facets, &specular),
             }),
         ),
         (
