@@ -100,7 +100,6 @@ fn angle(cos: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
     use crate::sampling::hash::pcg4d;
     use crate::sampling::{unit_float, warp};

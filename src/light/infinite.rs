@@ -47,7 +47,7 @@ impl InfiniteLight {
             Self::Constant(light) => light.sample(reference, u),
             Self::Environment(light) => light.sample(u),
             Self::SunSky(light) => {
-                let (sample, is_there) = light.sample(u.to_array());
+                let (sample, is_there) = light.sample(true, u.to_array());
                 is_there.then_some(LightSample {
                     wi: sample.wi,
                     target: Target::Infinity,

@@ -1,5 +1,5 @@
 //! The commonest lights for sixteen surfaces at once: a scene's only light, which is a rectangle that is equally bright all over, or the
-//! same from everywhere.
+//! same from everywhere; and a sky with its sun among any lights.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -10,7 +10,7 @@ use super::table::LightTable;
 use super::{LightId, LightReference, LightSample};
 use crate::color::Rgb;
 use crate::math::PerLane;
-use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, lanes_of, offset_origins};
+use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins};
 use crate::sampling::lanes::RectangleLanes;
 use crate::sampling::warp::cosine_hemisphere;
 
@@ -180,8 +180,15 @@ impl SkyLanes<'_> {
     #[inline(never)]
     pub fn sample(&self, u: [Lanes; 2]) -> Option<(LightId, SkySample<Lanes>, Lanes)> {
         let (id, sky) = self.sky?;
-        let (sample, is_there) = sky.sample(u);
+        let (sample, is_there) = sky.sample(lanes_of(self.lanes), u);
+        debug_assert!(
+            each_lane(is_there.to_bitmask())
+                .all(|lane| sample.wi.get(lane).is_normalized() && sample.radiance.get(lane).is_finite()),
+            "{id:?} is sampled as {:?} with {:?}",
+            sample.wi,
+            sample.radiance
+        );
         let pdf = sample.pdf * self.pmf;
-        Some((id, SkySample { pdf, ..sample }, is_there & lanes_of(self.lanes)))
+        Some((id, SkySample { pdf, ..sample }, is_there))
     }
 }

@@ -67,10 +67,11 @@ impl SunSkyLight {
         }
     }
 
-    /// Samples the light. The mask tells where there is some: not below the horizon and at night.
+    /// Samples the light where `asked` holds. The mask tells where there is some: none below the horizon or at night.
     #[inline(always)]
-    pub fn sample<R: Real>(&self, [u, v]: [R; 2]) -> (SkySample<R>, R::Mask) {
-        let is_of_sky = u.is_less(R::splat(self.sky_share));
+    pub fn sample<R: Real>(&self, asked: R::Mask, [u, v]: [R; 2]) -> (SkySample<R>, R::Mask) {
+        let is_of_sky = asked & u.is_less(R::splat(self.sky_share));
+        let is_of_sun = asked & !is_of_sky;
         let of_sky = R::each(is_of_sky, [u, v], |[u, v]| {
             let u = Vec2::new((u / self.sky_share).min(ONE_MINUS_EPSILON), v);
             let sample = self.density.as_ref().map(|density| density.sample(u));
@@ -78,13 +79,13 @@ impl SunSkyLight {
         });
         let [x, y, sky_pdf] = of_sky;
         let (mut local, mut sky_pdf) = (direction([x, y]), sky_pdf * R::splat(TABLE_DENSITY));
-        if (!is_of_sky).any() {
+        if is_of_sun.any() {
             let across = (u - R::splat(self.sky_share)) / R::splat(1.0 - self.sky_share);
             let u = [across.min(R::splat(ONE_MINUS_EPSILON)), v];
             let in_cone = warp::uniform_cone(u, R::splat(self.model.sun_one_minus_cos()));
             let of_sun = in_cone.along([self.sun.s, self.sun.t, self.sun.n]);
             local = R::Vec3::select(is_of_sky, local, of_sun);
-            sky_pdf = R::select(is_of_sky, sky_pdf, self.sky_pdf::<R>(of_sun, !is_of_sky));
+            sky_pdf = R::select(is_of_sky, sky_pdf, self.sky_pdf::<R>(of_sun, is_of_sun));
         }
         let pdf = self.mixed(sky_pdf, local);
         let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
@@ -93,14 +94,13 @@ impl SunSkyLight {
             radiance: self.model.sky::<R>(local) + self.model.sun::<R>(local),
             pdf,
         };
-        (sample, pdf.is_more(R::ZERO))
+        (sample, asked & pdf.is_more(R::ZERO))
     }
 
     /// The radiance from a direction, and the density per solid angle of [`Self::sample`].
     pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.world_from_local.transpose() * wi;
-        let radiance = self.model.sky::<f32>(local) + self.model.sun::<f32>(local);
-        (radiance, self.mixed(self.sky_pdf::<f32>(local, true), local))
+        (self.radiance(wi), self.mixed(self.sky_pdf::<f32>(local, true), local))
     }
 
     pub fn radiance(&self, wi: Vec3) -> Rgb {
@@ -151,4 +151,69 @@ fn direction<R: Real>([x, y]: [R; 2]) -> R::Vec3 {
     let (sin, cos) = sin_cos(R::splat(TAU) * x);
     let radius = ((R::ONE - y) * (R::ONE + y)).max(R::ZERO).sqrt();
     R::Vec3::of(radius * cos, radius * sin, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::{LANES, Lanes, lanes_of};
+
+    #[test]
+    fn directions_in_lanes_are_those_of_one() {
+        let number = |k: usize, factor: f32| (k as f32 * factor).fract();
+        for (height, sky_scale, sun_scale) in [(0.8, 1.0, 1.0), (0.05, 1.0, 0.0), (0.3, 0.0, 1.0), (-0.2, 1.0, 1.0)] {
+            let light = SunSkyLight::new(
+                Atmosphere {
+                    turbidity: 3.0,
+                    albedo: Rgb::splat(0.3),
+                    sun_direction: Vec3::new(0.6, -0.2, height).normalize(),
+                    sky_scale,
+                    sun_scale,
+                    sun_aperture: 0.009,
+                    limb_darkening: height > 0.5,
+                },
+                Mat3::from_rotation_x(0.4),
+            );
+            let mut found = 0;
+            for start in (0..100_000).step_by(LANES) {
+                let [u, v] =
+                    [0.618_034, 0.414_214].map(|factor| std::array::from_fn(|lane| number(start + lane, factor)));
+                let asked = 0xfffd;
+                let (lanes, is_there) = light.sample(lanes_of(asked), [Lanes::new(u), Lanes::new(v)]);
+                let is_there = is_there.to_bitmask();
+                assert_eq!(is_there & !asked, 0);
+                for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
+                    let (one, is_one_there) = light.sample(true, [u[lane], v[lane]]);
+                    assert_eq!(is_there >> lane & 1 == 1, is_one_there);
+                    if !is_one_there {
+                        continue;
+                    }
+                    found += 1;
+                    assert!(
+                        lanes.wi.get(lane).abs_diff_eq(one.wi, 1e-6),
+                        "{} {}",
+                        lanes.wi.get(lane),
+                        one.wi
+                    );
+                    let (radiance, pdf) = (lanes.radiance.get(lane), lanes.pdf.as_array()[lane]);
+                    // The rim of the sun is where rounding puts it.
+                    let is_rim =
+                        (1.0 - one.radiance.dot(light.radiance(one.wi)) / one.radiance.length_squared()).abs() > 1e-3;
+                    assert!(
+                        is_rim || radiance.abs_diff_eq(one.radiance, 1e-3 * one.radiance.max_element()),
+                        "{radiance} {}",
+                        one.radiance
+                    );
+                    assert!(is_rim || (pdf - one.pdf).abs() <= 1e-3 * one.pdf, "{pdf} {}", one.pdf);
+                    let (_, again) = light.radiance_and_pdf(one.wi);
+                    assert!(
+                        is_rim || (again - one.pdf).abs() <= 2e-3 * one.pdf,
+                        "{again} {}",
+                        one.pdf
+                    );
+                }
+            }
+            assert_eq!(found > 50_000, height > 0.0, "{found}");
+        }
+    }
 }

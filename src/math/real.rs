@@ -40,13 +40,13 @@ pub trait Real:
     /// The same value in every lane.
     fn splat(value: f32) -> Self;
 
-    /// The fused `self a + b`.
+    /// The sum `self a + b`, rounded once in lanes where the hardware does so.
     fn mul_add(self, a: Self, b: Self) -> Self;
 
-    /// The smaller one; `other` where `self` is no number.
+    /// The smaller one; on x86 `other` where `self` is no number. Where `other` is no number the result is any.
     fn min(self, other: Self) -> Self;
 
-    /// The larger one; `other` where `self` is no number.
+    /// The larger one, as [`Self::min`] the smaller one.
     fn max(self, other: Self) -> Self;
 
     /// The number without its sign.
@@ -58,7 +58,7 @@ pub trait Real:
     /// The number with the sign of `sign`.
     fn copy_sign(self, sign: Self) -> Self;
 
-    /// A mask of where both are equal, which no number that is NaN is.
+    /// A mask of where both are equal. NaN equals nothing.
     fn equals(self, other: Self) -> Self::Mask;
 
     /// A mask of where it is less than `other`.

@@ -41,10 +41,12 @@ pub struct PiecewiseBilinear2d {
     guides: Vec<u32>,
     /// The number of such shares in a row.
     shares: usize,
+    /// The rows before which equal shares of the square lie, likewise.
+    row_guides: Vec<u32>,
 }
 
-/// The number of columns in a share. Those of most shares are in one line of the cache.
-const COLUMNS_PER_SHARE: usize = 2;
+/// The number of columns, or of rows, in a share. Those of most shares are in one line of the cache.
+const PER_SHARE: usize = 2;
 
 impl PiecewiseBilinear2d {
     /// Bytes of memory for each node of the grid: density, integral and half an entry of the guides.
@@ -86,14 +88,14 @@ impl PiecewiseBilinear2d {
             }
         }
         let mut sum = 0.0;
-        let up_to_row = std::iter::once(0.0)
+        let up_to_row: Vec<f64> = std::iter::once(0.0)
             .chain((1..rows).map(|row| {
                 let [before, here] = [row - 1, row].map(|row| f64::from(nodes[row * columns + columns - 1].before));
                 sum += 0.5 * step.y * (before + here);
                 sum
             }))
             .collect();
-        let shares = (columns / COLUMNS_PER_SHARE).max(1);
+        let shares = (columns / PER_SHARE).max(1);
         let guides = nodes.chunks_exact(columns).flat_map(|row| {
             let mut column = 0;
             (0..=shares).map(move |share| {
@@ -104,7 +106,14 @@ impl PiecewiseBilinear2d {
                 column as u32
             })
         });
+        let row_shares = (rows / PER_SHARE).max(1);
+        let row_guides = (0..=row_shares).map(|share| {
+            let target = up_to_row[rows - 1] * (share as f64 / row_shares as f64);
+            let row = up_to_row.partition_point(|&sum| sum <= target).clamp(1, rows - 1) - 1;
+            row as u32
+        });
         Some(Self {
+            row_guides: row_guides.collect(),
             guides: guides.collect(),
             shares,
             columns,
@@ -123,6 +132,23 @@ impl PiecewiseBilinear2d {
         };
         let ([start, end], [other_start, other_end]) = (of_row(row), of_row(row + 1));
         (start.min(other_start), end.max(other_end) + 1)
+    }
+
+    /// The last row whose sum is not above `target`, the share `u` of all, and that is not the last one.
+    fn row_of(&self, u: f64, target: f64) -> usize {
+        let shares = self.row_guides.len() - 1;
+        let share = ((u * shares as f64) as usize).min(shares - 1);
+        let [start, end] = [share, share + 1].map(|share| self.row_guides[share] as usize);
+        // Rounding may have put the target just outside of its share.
+        let start = if self.up_to_row[start] > target { 0 } else { start };
+        let end = (end + 1).min(self.rows - 1);
+        let end = if self.up_to_row[end] <= target {
+            self.rows - 1
+        } else {
+            end
+        };
+        let among = &self.up_to_row[start + 1..end];
+        start + among.partition_point(|&sum| sum <= target)
     }
 
     /// Density at a point, per unit area; 0 outside of [0, 1]^2.
@@ -147,11 +173,7 @@ impl PiecewiseBilinear2d {
         let u = u.as_dvec2() + HALF_STEP;
         let row_total = |row: usize| f64::from(self.nodes[row * self.columns + self.columns - 1].before);
         let target = u.y * self.up_to_row[self.rows - 1];
-        let row = self
-            .up_to_row
-            .partition_point(|&sum| sum <= target)
-            .clamp(1, self.rows - 1)
-            - 1;
+        let row = self.row_of(u.y, target);
         let (start, end) = (self.up_to_row[row], self.up_to_row[row + 1]);
         let t = invert_linear(row_total(row), row_total(row + 1), (target - start) / (end - start));
 

@@ -79,9 +79,10 @@ impl<R: Real> Beckmann<R> {
         reach(cos, sin) / rational_reach(cos, sin)
     }
 
-    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1 being exact.
+    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1 being exact. Only where `is_asked` holds is it
+    /// exact.
     #[inline(always)]
-    pub(crate) fn sample_visible(&self, wo: R::Vec3, [u, v]: [R; 2]) -> R::Vec3 {
+    pub(crate) fn sample_visible(&self, wo: R::Vec3, [u, v]: [R; 2], is_asked: R::Mask) -> R::Vec3 {
         let alpha = R::Vec3::of(self.alpha_x, self.alpha_y, R::ONE);
         let view = (alpha * wo).normalize();
         let sin = view.x().mul_add(view.x(), view.y() * view.y()).sqrt();
@@ -90,7 +91,7 @@ impl<R: Real> Beckmann<R> {
             R::select(has_azimuth, view.x() / sin, R::ONE),
             (view.y() / sin).only(has_azimuth),
         ];
-        let along = visible_slope(view.z(), sin, u);
+        let along = visible_slope(view.z(), sin, u, is_asked & wo.z().is_more(R::ZERO));
         let across = slope(v + v - R::ONE);
         let normal = R::Vec3::of(
             azimuth[1] * across - azimuth[0] * along,
@@ -119,7 +120,7 @@ fn rational_reach<R: Real>(cos: R, sin: R) -> R {
 
 /// Inverts H at the share `u` of its largest value.
 #[inline(always)]
-fn visible_slope<R: Real>(cos: R, sin: R, u: R) -> R {
+fn visible_slope<R: Real>(cos: R, sin: R, u: R, is_asked: R::Mask) -> R {
     let one = R::ONE;
     let largest = erf(cos / sin);
     let target = u * reach(cos, sin);
@@ -127,7 +128,7 @@ fn visible_slope<R: Real>(cos: R, sin: R, u: R) -> R {
     // grazing view, stretched to the range.
     let (mut low, mut high) = (-one, u * (one + largest) - one);
     let mut b = (one + largest) * (one - erf((-ln(u)).max(R::ZERO).sqrt())) - one;
-    let mut goes_on = R::Mask::ALWAYS;
+    let mut goes_on = is_asked;
     for _ in 0..MOST_STEPS {
         let x = slope(b);
         let excess = cos * (one + b) + R::splat(FRAC_1_SQRT_PI) * sin * exp(-x * x) - target;

@@ -35,7 +35,7 @@ impl LanesOf<DielectricModel> for DielectricModel {
 
     #[inline(always)]
     fn set_lane(&mut self, _: usize, one: DielectricModel) {
-        *self = one;
+        debug_assert_eq!(*self, one, "a scene has one model of dielectrics");
     }
 }
 

@@ -92,7 +92,7 @@ impl<R: Real> Ggx<R> {
 
 /// The vector scaled to unit length; the z axis where it has no direction.
 #[inline(always)]
-pub(super) fn unit_or_up<R: Real>(v: R::Vec3) -> R::Vec3 {
+fn unit_or_up<R: Real>(v: R::Vec3) -> R::Vec3 {
     let length_squared = v.length_squared();
     let up = R::Vec3::of(R::ZERO, R::ZERO, R::ONE);
     R::Vec3::select(

@@ -11,7 +11,7 @@ use crate::math::lanes::{Lanes, Vec3Lanes, lanes_of};
 pub(super) struct Held<M> {
     /// A bit per lane.
     pub lanes: u32,
-    /// None until some lane has had one. Other lanes have parameters of earlier ones, which are harmless.
+    /// Other lanes have the parameters of one that has the model.
     model: Option<M>,
 }
 
@@ -27,11 +27,12 @@ impl<M> Held<M> {
     where
         M: LanesOf<One>,
     {
-        self.lanes |= 1 << lane;
         match &mut self.model {
-            Some(model) => model.set_lane(lane, one),
-            None => self.model = Some(M::splat(one)),
+            Some(model) if self.lanes != 0 => model.set_lane(lane, one),
+            // What earlier surfaces had would be evaluated in vain.
+            model => *model = Some(M::splat(one)),
         }
+        self.lanes |= 1 << lane;
     }
 
     /// The lanes that have the model, and their parameters; None if there are none.
@@ -88,9 +89,9 @@ impl BsdfLanes {
         (self.smooth, self.guided, self.transmitting, self.choosing) = (0, 0, 0, 0);
     }
 
-    /// Whether lanes can have the model. Paths that pass straight through one take their step alone.
+    /// Whether lanes can have the model.
     pub fn knows(bsdf: &Bsdf) -> bool {
-        ModelLanes::knows(bsdf) && !bsdf.has_null_lobe()
+        ModelLanes::knows(bsdf)
     }
 
     /// Makes this the model of a lane that has none. It must be [known](Self::knows).
@@ -350,7 +351,7 @@ mod tests {
         }
 
         fn eta(&mut self) -> f32 {
-            [1.5, 1.33, 0.7, 2.4][(self.next() * 4.0) as usize]
+            [1.5, 1.33, 0.7, 2.4, 1.5][(self.next() * 5.0) as usize]
         }
     }
 
@@ -379,7 +380,7 @@ mod tests {
             }
             3 => Bsdf::Dielectric(Dielectric {
                 eta: numbers.eta(),
-                model: DielectricModel::Exact,
+                model: tables.model,
                 specular_reflectance: numbers.color(),
                 specular_transmittance: numbers.color(),
             }),
@@ -417,7 +418,7 @@ mod tests {
             }),
             7 => Bsdf::RoughDielectric(RoughDielectric {
                 eta: numbers.eta(),
-                model: DielectricModel::Exact,
+                model: tables.model,
                 distribution: numbers.facets(),
                 specular_reflectance: numbers.color(),
                 specular_transmittance: numbers.color(),
@@ -436,6 +437,8 @@ mod tests {
 
     struct Tables {
         tables: ShadingTables,
+        /// That of all dielectrics of a scene.
+        model: DielectricModel,
         microalbedo: MicroalbedoId,
         coats: [CoatId; 2],
     }
@@ -443,6 +446,7 @@ mod tests {
     fn tables() -> Tables {
         let mut tables = ShadingTables::default();
         Tables {
+            model: DielectricModel::Exact,
             microalbedo: tables.microalbedo_of(MicrofacetKind::Ggx),
             coats: [
                 tables.varying_coat(MicrofacetKind::Beckmann, 1.5),
@@ -453,8 +457,16 @@ mod tests {
     }
 
     /// Relative to the larger one.
-    fn is_near(a: Vec3, b: Vec3) -> bool {
-        a.abs_diff_eq(b, 1e-3 * a.abs().max(b.abs()).max_element().max(1e-3))
+    fn is_near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
+        a.abs_diff_eq(b, tolerance * a.abs().max(b.abs()).max_element().max(1e-3))
+    }
+
+    /// The tolerance of a kind, and whether some may differ. Formulas without differences of large numbers have a strict one.
+    fn tolerance(kind: usize) -> (f32, bool) {
+        match kind {
+            0 | 1 | 3 => (2e-4, false),
+            _ => (1e-3, true),
+        }
     }
 
     /// Counts comparisons. Few may differ: where rounding decides what is chosen, and where a small number is left of two large ones.
@@ -478,12 +490,13 @@ mod tests {
             }
         }
 
-        fn check(&self, least: u32) {
+        fn check(&self, least: u32, may_differ: bool) {
             let Self {
                 equal,
                 different,
                 example,
             } = self;
+            assert!(may_differ || *different == 0, "{different} differ, such as {example}");
             assert!(*equal >= least, "only {equal} were compared");
             assert!(
                 1000 * different <= equal + different,
@@ -495,9 +508,14 @@ mod tests {
     /// 100,000 values, and as many samples, of every model, alone in all lanes and mixed with others.
     #[test]
     fn models_are_those_of_one() {
-        let tables = tables();
+        let mut tables = tables();
         let mut numbers = Numbers(0);
-        for mixed in 0..=MODELS {
+        for (mixed, dielectrics) in (0..=MODELS)
+            .map(|mixed| (mixed, DielectricModel::Exact))
+            .chain([(3, DielectricModel::Schlick), (7, DielectricModel::Schlick)])
+        {
+            tables.model = dielectrics;
+            let (near, may_differ) = tolerance(mixed);
             let (mut values, mut samples, mut directions) = <(Comparisons, Comparisons, Comparisons)>::default();
             for batch in 0..100_000 / LANES {
                 let kind = |lane: usize| {
@@ -526,8 +544,8 @@ mod tests {
                     let (wo, wi) = (wo.get(lane), wi.get(lane));
                     let expected = bsdf.eval_and_pdf(&tables.tables, wo, wi, TransportMode::Radiance);
                     let found = (value.get(lane), pdf.as_array()[lane]);
-                    let is_equal =
-                        is_near(found.0, expected.0) && is_near(Vec3::splat(found.1), Vec3::splat(expected.1));
+                    let is_equal = is_near(found.0, expected.0, near)
+                        && is_near(Vec3::splat(found.1), Vec3::splat(expected.1), near);
                     values.note(is_equal, || format!("{bsdf:?} {wo} {wi}: {found:?} {expected:?}"));
                     let lobe = bsdf.diffuse_lobe(&tables.tables, wo);
                     assert!(
@@ -549,8 +567,8 @@ mod tests {
                     };
                     let pdf = sample.pdf.as_array()[lane];
                     let is_equal = sample.wi.get(lane).abs_diff_eq(expected.wi, 1e-3)
-                        && is_near(sample.weight.get(lane), expected.weight)
-                        && (pdf - expected.pdf).abs() <= 0.01 * expected.pdf.max(1e-3)
+                        && is_near(sample.weight.get(lane), expected.weight, near)
+                        && (pdf - expected.pdf).abs() <= 10.0 * near * expected.pdf.max(1e-3)
                         && (sample.is_delta.to_bitmask() >> lane & 1 == 1) == expected.is_delta
                         && (sample.eta.as_array()[lane] - expected.eta).abs() < 1e-6;
                     directions.note(is_equal, || {
@@ -558,13 +576,9 @@ mod tests {
                     });
                 }
             }
-            println!(
-                "{mixed}: {} {} {}",
-                values.different, samples.different, directions.different
-            );
-            values.check(99_000);
-            samples.check(99_000);
-            directions.check(20_000);
+            values.check(99_000, may_differ);
+            samples.check(99_000, may_differ);
+            directions.check(20_000, may_differ);
         }
     }
 

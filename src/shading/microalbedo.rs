@@ -53,8 +53,8 @@ impl Microalbedo {
 /// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between the nodes that `node` gives as [`Microalbedo::node`].
 #[inline(always)]
 pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R {
-    let (i, u) = split(row, ALPHAS);
-    let (j, v) = split(place(cos, COSINES), COSINES);
+    let (i, u) = node_before(row, ALPHAS);
+    let (j, v) = node_before(place(cos, COSINES), COSINES);
     let first = i * R::Word::splat(COSINES as u32) + j;
     let at = |offset: usize| node(first + R::Word::splat(offset as u32));
     let (low, high) = (at(0).mix(at(1), v), at(COSINES).mix(at(COSINES + 1), v));
@@ -63,7 +63,7 @@ pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R 
 
 /// The node before a place among `count` nodes, and the share of the next.
 #[inline(always)]
-pub(super) fn split<R: Real>(place: R, count: usize) -> (R::Word, R) {
+pub(super) fn node_before<R: Real>(place: R, count: usize) -> (R::Word, R) {
     let first = place.floor().min(R::splat((count - 2) as f32));
     (first.whole(), place - first)
 }

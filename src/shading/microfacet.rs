@@ -104,7 +104,7 @@ impl<R: Real> Microfacet<R> {
         if !self.is_beckmann.any() {
             return of_ggx;
         }
-        let of_beckmann = Beckmann::new(self.alpha_x, self.alpha_y).sample_visible(wo, u);
+        let of_beckmann = Beckmann::new(self.alpha_x, self.alpha_y).sample_visible(wo, u, self.is_beckmann);
         R::Vec3::select(self.is_beckmann, of_beckmann, of_ggx)
     }
 }

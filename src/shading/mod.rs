@@ -65,6 +65,9 @@ use crate::color::Rgb;
 use crate::math::lanes::Lanes;
 use crate::math::{Real, Vector, real_struct};
 
+/// The least squared length of a half vector that has a direction.
+const LEAST_HALF_VECTOR: f32 = 1e-30;
+
 real_struct! {
     /// A sampled continuation of a path.
     pub struct BsdfSample<R> {
@@ -87,7 +90,8 @@ pub(crate) trait Model<R: Real> {
     /// Whether it is so short that lanes evaluate it in place. Longer models would take the registers of all that is around them.
     const IS_SHORT: bool = false;
 
-    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] gives `wi`, both without delta lobes: zero unless the model has others.
+    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] gives `wi`, both without delta lobes. The default is for models whose lobes are all
+    /// delta.
     #[inline(always)]
     fn eval_and_pdf(&self, _: &ShadingTables, _: R::Vec3, _: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
         (R::Vec3::even(R::ZERO), R::ZERO)
@@ -129,7 +133,7 @@ macro_rules! models {
             fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
                 match self {
                     $(Self::$Model(model) => Model::<f32>::eval_and_pdf(model, tables, wo, wi, mode),)*
-                    $(Self::$Other(model) => model.eval_and_pdf(tables, wo, wi, mode),)*
+                    $(Self::$Other(model) => Model::<f32>::eval_and_pdf(model, tables, wo, wi, mode),)*
                 }
             }
 
@@ -143,14 +147,14 @@ macro_rules! models {
             ) -> (BsdfSample, bool) {
                 match self {
                     $(Self::$Model(model) => Model::<f32>::sample(model, tables, wo, u_lobe, u, mode),)*
-                    $(Self::$Other(model) => model.sample(tables, wo, u_lobe, u, mode),)*
+                    $(Self::$Other(model) => Model::<f32>::sample(model, tables, wo, u_lobe, u, mode),)*
                 }
             }
 
             fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
                 match self {
                     $(Self::$Model(model) => Model::<f32>::diffuse_lobe(model, tables, wo),)*
-                    $(Self::$Other(model) => model.diffuse_lobe(tables, wo),)*
+                    $(Self::$Other(model) => Model::<f32>::diffuse_lobe(model, tables, wo),)*
                 }
             }
         }
@@ -212,14 +216,14 @@ models! {
         PrincipledThin: principled_thin,
         /// An interface of microfacets between two transparent media.
         RoughDielectric: rough_dielectric,
-        /// A pane through which light goes straight.
-        ThinDielectric: thin_dielectric,
         /// A diffuse base below a smooth coat.
         Plastic: plastic,
         /// A diffuse base below a coat of microfacets.
         RoughPlastic: rough_plastic,
     }
     one by one {
+        /// A pane through which light goes straight.
+        ThinDielectric,
         /// A fibre that light passes through and is reflected inside of.
         Hair,
     }

@@ -5,7 +5,7 @@
 //! milliseconds to make and 260 bytes per roughness to keep.
 
 use super::fresnel::{self, DielectricModel};
-use super::microalbedo::split as node_of;
+use super::microalbedo::node_before;
 use super::{Microfacet, MicrofacetKind};
 use crate::math::{Real, Word, gauss_legendre};
 use glam::Vec3;
@@ -98,7 +98,7 @@ impl<R: Real> CoatThere<'_, R> {
     /// The fraction of light that gets in at this cosine in [0, 1], or by reciprocity out.
     #[inline(always)]
     pub fn transmittance(&self, cos: R) -> R {
-        let (i, share) = node_of(cos.saturated() * R::splat((COSINES - 1) as f32), COSINES);
+        let (i, share) = node_before(cos.saturated() * R::splat((COSINES - 1) as f32), COSINES);
         let node = |layer: R::Word, i: R::Word| {
             let place = layer * R::Word::splat(COSINES as u32) + i;
             R::gather(place, |place| {

@@ -4,7 +4,7 @@
 //! f(wo, wi) / n_o^2 is symmetric for radiance, n_o being the index on the side of wo.
 
 use super::fresnel::{self, DielectricModel};
-use super::{BsdfSample, Microfacet, Model, ShadingTables, TransportMode};
+use super::{BsdfSample, LEAST_HALF_VECTOR, Microfacet, Model, ShadingTables, TransportMode};
 use crate::math::{Mask, Real, Vector, real_struct};
 
 real_struct! {
@@ -47,7 +47,7 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
         let m = half * (one / length_squared.sqrt()).copy_sign(half.z());
         let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
         let is_connected =
-            length_squared.is_more(R::splat(LEAST_SQUARE)) & cos_o.is_more(zero) & (cos_i * wi.z()).is_more(zero);
+            length_squared.is_more(R::splat(LEAST_HALF_VECTOR)) & cos_o.is_more(zero) & (cos_i * wi.z()).is_more(zero);
         // The Jacobian d omega_m / d omega_i.
         let path = cos_o + eta_it * cos_i;
         let refracting = eta_it * eta_it * -cos_i / (path * path);
@@ -113,6 +113,3 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
         (sample, is_seen & cos_o.is_more(zero) & is_right & has_density)
     }
 }
-
-/// The least squared length of a half vector that has a direction.
-const LEAST_SQUARE: f32 = 1e-30;

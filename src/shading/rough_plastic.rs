@@ -105,7 +105,7 @@ impl<R: Real> Seen<'_, R> {
         let value = self.base.specular_reflectance * (reflectance * geometry) + escaping * (through * diffuse);
 
         let visible = seen / facets.masking_ratio(*wo);
-        let pdf = visible.mix(diffuse, R::ONE - self.coat_probability);
+        let pdf = self.coat_probability * visible + (R::ONE - self.coat_probability) * diffuse;
         let is_above = wo.z().is_more(R::ZERO) & wi.z().is_more(R::ZERO);
         (value.only(is_above), pdf.only(is_above))
     }

@@ -112,7 +112,7 @@ pub(crate) fn reserve_exr(
     all.reserve(bytes.len())
 }
 
-/// The most pixels of a display window that is larger than what a file has of it, and for each pixel of that: a window costs a file nothing.
+/// The most pixels of a display window beyond the data, in all and for each pixel with data; the larger one counts. A window costs a file nothing.
 const MOST_AROUND: u64 = 1 << 24;
 const MOST_FOR_EACH: u64 = 4096;
 

@@ -18,8 +18,8 @@ use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
     Bsdf, CoatedBase, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair,
-    Metal, Microfacet, MicrofacetKind, Plastic, RoughConductor, RoughDielectric, RoughPlastic, ShadingTables,
-    SmoothCoat, ThinDielectric,
+    Metal, Microfacet, MicrofacetKind, Plastic, Principled, PrincipledThin, RoughConductor, RoughDielectric,
+    RoughPlastic, SamplingRates, ShadingTables, SmoothCoat, ThinDielectric, ThinSamplingRates,
 };
 use sunroom::texture::{Checkerboard, Parameter, Texture, TextureId, TextureTable};
 
@@ -112,14 +112,14 @@ fn room() -> SceneBuilder {
         None,
     );
     for (i, material) in others(&mut room.tables).into_iter().enumerate() {
-        let at = Vec3::new(0.5 * i as f32 - 1.5, 0.5, -1.2);
-        room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.22), material, None);
+        let at = Vec3::new(0.37 * i as f32 - 1.5, 0.5, -1.2);
+        room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.18), material, None);
     }
     room
 }
 
-/// Models that are evaluated one by one: smooth ones with a mirror on top, those that light passes in many directions, a mixture.
-fn others(tables: &mut ShadingTables) -> [Material; 7] {
+/// Models with several lobes, with tables or with frames of their own; a texture, and a mixture.
+fn others(tables: &mut ShadingTables) -> [Material; 9] {
     let base = CoatedBase {
         diffuse_reflectance: Vec3::new(0.7, 0.6, 0.5),
         specular_reflectance: Vec3::ONE,
@@ -154,6 +154,34 @@ fn others(tables: &mut ShadingTables) -> [Material; 7] {
             specular: gold(),
             distribution: brushed,
             multiple_scattering: compensation,
+        })),
+        Material::Plain(Bsdf::Principled(Principled {
+            base_color: Vec3::new(0.7, 0.3, 0.2),
+            roughness: 0.4,
+            anisotropic: 0.6,
+            metallic: 0.2,
+            spec_trans: 0.3,
+            eta: 1.4,
+            spec_tint: 0.3,
+            sheen: 0.4,
+            sheen_tint: 0.5,
+            flatness: 0.3,
+            clearcoat: 0.5,
+            clearcoat_gloss: 0.6,
+            rates: SamplingRates::default(),
+        })),
+        Material::Plain(Bsdf::PrincipledThin(PrincipledThin {
+            base_color: Vec3::new(0.3, 0.7, 0.4),
+            roughness: 0.5,
+            anisotropic: 0.3,
+            spec_trans: 0.4,
+            diff_trans: 0.8,
+            eta: 1.5,
+            spec_tint: 0.2,
+            sheen: 0.3,
+            sheen_tint: 0.4,
+            flatness: 0.2,
+            rates: ThinSamplingRates::default(),
         })),
         Material::Textured(TexturedBsdf::Diffuse {
             reflectance: Parameter::Texture(TextureId(0)),

@@ -228,7 +228,7 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[BEGIN..at].copy_from_slice(&sorted);
 }
 
-/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the first are left out, and so are channels whose name another has. What it
+/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the first are left out, and so are channels whose name an earlier one has. What it
 /// needs is reserved in the memory budget.
 pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     const BYTES_PER_SAMPLE: u64 = 4;

@@ -55,7 +55,7 @@ impl<R: Real> Clearcoat<R> {
     /// A normal with density D(m) |cos m|.
     #[inline(always)]
     pub(super) fn sample_normal(&self, [u, v]: [R; 2]) -> R::Vec3 {
-        // sin^2 = (alpha^2 - alpha^(2 - 2u)) / (alpha^2 - 1). Both terms of the difference are small where the sine is.
+        // sin^2 = (alpha^(2 - 2u) - alpha^2) / (1 - alpha^2). Rounding is below 1e-6 of alpha^2, the width of the lobe.
         let spread = self.alpha_squared * exp(-v * ln(self.alpha_squared));
         let sin_squared = ((spread - self.alpha_squared) / (R::ONE - self.alpha_squared)).saturated();
         let sin = sin_squared.sqrt();

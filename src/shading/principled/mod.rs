@@ -224,7 +224,8 @@ impl<R: Real> Principled<R> {
         pdf += aspect.base * warp::cosine_hemisphere_pdf(wi.z());
         let sheen = ((one - self.metallic) * self.sheen).only(is_outside);
         if sheen.is_more(zero).any() {
-            value += sheen::value(self.base_color, self.sheen_tint, wi.z(), facet.cos) * sheen;
+            let of_sheen = sheen::value(self.base_color, self.sheen_tint, wi.z(), facet.cos) * sheen;
+            value += of_sheen.only(sheen.is_more(zero));
         }
         let is_coated = is_outside & self.clearcoat.is_more(zero);
         if is_coated.any() {

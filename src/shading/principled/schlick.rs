@@ -34,5 +34,6 @@ pub(super) fn tinted<R: Real>(color: R::Vec3, eta: R, cos: R, fresnel: &Dielectr
 #[inline(always)]
 pub(super) fn tint<R: Real>(color: R::Vec3) -> R::Vec3 {
     let luminance = color.dot(R::Vec3::same(LUMINANCE));
-    R::Vec3::select(luminance.is_more(R::ZERO), color / luminance, R::Vec3::even(R::ONE))
+    let is_colored = R::is_above(luminance, f32::MIN_POSITIVE);
+    R::Vec3::select(is_colored, color / luminance, R::Vec3::even(R::ONE))
 }

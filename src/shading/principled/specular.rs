@@ -2,13 +2,10 @@
 //! Rough Surfaces, EGSR 2007).
 
 use crate::math::{Real, Vector};
-use crate::shading::Ggx;
+use crate::shading::{Ggx, LEAST_HALF_VECTOR};
 
 /// The least width of a lobe.
 const LEAST_ALPHA: f32 = 1e-3;
-
-/// The least squared length of a half vector that has a direction.
-const LEAST_SQUARE: f32 = 1e-30;
 
 /// The microfacets of a surface of `roughness` (its square looks even), stretched along the first tangent by `anisotropic`, in [0, 1].
 #[inline(always)]
@@ -46,7 +43,7 @@ pub(super) fn reflecting<R: Real>(distribution: &Ggx<R>, wo: R::Vec3, wi: R::Vec
         cos,
         pdf: distribution.density(normal) * distribution.g1_over_four_cos(wo),
         unmasked: distribution.g1(wi),
-        is_there: length_squared.is_more(R::splat(LEAST_SQUARE)) & cos.is_more(R::ZERO),
+        is_there: length_squared.is_more(R::splat(LEAST_HALF_VECTOR)) & cos.is_more(R::ZERO),
     }
 }
 
@@ -64,6 +61,6 @@ pub(super) fn refracting<R: Real>(distribution: &Ggx<R>, eta: R, wo: R::Vec3, wi
         cos,
         pdf: visible * (eta / (cos + eta * cos_i)).squared() * -cos_i,
         unmasked: distribution.g1(wi),
-        is_there: length_squared.is_more(R::splat(LEAST_SQUARE)) & is_connected,
+        is_there: length_squared.is_more(R::splat(LEAST_HALF_VECTOR)) & is_connected,
     }
 }
