@@ -101,6 +101,8 @@ impl FileSet {
 
     /// Does what [`Self::replace`] does, and stops after `stop` renames and removals, as a killed program does.
     fn replace_until(mut self, stop: usize) -> Result<(), WriteError> {
+        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its reader will be told.
+        let _ = finish_set(&self.main);
         // The order of the others stays.
         self.files.sort_by_key(|(path, _)| *path == self.main);
         let main = Target::new(&self.main).map_err(failed(&self.main))?;
@@ -373,10 +375,31 @@ pub fn finish_set(main: &Path) -> Result<(), FileError> {
 /// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the error tells nothing of it.
 pub fn finish_set_within(main: &Path, access: &Access) -> Result<(), FileError> {
     match followed(main) {
-        Ok(main) => finish(&note_path(&main), access),
+        Ok(main) => notes_of(&main).iter().try_for_each(|note| finish(note, access)),
         // Reading it says what is wrong.
         Err(_) => Ok(()),
     }
+}
+
+/// The notes that may say something of a file: its own, and those of files in its folder that are replaced together with it.
+fn notes_of(main: &Path) -> Vec<PathBuf> {
+    let mut notes = vec![note_path(main)];
+    let folder = main.parent().unwrap_or(Path::new(""));
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let note = entry.path();
+        let names_it = || {
+            let plan = open(&note, LARGEST_NOTE).ok().and_then(|note| read_plan(&note).ok());
+            plan.is_some_and(|plan| {
+                plan.files
+                    .iter()
+                    .any(|file| Some(file.to.as_os_str()) == main.file_name())
+            })
+        };
+        if is_note(entry.file_name().as_encoded_bytes()) && note != notes[0] && names_it() {
+            notes.push(note);
+        }
+    }
+    notes
 }
 
 /// Finishes what the note says, if there is one. Waits for a program that is doing so.

@@ -405,6 +405,11 @@ fn results_never_replace_the_pictures_or_each_other() {
             refuses(&[option, name], &words);
         }
     }
+    // A page replaces no scene that was meant for something else.
+    let scene = path("scene.xml");
+    std::fs::write(&scene, "<scene/>").expect("a file");
+    refuses(&["--html", &scene], "the name of a page ends in .html or .htm");
+    assert_eq!(std::fs::read_to_string(&scene).expect("a file"), "<scene/>");
     let (one, other) = (path("x.png"), path("folder/../x.png"));
     for options in [["-o", "--flip-map"], ["-o", "--html"], ["--flip-map", "--html"]] {
         let twice = format!("{}: this output is named twice", other);

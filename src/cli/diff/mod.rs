@@ -82,6 +82,13 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
     {
         FileFormat::from_path(path)?;
     }
+    if let Some(path) = &args.html
+        && !path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("html") || end.eq_ignore_ascii_case("htm"))
+    {
+        return Err(format!("{}: the name of a page ends in .html or .htm", path.display()).into());
+    }
     let layer = args.layer.as_deref().unwrap_or("");
     let pair = Pair::read([&args.picture, &args.reference], layer)?;
     for note in &pair.notes {

@@ -112,6 +112,22 @@ fn the_next_writer_finishes_what_a_killed_program_began() {
 }
 
 #[test]
+fn readers_and_writers_of_any_file_of_a_set_finish_it() {
+    for stop in 0..=STEPS {
+        for writes in [false, true] {
+            let shop = Shop::new();
+            shop.second().replace_until(stop).expect("it can be written");
+            let part = shop.path("scene.bin");
+            match writes {
+                false => finish_set(&part).expect("it can be finished"),
+                true => FileSet::new(&part).replace().expect("nothing is replaced"),
+            }
+            assert!(shop.is(SECOND, "second"), "{stop} {writes}: {:?}", shop.content());
+        }
+    }
+}
+
+#[test]
 fn a_first_set_has_no_older_files() {
     for stop in 0..=2 {
         let folder = tempfile::tempdir().expect("a temporary folder");
