@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use glam::{Affine3A, EulerRot, Quat, UVec3, Vec2, Vec3};
+use glam::{Affine3A, EulerRot, Quat, UVec3, Vec3};
 use rayon::prelude::*;
 use sunroom::accel::{Blas, Instance, Placement, Primitive, SplitMethod, Tlas};
 use sunroom::color::Rgb;

@@ -11,7 +11,7 @@ mod support;
 use std::f32::consts::TAU;
 use std::time::Instant;
 
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
 use sunroom::light::LightSource;

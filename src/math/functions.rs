@@ -13,10 +13,10 @@ const LARGEST_EXPONENT: f32 = 88.02;
 const LEAST_EXPONENT: f32 = -87.33;
 
 /// ln 2 in two parts, of which the first has so few digits that its products with whole numbers are exact.
-const LN_2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
+const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 
 /// pi in four such parts.
-const PI: [f32; 4] = [3.140_625, 9.670_257_6e-4, 6.277_114_2e-7, 1.215_420_1e-10];
+const PI: [f32; 4] = [3.140_625, 9.670_257_6e-4, 6.277_114e-7, 1.215_420_1e-10];
 
 /// The polynomial with these coefficients, from the highest power down.
 #[inline(always)]
