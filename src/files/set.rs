@@ -132,7 +132,11 @@ impl FileSet {
                 return Ok(());
             }
             left -= 1;
-            waiting.replace().map_err(failed(&path))?;
+            waiting.replace().map_err(|error| {
+                let main = self.main.display();
+                let what = format!("{error}; other files of its set are new already, and what opens or writes {main} next replaces the rest");
+                failed(&path)(io::Error::new(error.kind(), what))
+            })?;
         }
         for path in &self.outdated {
             if left == 0 {

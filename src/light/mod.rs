@@ -48,6 +48,7 @@ pub use projector::Projector;
 pub use spot::Spot;
 pub use sun_position::PlaceAndTime;
 pub use table::LightTable;
+pub(crate) use table::SkyLanes;
 
 /// Index of a light in its [`LightTable`], the order of the sources it was built from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

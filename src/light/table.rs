@@ -1,6 +1,9 @@
 //! The table of all lights of a scene.
 
 mod emitting;
+mod skies;
+
+pub(crate) use self::skies::SkyLanes;
 
 use std::sync::Arc;
 
@@ -205,7 +208,7 @@ impl LightTable {
     }
 
     /// Chooses a light as [`Self::sample`], with the probability of the choice.
-    pub(super) fn choose(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(Chosen, f32)> {
+    fn choose(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(Chosen, f32)> {
         debug_assert!(
             reference.normal.is_none_or(|normal| normal.is_normalized()),
             "{reference:?} has a normal that is not of unit length"
@@ -214,7 +217,7 @@ impl LightTable {
     }
 
     /// The sky with the sun, if that is what was chosen.
-    pub(super) fn chosen_sky(&self, chosen: Chosen) -> Option<(LightId, &SunSkyLight)> {
+    fn chosen_sky(&self, chosen: Chosen) -> Option<(LightId, &SunSkyLight)> {
         match chosen {
             Chosen::Infinite(index) => match &self.infinite[index as usize] {
                 (id, InfiniteLight::SunSky(light)) => Some((*id, light)),
@@ -225,7 +228,7 @@ impl LightTable {
     }
 
     /// A direction to the chosen light as [`Self::sample`].
-    pub(super) fn sample_chosen(
+    fn sample_chosen(
         &self,
         (chosen, pmf): (Chosen, f32),
         reference: &LightReference,

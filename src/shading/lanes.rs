@@ -2,53 +2,8 @@
 //!
 //! Each model that some lane has is evaluated in all lanes, and each lane keeps its own. Contracts are those of [`super`].
 
-use super::{Bsdf, BsdfSample, DiffuseLobe, Model, ModelLanes, ShadingTables, TransportMode};
-use crate::math::LanesOf;
-use crate::math::lanes::{Lanes, Vec3Lanes, lanes_of};
-
-/// The parameters of one kind of model in the lanes that have it.
-#[derive(Clone, Debug)]
-pub(super) struct Held<M> {
-    /// A bit per lane.
-    pub lanes: u32,
-    /// Other lanes have the parameters of one that has the model.
-    model: Option<M>,
-}
-
-impl<M> Default for Held<M> {
-    fn default() -> Self {
-        Self { lanes: 0, model: None }
-    }
-}
-
-impl<M> Held<M> {
-    #[inline(always)]
-    pub fn set<One: Copy>(&mut self, lane: usize, one: One)
-    where
-        M: LanesOf<One>,
-    {
-        match &mut self.model {
-            Some(model) if self.lanes != 0 => model.set_lane(lane, one),
-            // What earlier surfaces had would be evaluated in vain.
-            model => *model = Some(M::splat(one)),
-        }
-        self.lanes |= 1 << lane;
-    }
-
-    /// The lanes that have the model, and their parameters; None if there are none.
-    #[inline(always)]
-    pub fn held(&self) -> Option<(Lanes, &M)> {
-        match self.lanes {
-            0 => None,
-            lanes => Some((lanes_of(lanes), self.model.as_ref()?)),
-        }
-    }
-}
-
-/// What is done with each kind of model that some lane has.
-pub(super) trait Visit {
-    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M);
-}
+use super::{Bsdf, BsdfSample, DiffuseLobe, Model, ModelLanes, ShadingTables, TransportMode, Visit};
+use crate::math::lanes::{Lanes, Vec3Lanes};
 
 /// A model per lane.
 #[derive(Clone, Debug, Default)]

@@ -62,8 +62,8 @@ pub use transport_mode::TransportMode;
 use glam::{Vec2, Vec3};
 
 use crate::color::Rgb;
-use crate::math::lanes::Lanes;
-use crate::math::{Real, Vector, real_struct};
+use crate::math::lanes::{Lanes, lanes_of};
+use crate::math::{LanesOf, Real, Vector, real_struct};
 
 /// The least squared length of a half vector that has a direction.
 const LEAST_HALF_VECTOR: f32 = 1e-30;
@@ -115,7 +115,51 @@ pub(crate) trait Model<R: Real> {
     }
 }
 
-/// Declares the models: those whose formulas are for lanes as well, with their fields in [`BsdfLanes`](lanes::BsdfLanes), and those that are evaluated one by one.
+/// The parameters of one kind of model in the lanes that have it.
+#[derive(Clone, Debug)]
+struct Held<M> {
+    /// A bit per lane.
+    lanes: u32,
+    /// Other lanes have the parameters of one that has the model.
+    model: Option<M>,
+}
+
+impl<M> Default for Held<M> {
+    fn default() -> Self {
+        Self { lanes: 0, model: None }
+    }
+}
+
+impl<M> Held<M> {
+    #[inline(always)]
+    fn set<One: Copy>(&mut self, lane: usize, one: One)
+    where
+        M: LanesOf<One>,
+    {
+        match &mut self.model {
+            Some(model) if self.lanes != 0 => model.set_lane(lane, one),
+            // What earlier surfaces had would be evaluated in vain.
+            model => *model = Some(M::splat(one)),
+        }
+        self.lanes |= 1 << lane;
+    }
+
+    /// The lanes that have the model, and their parameters; None if there are none.
+    #[inline(always)]
+    fn held(&self) -> Option<(Lanes, &M)> {
+        match self.lanes {
+            0 => None,
+            lanes => Some((lanes_of(lanes), self.model.as_ref()?)),
+        }
+    }
+}
+
+/// What is done with each kind of model that some lane has.
+trait Visit {
+    fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M);
+}
+
+/// Declares the models: those whose formulas are for lanes as well, with their fields in [`ModelLanes`], and those that are evaluated one by one.
 macro_rules! models {
     (
         in lanes { $($(#[$about:meta])* $Model:ident: $field:ident,)* }
@@ -162,7 +206,7 @@ macro_rules! models {
         /// A model per lane, each in the lanes that have it.
         #[derive(Clone, Debug, Default)]
         struct ModelLanes {
-            $($field: lanes::Held<$Model<Lanes>>,)*
+            $($field: Held<$Model<Lanes>>,)*
         }
 
         impl ModelLanes {
@@ -187,7 +231,7 @@ macro_rules! models {
 
             /// Calls `visit` with each model that some lane has.
             #[inline(always)]
-            fn each(&self, visit: &mut impl lanes::Visit) {
+            fn each(&self, visit: &mut impl Visit) {
                 $(
                     if let Some((lanes, model)) = self.$field.held() {
                         visit.model(lanes, model);

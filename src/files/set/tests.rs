@@ -292,6 +292,11 @@ fn a_rename_that_fails_later_is_mended() {
     fs::create_dir(shop.path("scene.bin")).expect("a writable folder");
     let error = set.replace().expect_err("a folder is there");
     assert_eq!(error.path, shop.path("scene.bin"));
+    let source = error.source.to_string();
+    assert!(
+        source.contains("what opens or writes") && source.contains(MAIN),
+        "{source}"
+    );
     let before = shop.content();
     shop.finish().expect_err("the folder is there still");
     assert_eq!(shop.content(), before);

@@ -3,8 +3,8 @@
 use glam::Vec2;
 
 use super::context::Context;
-use crate::light::lanes::{ReferenceLanes, SkyLanes, SoleLight, sample_constant};
-use crate::light::{LightId, LightReference, Target};
+use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
+use crate::light::{LightId, LightReference, SkyLanes, Target};
 use crate::math::PerLane;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
 use crate::render::dimensions::BounceDraw;
