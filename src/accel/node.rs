@@ -12,7 +12,7 @@ use super::ray_lanes::RayLanes;
 use super::rounding::{EXIT_SCALE, LEAST_MARGIN};
 use super::shape_lanes::inverse_within;
 use crate::math::lanes::{Lanes, Vec3Lanes};
-use crate::math::{Aabb, Ray};
+use crate::math::{Aabb, Ray, Vector};
 
 pub(super) const WIDTH: usize = 8;
 

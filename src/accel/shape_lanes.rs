@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::ray_lanes::RayLanes;
 use super::rounding::{EXIT_SCALE, LEAST_MARGIN};
 use crate::math::Aabb;
+use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 
 /// A hit of one shape in each lane.

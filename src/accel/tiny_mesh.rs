@@ -10,6 +10,7 @@ use glam::Vec3;
 use super::ray_lanes::RayLanes;
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
+use crate::math::Vector;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 
 const MOST_TRIANGLES: usize = 16;

@@ -101,12 +101,14 @@ impl FileSet {
 
     /// Does what [`Self::replace`] does, and stops after `stop` renames and removals, as a killed program does.
     fn replace_until(mut self, stop: usize) -> Result<(), WriteError> {
-        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its reader will be told.
-        let _ = finish_set(&self.main);
         // The order of the others stays.
         self.files.sort_by_key(|(path, _)| *path == self.main);
         let main = Target::new(&self.main).map_err(failed(&self.main))?;
         let folder = main.folder().to_owned();
+        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its reader will be told.
+        for note in notes_of_others(&main.path) {
+            let _ = finish(&note, &Access::everywhere());
+        }
         let note = Note::publish(&self, &main)?;
         let mut left = stop;
         let mut files = self.files.into_iter();
@@ -379,31 +381,38 @@ pub fn finish_set(main: &Path) -> Result<(), FileError> {
 /// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the error tells nothing of it.
 pub fn finish_set_within(main: &Path, access: &Access) -> Result<(), FileError> {
     match followed(main) {
-        Ok(main) => notes_of(&main).iter().try_for_each(|note| finish(note, access)),
+        Ok(main) => {
+            finish(&note_path(&main), access)?;
+            notes_of_others(&main).try_for_each(|note| finish(&note, access))
+        }
         // Reading it says what is wrong.
         Err(_) => Ok(()),
     }
 }
 
-/// The notes that may say something of a file: its own, and those of files in its folder that are replaced together with it.
-fn notes_of(main: &Path) -> Vec<PathBuf> {
-    let mut notes = vec![note_path(main)];
-    let folder = main.parent().unwrap_or(Path::new(""));
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let note = entry.path();
-        let names_it = || {
-            let plan = open(&note, LARGEST_NOTE).ok().and_then(|note| read_plan(&note).ok());
-            plan.is_some_and(|plan| {
-                plan.files
-                    .iter()
-                    .any(|file| Some(file.to.as_os_str()) == main.file_name())
-            })
+/// The notes of other files in the folder of a file that is replaced together with them.
+fn notes_of_others(file: &Path) -> impl Iterator<Item = PathBuf> {
+    let own = note_path(file);
+    notes_in(file.parent().unwrap_or(Path::new(""))).filter(move |note| {
+        let names_it = |plan: Plan| {
+            plan.files
+                .iter()
+                .any(|renamed| Some(renamed.to.as_os_str()) == file.file_name())
         };
-        if is_note(entry.file_name().as_encoded_bytes()) && note != notes[0] && names_it() {
-            notes.push(note);
-        }
-    }
-    notes
+        *note != own && plan_at(note).is_some_and(names_it)
+    })
+}
+
+/// The notes in a folder.
+fn notes_in(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let notes = entries.filter(|entry| is_note(entry.file_name().as_encoded_bytes()));
+    notes.map(|entry| entry.path())
+}
+
+/// What a note says; None if it cannot be read.
+fn plan_at(note: &Path) -> Option<Plan> {
+    read_plan(&open(note, LARGEST_NOTE).ok()?).ok()
 }
 
 /// Finishes what the note says, if there is one. Waits for a program that is doing so.
@@ -464,16 +473,15 @@ fn read_plan(note: &File) -> Result<Plan, String> {
 
 /// The files that wait for a note in this folder.
 fn waiting_for(note: &Path, folder: &Path) -> Vec<PathBuf> {
-    let plan = open(note, LARGEST_NOTE).ok().and_then(|note| read_plan(&note).ok());
-    plan.map_or_else(Vec::new, |plan| plan.waiting(folder).collect())
+    plan_at(note).map_or_else(Vec::new, |plan| plan.waiting(folder).collect())
 }
 
 /// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be finished.
 pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
     let mut waiting = HashSet::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if is_note(entry.file_name().as_encoded_bytes()) && finish(&entry.path(), &Access::everywhere()).is_err() {
-            waiting.extend(waiting_for(&entry.path(), folder));
+    for note in notes_in(folder) {
+        if finish(&note, &Access::everywhere()).is_err() {
+            waiting.extend(waiting_for(&note, folder));
         }
     }
     waiting

@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::LightReference;
 use crate::color::Rgb;
 use crate::math::PerLane;
+use crate::math::Vector;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, offset_origins};
 use crate::sampling::lanes::RectangleLanes;
 use crate::sampling::warp::cosine_hemisphere;

@@ -7,6 +7,8 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use glam::Vec3;
 use wide::{f32x16, u32x16};
 
+use super::real::Vector;
+
 /// The number of lanes.
 pub const LANES: usize = 16;
 
@@ -109,34 +111,6 @@ impl Vec3Lanes {
         self.z.as_mut_array()[lane] = v.z;
     }
 
-    /// The dot product in each lane, rounded once per step where the hardware has fused multiply-add.
-    #[inline(always)]
-    pub fn dot(self, other: Self) -> Lanes {
-        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
-    }
-
-    /// The cross product in each lane.
-    #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
-        Self::of(
-            self.y.mul_sub(other.z, self.z * other.y),
-            self.z.mul_sub(other.x, self.x * other.z),
-            self.x.mul_sub(other.y, self.y * other.x),
-        )
-    }
-
-    /// The squared length in each lane.
-    #[inline(always)]
-    pub fn length_squared(self) -> Lanes {
-        self.dot(self)
-    }
-
-    /// The vectors scaled to unit length; not finite where they have no direction.
-    #[inline(always)]
-    pub fn normalize(self) -> Self {
-        self * (Lanes::ONE / self.length_squared().sqrt())
-    }
-
     /// The components without their signs.
     #[inline(always)]
     pub fn abs(self) -> Self {
@@ -164,28 +138,6 @@ impl Vec3Lanes {
             scale.mul_add(v.y, self.y),
             scale.mul_add(v.z, self.z),
         )
-    }
-
-    /// Selects `yes` where `condition` holds, else `no`.
-    #[inline(always)]
-    pub(crate) fn select(condition: Lanes, yes: Self, no: Self) -> Self {
-        Self::of(
-            condition.select(yes.x, no.x),
-            condition.select(yes.y, no.y),
-            condition.select(yes.z, no.z),
-        )
-    }
-
-    /// The vectors where `condition` holds, else zero.
-    #[inline(always)]
-    pub(crate) fn only(self, condition: Lanes) -> Self {
-        Self::of(self.x & condition, self.y & condition, self.z & condition)
-    }
-
-    /// Applies `f` to each component.
-    #[inline(always)]
-    pub fn map(self, f: impl Fn(Lanes) -> Lanes) -> Self {
-        Self::of(f(self.x), f(self.y), f(self.z))
     }
 }
 

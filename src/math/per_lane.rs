@@ -112,18 +112,6 @@ pub(crate) trait LanesOf<One> {
     fn set_lane(&mut self, lane: usize, one: One);
 }
 
-impl LanesOf<f32> for Lanes {
-    #[inline(always)]
-    fn splat(one: f32) -> Self {
-        Lanes::splat(one)
-    }
-
-    #[inline(always)]
-    fn set_lane(&mut self, lane: usize, one: f32) {
-        self.as_mut_array()[lane] = one;
-    }
-}
-
 /// A mask.
 impl LanesOf<bool> for Lanes {
     #[inline(always)]
@@ -137,29 +125,26 @@ impl LanesOf<bool> for Lanes {
     }
 }
 
-impl LanesOf<u32> for WordLanes {
-    #[inline(always)]
-    fn splat(one: u32) -> Self {
-        WordLanes::splat(one)
-    }
+/// For types whose form is that of [`PerLane`].
+macro_rules! lanes_of {
+    ($($One:ty),*) => {
+        $(
+            impl LanesOf<$One> for <$One as PerLane>::Lanes {
+                #[inline(always)]
+                fn splat(one: $One) -> Self {
+                    PerLane::splat(one)
+                }
 
-    #[inline(always)]
-    fn set_lane(&mut self, lane: usize, one: u32) {
-        self.as_mut_array()[lane] = one;
-    }
+                #[inline(always)]
+                fn set_lane(&mut self, lane: usize, one: $One) {
+                    one.scatter_lane(self, lane);
+                }
+            }
+        )*
+    };
 }
 
-impl LanesOf<Vec3> for Vec3Lanes {
-    #[inline(always)]
-    fn splat(one: Vec3) -> Self {
-        Vec3Lanes::splat(one)
-    }
-
-    #[inline(always)]
-    fn set_lane(&mut self, lane: usize, one: Vec3) {
-        self.set(lane, one);
-    }
-}
+lanes_of!(f32, u32, Vec3);
 
 /// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
 /// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form.

@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use super::Way;
+use crate::math::Vector;
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
 
 /// The least distance of a lamp from the ray, relative to the mean free path. It keeps the density finite.

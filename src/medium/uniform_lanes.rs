@@ -4,6 +4,7 @@
 use super::equiangular::{EquiangularLanes, limits};
 use super::uniform::EQUIANGULAR_SHARE;
 use crate::color::Rgb;
+use crate::math::Vector;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 
 /// A medium of this kind.

@@ -13,6 +13,7 @@ use glam::{Mat3, Vec3};
 
 use super::white_balance::WhiteBalance;
 use crate::color::{LUMINANCE, Rgb, linear_from_srgb, srgb_from_linear};
+use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
 /// The curve that brings radiance beyond the range of the display into it.

@@ -8,6 +8,7 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::spherical_rectangle::{Rectangle, SMALLEST_SOLID_ANGLE};
+use crate::math::Vector;
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
 
 /// A rectangle, prepared to be looked at from sixteen points at once.

@@ -33,14 +33,14 @@ real_struct! {
 
 impl<R: Real> Model<R> for Conductor<R> {
     #[inline(always)]
-    fn sample(&self, _: &ShadingTables, wo: R::Vec3, _: R, _: [R; 2], _: TransportMode) -> (BsdfSample<R>, R::Mask) {
-        let sample = BsdfSample {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, _: R, _: [R; 2], _: TransportMode) -> BsdfSample<R> {
+        BsdfSample {
             wi: wo.mirrored(),
             weight: self.specular.reflectance(wo.z()),
             pdf: R::ONE,
             is_delta: R::Mask::ALWAYS,
             eta: R::ONE,
-        };
-        (sample, wo.z().is_more(R::ZERO))
+            is_returned: wo.z().is_more(R::ZERO),
+        }
     }
 }

@@ -20,19 +20,12 @@ real_struct! {
 
 impl<R: Real> Model<R> for Dielectric<R> {
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        _: [R; 2],
-        mode: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, _: [R; 2], mode: TransportMode) -> BsdfSample<R> {
         let fresnel = fresnel::dielectric(wo.z(), self.eta, self.model);
         let eta_ti = fresnel.eta_ti;
         let is_reflected = u_lobe.is_less(fresnel.reflectance);
         let refracted = R::Vec3::of(-eta_ti * wo.x(), -eta_ti * wo.y(), fresnel.cos_t);
-        let sample = BsdfSample {
+        BsdfSample {
             wi: R::Vec3::select(is_reflected, wo.mirrored(), refracted),
             weight: R::Vec3::select(
                 is_reflected,
@@ -42,7 +35,7 @@ impl<R: Real> Model<R> for Dielectric<R> {
             pdf: R::select(is_reflected, fresnel.reflectance, R::ONE - fresnel.reflectance),
             is_delta: R::Mask::ALWAYS,
             eta: R::select(is_reflected, R::ONE, fresnel.eta_it),
-        };
-        (sample, !wo.z().equals(R::ZERO))
+            is_returned: !wo.z().equals(R::ZERO),
+        }
     }
 }

@@ -22,17 +22,17 @@ impl<R: Real> Model<R> for Diffuse<R> {
     }
 
     #[inline(always)]
-    fn sample(&self, _: &ShadingTables, wo: R::Vec3, _: R, u: [R; 2], _: TransportMode) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, _: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let wi = warp::cosine_hemisphere(u);
         let pdf = warp::cosine_hemisphere_pdf(wi.z()).only(wo.z().is_more(R::ZERO));
-        let sample = BsdfSample {
+        BsdfSample {
             wi,
             weight: self.reflectance,
             pdf,
             is_delta: R::Mask::NEVER,
             eta: R::ONE,
-        };
-        (sample, pdf.is_more(R::ZERO))
+            is_returned: pdf.is_more(R::ZERO),
+        }
     }
 
     #[inline(always)]

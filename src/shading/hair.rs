@@ -214,16 +214,16 @@ impl Model<f32> for Hair {
         value_and_density(&self.lobes(wo), wi)
     }
 
-    fn sample(&self, _: &ShadingTables, wo: Vec3, u_lobe: f32, u: [f32; 2], _: TransportMode) -> (BsdfSample, bool) {
+    fn sample(&self, _: &ShadingTables, wo: Vec3, u_lobe: f32, u: [f32; 2], _: TransportMode) -> BsdfSample {
         if wo.z < 0.0 {
-            let straight = BsdfSample {
+            return BsdfSample {
                 wi: -wo,
                 weight: Rgb::ONE,
                 pdf: 1.0,
                 is_delta: true,
                 eta: 1.0,
+                is_returned: true,
             };
-            return (straight, true);
         }
         let lobes = self.lobes(wo);
         // The rest of the number within the chosen lobe's share is uniform again.
@@ -238,14 +238,14 @@ impl Model<f32> for Hair {
         let u_azimuth = (left / share.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0 - f32::EPSILON);
         let wi = lobes[chosen].sample(u_azimuth, Vec2::from(u));
         let (value, pdf) = value_and_density(&lobes, wi);
-        let sample = BsdfSample {
+        BsdfSample {
             wi,
             weight: value / pdf,
             pdf,
             is_delta: false,
             eta: 1.0,
-        };
-        (sample, pdf > 0.0)
+            is_returned: pdf > 0.0,
+        }
     }
 }
 

@@ -63,27 +63,20 @@ impl<R: Real> Model<R> for Metal<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_radius: R,
-        u: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_radius: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let (center, is_delta) = (wo.mirrored(), self.is_delta());
         let sum = center + warp::unit_ball(u, u_radius) * self.radius();
         let length_squared = sum.length_squared();
         let fuzzy = sum * (R::ONE / length_squared.sqrt());
         // The density is zero below the surface (absorbed), and where rounding has put the direction on the rim of the lobe.
         let pdf = self.pdf(wo, fuzzy).only(length_squared.is_more(R::ZERO));
-        let sample = BsdfSample {
+        BsdfSample {
             wi: R::Vec3::select(is_delta, center, fuzzy),
             weight: self.color,
             pdf: R::select(is_delta, R::ONE, pdf),
             is_delta,
             eta: R::ONE,
-        };
-        (sample, wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)))
+            is_returned: wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)),
+        }
     }
 }

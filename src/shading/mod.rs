@@ -82,6 +82,8 @@ real_struct! {
         /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette
         /// divides radiance by its square).
         pub eta: R,
+        /// Whether there is one: else the light is absorbed, and the other fields have any values.
+        pub is_returned: R::Mask,
     }
 }
 
@@ -97,16 +99,8 @@ pub(crate) trait Model<R: Real> {
         (R::Vec3::even(R::ZERO), R::ZERO)
     }
 
-    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. The mask tells where there is one: else the
-    /// light is absorbed, and the sample has any numbers.
-    fn sample(
-        &self,
-        tables: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        mode: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask);
+    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places.
+    fn sample(&self, tables: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], mode: TransportMode) -> BsdfSample<R>;
 
     /// The lobe of [`Bsdf::diffuse_lobe`].
     #[inline(always)]
@@ -188,7 +182,7 @@ macro_rules! models {
                 u_lobe: f32,
                 u: [f32; 2],
                 mode: TransportMode,
-            ) -> (BsdfSample, bool) {
+            ) -> BsdfSample {
                 match self {
                     $(Self::$Model(model) => Model::<f32>::sample(model, tables, wo, u_lobe, u, mode),)*
                     $(Self::$Other(model) => Model::<f32>::sample(model, tables, wo, u_lobe, u, mode),)*
@@ -309,8 +303,8 @@ impl Bsdf {
         mode: TransportMode,
     ) -> Option<BsdfSample> {
         debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
-        let (sample, is_returned) = Model::sample(self, tables, wo, u_lobe, u.to_array(), mode);
-        let sample = is_returned.then_some(sample);
+        let sample =
+            Some(Model::sample(self, tables, wo, u_lobe, u.to_array(), mode)).filter(|sample| sample.is_returned);
         debug_assert!(
             sample.is_none_or(|sample| sample.wi.is_normalized() && sample.weight.is_finite() && sample.pdf > 0.0),
             "{self:?} samples {sample:?} for {wo}"

@@ -103,27 +103,20 @@ impl<R: Real> Model<R> for Plastic<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let reflected = self.coat.reflectance(wo.z());
         let probability = self.base.coat_probability(reflected);
         let is_delta = u_lobe.is_less(probability);
         let wi = warp::cosine_hemisphere(u);
         let (value, pdf) = self.of_base(reflected, wi);
         let mirrored = self.base.specular_reflectance * (reflected / probability);
-        let sample = BsdfSample {
+        BsdfSample {
             wi: R::Vec3::select(is_delta, wo.mirrored(), wi),
             weight: R::Vec3::select(is_delta, mirrored, value / pdf),
             pdf: R::select(is_delta, probability, pdf),
             is_delta,
             eta: R::ONE,
-        };
-        (sample, wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)))
+            is_returned: wo.z().is_more(R::ZERO) & (is_delta | pdf.is_more(R::ZERO)),
+        }
     }
 }

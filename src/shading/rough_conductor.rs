@@ -39,14 +39,7 @@ impl<R: Real> Model<R> for RoughConductor<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        tables: &ShadingTables,
-        wo: R::Vec3,
-        _: R,
-        u: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, tables: &ShadingTables, wo: R::Vec3, _: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let zero = R::ZERO;
         let facets = &self.distribution;
         let m = facets.sample_visible(wo, u);
@@ -55,15 +48,15 @@ impl<R: Real> Model<R> for RoughConductor<R> {
         let ratio = facets.masking_ratio(wo);
         let pdf = facets.density(m) * facets.g1_over_four_cos(wo) / ratio;
         let gain = self.multiple_scattering.gain(tables, wo.z());
-        let sample = BsdfSample {
+        // Light below the horizon would hit another facet, which this model leaves out.
+        let is_above = wo.z().is_more(zero) & wi.z().is_more(zero) & cos.is_more(zero);
+        BsdfSample {
             wi,
             weight: gain * self.specular.reflectance(cos) * (ratio * facets.g1(wi)),
             pdf,
             is_delta: R::Mask::NEVER,
             eta: R::ONE,
-        };
-        // Light below the horizon would hit another facet, which this model leaves out.
-        let is_above = wo.z().is_more(zero) & wi.z().is_more(zero) & cos.is_more(zero);
-        (sample, is_above & pdf.is_more(zero))
+            is_returned: is_above & pdf.is_more(zero),
+        }
     }
 }

@@ -68,14 +68,7 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        mode: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], mode: TransportMode) -> BsdfSample<R> {
         let (zero, one) = (R::ZERO, R::ONE);
         let (eta_it, facets) = (self.eta_it(wo), &self.distribution);
         let is_seen = !wo.z().equals(zero);
@@ -100,16 +93,16 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
             self.specular_transmittance * mode.refraction_factor(eta_ti),
         );
         let pdf = R::splat(4.0) * lobe * facets.reflected_density(wo, m) * cos_o * jacobian;
-        let sample = BsdfSample {
+        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
+        let is_right = (is_reflected & wi.z().is_more(zero)) | (!is_reflected & wi.z().is_less(zero));
+        let has_density = pdf.is_more(zero) & pdf.is_less(R::splat(f32::INFINITY));
+        BsdfSample {
             wi: wi * side,
             weight: color * (facets.masking_ratio(wo) * facets.g1(wi)),
             pdf,
             is_delta: R::Mask::NEVER,
             eta: R::select(is_reflected, one, eta_it),
-        };
-        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
-        let is_right = (is_reflected & wi.z().is_more(zero)) | (!is_reflected & wi.z().is_less(zero));
-        let has_density = pdf.is_more(zero) & pdf.is_less(R::splat(f32::INFINITY));
-        (sample, is_seen & cos_o.is_more(zero) & is_right & has_density)
+            is_returned: is_seen & cos_o.is_more(zero) & is_right & has_density,
+        }
     }
 }

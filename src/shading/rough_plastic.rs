@@ -60,14 +60,7 @@ impl<R: Real> Model<R> for RoughPlastic<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        tables: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, tables: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let seen = self.seen(tables, wo);
         let is_of_coat = u_lobe.is_less(seen.coat_probability);
         let mut wi = warp::cosine_hemisphere(u);
@@ -77,15 +70,15 @@ impl<R: Real> Model<R> for RoughPlastic<R> {
             wi = R::Vec3::select(is_of_coat, m * (cos + cos) - wo, wi);
         }
         let (value, pdf) = seen.eval_and_pdf(wi);
-        let sample = BsdfSample {
+        // The density is zero below the horizon, where the light would hit another facet.
+        BsdfSample {
             wi,
             weight: value / pdf,
             pdf,
             is_delta: R::Mask::NEVER,
             eta: R::ONE,
-        };
-        // The density is zero below the horizon, where the light would hit another facet.
-        (sample, pdf.is_more(R::ZERO))
+            is_returned: pdf.is_more(R::ZERO),
+        }
     }
 }
 

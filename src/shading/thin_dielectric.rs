@@ -35,23 +35,16 @@ impl<R: Real> ThinDielectric<R> {
 
 impl<R: Real> Model<R> for ThinDielectric<R> {
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        _: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, _: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let reflectance = self.reflectance(wo);
         let is_reflected = u_lobe.is_less(reflectance);
-        let sample = BsdfSample {
+        BsdfSample {
             wi: R::Vec3::select(is_reflected, wo.mirrored(), -wo),
             weight: R::Vec3::select(is_reflected, self.specular_reflectance, self.specular_transmittance),
             pdf: R::select(is_reflected, reflectance, R::ONE - reflectance),
             is_delta: R::Mask::ALWAYS,
             eta: R::ONE,
-        };
-        (sample, R::Mask::ALWAYS)
+            is_returned: R::Mask::ALWAYS,
+        }
     }
 }

@@ -47,10 +47,10 @@ pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileErro
         let pixels = frame.pixels();
         if pixels > MOST_AROUND.max(data.pixels().saturating_mul(MOST_FOR_EACH)) {
             let what = format!(
-                "a display window of {width} x {height} pixels, of which only {} have data",
+                "its display window has {width} x {height} pixels, and only {} have data",
                 data.pixels()
             );
-            return Err(ImageFileError::UnsupportedExr(what));
+            return Err(ImageFileError::Damaged(what));
         }
         let more = pixels.saturating_mul(COLOR_BYTES + ENVIRONMENT_BYTES);
         memory.resize(memory.bytes().saturating_add(more)).map_err(too_large)?;

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use crate::math::Vector;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, copy_sign};
 
 /// The bins along each side of a half.

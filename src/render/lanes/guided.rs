@@ -3,9 +3,10 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::vertices::DiffuseLobeLanes;
+use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, lanes_of};
 use crate::render::guide::{BinLanes, Field, UNITS};
-use crate::shading::lanes::BsdfSampleLanes;
+use crate::shading::BsdfSample;
 
 /// The histograms at the vertices.
 pub(super) struct Guided<'a> {
@@ -86,17 +87,17 @@ impl<'a> Guided<'a> {
         eval_and_pdf: impl Fn(Vec3Lanes, u32) -> (Vec3Lanes, Lanes),
         u_lobe: Lanes,
         u: [Lanes; 2],
-        mut sample: BsdfSampleLanes,
-    ) -> BsdfSampleLanes {
+        mut sample: BsdfSample<Lanes>,
+    ) -> BsdfSample<Lanes> {
         let here = lanes_of(here);
         let in_lobe = u_lobe - self.lobes.start;
         let by_guide = in_lobe.simd_ge(Lanes::ZERO) & in_lobe.simd_lt(self.parts * self.lobes.share) & here;
         // The bsdf may have returned no direction, and none is there then: `sample.wi` is what other lanes have left.
-        let is_there = by_guide | sample.returned;
+        let is_there = by_guide | sample.is_returned;
         let wi = Vec3Lanes::select(by_guide, self.directions(u), sample.wi);
         let (value, bsdf_pdf) = eval_and_pdf(wi, is_there.to_bitmask());
         let pdf = self.mixed(wi, bsdf_pdf);
-        let mixed = BsdfSampleLanes {
+        let mixed = BsdfSample {
             wi,
             weight: value / pdf,
             pdf,
@@ -104,9 +105,9 @@ impl<'a> Guided<'a> {
             // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In other directions paths have more than
             // that, and are to be kept for it.
             eta: (pdf / bsdf_pdf).fast_max(Lanes::ONE).sqrt(),
-            returned: bsdf_pdf.simd_gt(Lanes::ZERO) & is_there,
+            is_returned: bsdf_pdf.simd_gt(Lanes::ZERO) & is_there,
         };
-        sample.returned &= !here;
+        sample.is_returned &= !here;
         sample.choose(here, mixed);
         sample
     }

@@ -6,6 +6,7 @@ use super::context::Context;
 use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
 use crate::light::{LightId, LightReference, SkyLanes, Target};
 use crate::math::PerLane;
+use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
 use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;

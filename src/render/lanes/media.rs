@@ -10,7 +10,7 @@ use crate::accel::{Detail, Hit};
 use crate::light::LightReference;
 use crate::light::lanes::SoleLight;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
-use crate::math::{PerLane, Ray, Real, offset_origin};
+use crate::math::{PerLane, Ray, Real, Vector, offset_origin};
 use crate::medium::MediumId;
 use crate::medium::uniform_lanes::{PlainMediumLanes, WayLanes};
 use crate::render::dimensions::MediumDraw;

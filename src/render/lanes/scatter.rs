@@ -9,6 +9,7 @@ use crate::accel::RayLanes;
 use crate::color::Rgb;
 use crate::light::lanes::ReferenceLanes;
 use crate::math::PerLane;
+use crate::math::Vector;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
 use crate::medium::uniform_lanes::PlainMediumLanes;
 use crate::render::dimensions::{BounceDraw, MediumDraw};
@@ -17,8 +18,7 @@ use crate::render::roulette;
 use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, transmittance};
 use crate::render::view::{PathSettings, Strategy};
 use crate::sampling::Sampler;
-use crate::shading::ShadingTables;
-use crate::shading::lanes::BsdfSampleLanes;
+use crate::shading::{BsdfSample, ShadingTables};
 
 /// The surfaces at the vertices, and the directions they are seen from.
 #[derive(Clone, Copy)]
@@ -291,7 +291,12 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
 
     /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only ones of a lobe.
     #[inline(always)]
-    fn sample_bsdfs(&self, surfaces: &Surfaces, context: &Context, guided: Option<&Guided>) -> (BsdfSampleLanes, u32) {
+    fn sample_bsdfs(
+        &self,
+        surfaces: &Surfaces,
+        context: &Context,
+        guided: Option<&Guided>,
+    ) -> (BsdfSample<Lanes>, u32) {
         let Surfaces { lanes, other, .. } = *surfaces;
         let (bsdf, sampler) = (&self.vertices.bsdf, &self.paths.sampler);
         let u_lobe = match bsdf.choosing() | other {
@@ -301,7 +306,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
         let tables = context.scene.materials.tables();
         let local = self.vertices.sample(tables, surfaces.wo, u_lobe, u_direction);
-        let mut sample = BsdfSampleLanes {
+        let mut sample = BsdfSample::<Lanes> {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
@@ -312,7 +317,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         match guided {
             Some(guided) => {
                 // A coat that is smooth keeps its only direction.
-                let delta = sample.is_delta & sample.returned;
+                let delta = sample.is_delta & sample.is_returned;
                 let here = guided.lanes() & !delta.to_bitmask();
                 let sample = self.guide(guided, surfaces, tables, here, u_direction, sample);
                 (sample, smooth | here)
@@ -330,8 +335,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         tables: &ShadingTables,
         here: u32,
         u: [Lanes; 2],
-        sample: BsdfSampleLanes,
-    ) -> BsdfSampleLanes {
+        sample: BsdfSample<Lanes>,
+    ) -> BsdfSample<Lanes> {
         let Surfaces { frame, wo, .. } = *surfaces;
         let u_lobe = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
         let others = surfaces.other & here;
@@ -347,7 +352,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
 
     /// Sets the next rays of the paths. True in the lanes whose light is not absorbed.
     #[inline(always)]
-    fn bounce(&mut self, surfaces: &Surfaces, sample: &BsdfSampleLanes, scattered: u32) -> Lanes {
+    fn bounce(&mut self, surfaces: &Surfaces, sample: &BsdfSample<Lanes>, scattered: u32) -> Lanes {
         let Surfaces { lanes, here, .. } = *surfaces;
         let path = &mut self.paths;
         path.throughput = Vec3Lanes::select(here, path.throughput * sample.weight, path.throughput);
@@ -365,7 +370,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         path.ray.dir = Vec3Lanes::select(here, sample.wi, path.ray.dir);
         path.ray.t_min = here.select(Lanes::ZERO, path.ray.t_min);
         path.ray.t_max = here.select(Lanes::splat(f32::INFINITY), path.ray.t_max);
-        let goes_on = here & sample.returned & path.throughput.is_not_zero();
+        let goes_on = here & sample.is_returned & path.throughput.is_not_zero();
         if MEDIA && self.vertices.borders != 0 {
             self.enter_media(self.vertices.borders & lanes, &sample.wi);
         }

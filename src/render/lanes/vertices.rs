@@ -6,12 +6,13 @@ use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::material::{Lobe, Single};
 use crate::math::Ray;
+use crate::math::Vector;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::medium::lanes::PhaseLanes;
 use crate::medium::{MediumId, MediumInterface};
 use crate::render::scene::{RenderScene, SurfaceSlot};
-use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
-use crate::shading::{DiffuseLobe, ShadingTables, TransportMode};
+use crate::shading::lanes::BsdfLanes;
+use crate::shading::{BsdfSample, DiffuseLobe, ShadingTables, TransportMode};
 
 /// The surfaces and their models; only the lanes of `lanes` have a meaning.
 pub(super) struct Vertices<'a, const MEDIA: bool> {
@@ -183,7 +184,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
 
     /// Directions by the models in lanes and by phase functions, in the frames of the vertices.
     #[inline(always)]
-    pub fn sample(&self, tables: &ShadingTables, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+    pub fn sample(&self, tables: &ShadingTables, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSample<Lanes> {
         let sample = self.bsdf.sample(tables, wo, u_lobe, u, TransportMode::Radiance);
         match self.in_media() {
             0 => sample,
@@ -193,15 +194,15 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
 
     /// Replaces the samples of the lanes in media.
     #[inline(never)]
-    fn with_phases(&self, mut sample: BsdfSampleLanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+    fn with_phases(&self, mut sample: BsdfSample<Lanes>, u: [Lanes; 2]) -> BsdfSample<Lanes> {
         let (wi, pdf) = self.phase.sample(u);
-        let of_phase = BsdfSampleLanes {
+        let of_phase = BsdfSample {
             wi,
             weight: Vec3Lanes::splat(Vec3::ONE),
             pdf,
             is_delta: Lanes::ZERO,
             eta: Lanes::ONE,
-            returned: lanes_of(self.phase.lanes),
+            is_returned: lanes_of(self.phase.lanes),
         };
         sample.choose(lanes_of(self.phase.lanes), of_phase);
         sample
@@ -262,10 +263,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         lanes: u32,
         u_lobe: Lanes,
         u: [Lanes; 2],
-        mut sample: BsdfSampleLanes,
-    ) -> BsdfSampleLanes {
+        mut sample: BsdfSample<Lanes>,
+    ) -> BsdfSample<Lanes> {
         let asked = lanes & self.other;
-        let mut returned = sample.returned.to_bitmask() & !asked;
+        let mut returned = sample.is_returned.to_bitmask() & !asked;
         let mut delta = sample.is_delta.to_bitmask() & !asked;
         for lane in each_lane(asked) {
             let [u_lobe, x, y] = [u_lobe, u[0], u[1]].map(|numbers| numbers.as_array()[lane]);
@@ -279,7 +280,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
                 delta |= u32::from(own.lobe != Lobe::Smooth) << lane;
             }
         }
-        (sample.returned, sample.is_delta) = (lanes_of(returned), lanes_of(delta));
+        (sample.is_returned, sample.is_delta) = (lanes_of(returned), lanes_of(delta));
         sample
     }
 

@@ -121,15 +121,15 @@ impl<R: Real> Evaluation<R> {
     }
 
     #[inline(always)]
-    fn into_sample(self, wi: R::Vec3, eta: R, is_returned: R::Mask) -> (BsdfSample<R>, R::Mask) {
-        let sample = BsdfSample {
+    fn into_sample(self, wi: R::Vec3, eta: R, is_returned: R::Mask) -> BsdfSample<R> {
+        BsdfSample {
             wi,
             weight: self.value / self.pdf,
             pdf: self.pdf,
             is_delta: R::Mask::NEVER,
             eta,
-        };
-        (sample, is_returned & self.pdf.is_more(R::ZERO))
+            is_returned: is_returned & self.pdf.is_more(R::ZERO),
+        }
     }
 }
 
@@ -267,14 +267,7 @@ impl<R: Real> Model<R> for Principled<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        mode: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], mode: TransportMode) -> BsdfSample<R> {
         let zero = R::ZERO;
         let aspect = self.aspect(wo);
         let above = upright::<R>(wo, wo);

@@ -168,14 +168,7 @@ impl<R: Real> Model<R> for PrincipledThin<R> {
     }
 
     #[inline(always)]
-    fn sample(
-        &self,
-        _: &ShadingTables,
-        wo: R::Vec3,
-        u_lobe: R,
-        u: [R; 2],
-        _: TransportMode,
-    ) -> (BsdfSample<R>, R::Mask) {
+    fn sample(&self, _: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], _: TransportMode) -> BsdfSample<R> {
         let zero = R::ZERO;
         let (chances, is_there) = self.chances();
         let above = upright::<R>(wo, wo);

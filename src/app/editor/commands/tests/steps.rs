@@ -30,13 +30,19 @@ fn cube(app: &mut App, size: f32, at: Vec3) -> Entity {
     app.world_mut().spawn((DocumentOrder(9), shape, ToWorld(pose))).id()
 }
 
-#[test]
-fn the_step_depends_on_nothing_but_the_scene() {
+/// An empty scene that is measured, with a camera that looks at the origin.
+fn measured() -> App {
     let mut app = app();
     app.add_systems(PostUpdate, measure_scene.after(EngineSystems::Detect));
     let camera = app.world().resource::<ActiveSensor>().0.expect("a camera");
     let place = ToWorld(Affine3A::from_translation(6.0 * Vec3::NEG_Z));
     app.world_mut().entity_mut(camera).insert(place);
+    app
+}
+
+#[test]
+fn the_step_depends_on_nothing_but_the_scene() {
+    let mut app = measured();
     app.update();
     app.update();
     assert_eq!(step(&app), 0.1, "the scene is empty");
@@ -60,11 +66,7 @@ fn the_step_depends_on_nothing_but_the_scene() {
 
 #[test]
 fn moving_a_thing_leaves_the_step_and_building_changes_it() {
-    let mut app = app();
-    app.add_systems(PostUpdate, measure_scene.after(EngineSystems::Detect));
-    let camera = app.world().resource::<ActiveSensor>().0.expect("a camera");
-    let place = ToWorld(Affine3A::from_translation(6.0 * Vec3::NEG_Z));
-    app.world_mut().entity_mut(camera).insert(place);
+    let mut app = measured();
     let (near, far) = (cube(&mut app, 1.0, Vec3::ZERO), cube(&mut app, 1.0, 3.0 * Vec3::Z));
     wait_for(&mut app, &[near, far]);
     let before = app.world().resource::<ViewSettings>().navigation.scene_size;
