@@ -100,6 +100,20 @@ pub enum Detail {
 }
 
 impl SurfacePoint {
+    /// A point with its geometric and its shading normal, without a parametrisation.
+    #[inline(always)]
+    pub(super) fn plain(position: Vec3, error: f32, [geometric_normal, shading_normal]: [Vec3; 2]) -> Self {
+        Self {
+            position,
+            error,
+            geometric_normal,
+            shading_normal,
+            uv: Vec2::ZERO,
+            dp_du: Vec3::ZERO,
+            dp_dv: Vec3::ZERO,
+        }
+    }
+
     /// The frame around the shading normal with s along `dp_du`, to which anisotropic scattering and normal maps refer.
     pub fn shading_frame(&self) -> Frame {
         Frame::from_normal_and_tangent(self.shading_normal, self.dp_du)

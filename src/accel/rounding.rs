@@ -13,8 +13,6 @@ pub(super) const LEAST_MARGIN: f32 = 1e-18;
 /// Bounds on the rounding of an instance's transforms, per coordinate, in world units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounding {
-    /// The factor of the local error.
-    pub of_error: Mat3A,
     /// The factor of the magnitudes of the local position.
     pub of_position: Mat3A,
     pub of_translation: Vec3A,
@@ -25,7 +23,6 @@ impl Rounding {
         let out = absolute(&world_from_local.matrix3);
         let back = absolute(&local_from_world.matrix3);
         Self {
-            of_error: out,
             of_position: out * (back * out) * gamma(8) + out * gamma(4),
             of_translation: gamma(2) * world_from_local.translation.abs(),
         }
@@ -40,6 +37,8 @@ impl Rounding {
     }
 }
 
-fn absolute(matrix: &Mat3A) -> Mat3A {
+/// The matrix of the magnitudes.
+#[inline(always)]
+pub(super) fn absolute(matrix: &Mat3A) -> Mat3A {
     Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }

@@ -10,6 +10,8 @@ use super::blas::Blas;
 use super::hit::{Detail, Hit, SurfacePoint};
 use super::instance::{Instance, Primitive};
 use super::memory::prefetch;
+use super::mesh_surface::Place;
+use super::rounding::absolute;
 use super::tlas::Tlas;
 use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
@@ -81,6 +83,19 @@ impl Tlas {
         Some([Some(placement.world_from_group()), Some(member.world_from_local)])
     }
 
+    /// The surface at `hit` with its parametrisation, where `plain` is the surface without one, which is on a mesh in no group.
+    pub(crate) fn parametrised(&self, hit: &Hit, plain: SurfacePoint) -> SurfacePoint {
+        let shape = self.shape_at(hit);
+        let unflipped = shape.place().side * plain.geometric_normal;
+        let Parametrisation { uv, dp_du, dp_dv } = shape.parametrisation(hit, Vec3::ZERO, unflipped);
+        SurfacePoint {
+            uv,
+            dp_du,
+            dp_dv,
+            ..plain
+        }
+    }
+
     /// [`Self::surface`] with no more than `detail`.
     #[inline(always)]
     pub fn surface_in(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
@@ -108,19 +123,21 @@ impl Instance {
             Primitive::Disk => disk::surface(hit.u, hit.v),
             Primitive::Cylinder => cylinder::surface(&self.local_ray(ray), hit.t),
         };
-        let geometric = self.geometric_normal(&local);
-        let of_vertices = self
-            .with_vertex_normals()
-            .and_then(|blas| self.vertex_normal(blas.mesh(), hit.primitive, Vec2::new(hit.u, hit.v)));
-        let shading = of_vertices.unwrap_or(geometric);
-        let side = self.side();
+        let place = self.place();
+        let geometric = self.geometric_normal(&place, &local);
+        let shading = self.vertex_normal(hit.primitive, [hit.u, hit.v]).unwrap_or(geometric);
+        let (position, error) = match &self.primitive {
+            Primitive::Mesh(_) => (place.position(&local), place.error(&local)),
+            _ => self.placed(&local),
+        };
+        let Place { side, .. } = place;
         let parametrisation = match detail {
             Detail::Plain => Parametrisation::default(),
             Detail::Parametrised => self.parametrisation(hit, local.position, geometric),
         };
         SurfacePoint {
-            position: self.world_from_local.transform_point3(local.position),
-            error: self.world_error(&local),
+            position,
+            error,
             geometric_normal: side * geometric,
             shading_normal: side * shading,
             uv: parametrisation.uv,
@@ -145,14 +162,7 @@ impl Instance {
     /// The unit shading normal in world space where rays meet the triangle of a mesh at the weights `barycentric` of its corners 1 and 2.
     /// None where that is the geometric normal.
     pub fn shading_normal(&self, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
-        let mesh = self.with_vertex_normals()?.mesh();
-        Some(self.side() * self.vertex_normal(mesh, triangle, barycentric)?)
-    }
-
-    /// -1 where normals are flipped, else 1.
-    #[inline(always)]
-    fn side(&self) -> f32 {
-        if self.flip_normals { -1.0 } else { 1.0 }
+        Some(self.place().side * self.vertex_normal(triangle, barycentric.to_array())?)
     }
 
     /// The surface of a shape in the plane z = 0, without its parametrisation.
@@ -170,15 +180,11 @@ impl Instance {
         } else {
             self.plane_normal
         };
-        SurfacePoint {
-            position: (linear.x_axis * hit.u + linear.y_axis * hit.v + *translation).into(),
-            error: error.max_element(),
-            geometric_normal: normal,
-            shading_normal: normal,
-            uv: Vec2::ZERO,
-            dp_du: Vec3::ZERO,
-            dp_dv: Vec3::ZERO,
-        }
+        SurfacePoint::plain(
+            (linear.x_axis * hit.u + linear.y_axis * hit.v + *translation).into(),
+            error.max_element(),
+            [normal; 2],
+        )
     }
 
     /// The parametrisation, with derivatives in world space. `position` is local, `geometric` the unit normal in the world.
@@ -210,68 +216,29 @@ impl Instance {
         }
     }
 
+    /// The point in the world and its error, as [`Place::position`] and [`Place::error`] give them. Vectors of four are faster for a single point.
+    #[inline(always)]
+    fn placed(&self, local: &LocalSurface) -> (Vec3, f32) {
+        let error = absolute(&self.world_from_local.matrix3) * Vec3A::from(local.error)
+            + self.rounding.of_position * Vec3A::from(local.position.abs())
+            + self.rounding.of_translation;
+        let position = self.world_from_local.transform_point3(local.position);
+        (position, error.max_element())
+    }
+
     /// Unit world normal.
-    fn geometric_normal(&self, local: &LocalSurface) -> Vec3 {
+    #[inline(always)]
+    fn geometric_normal(&self, place: &Place, local: &LocalSurface) -> Vec3 {
         if let (Primitive::Sphere, Some(inverse)) = (&self.primitive, self.similarity) {
             // A point of the unit sphere has unit length.
             return (inverse * (self.world_from_local.matrix3 * Vec3A::from(local.normal))).into();
         }
-        let normal = unit_or_none(self.world_normal(local.normal)).unwrap_or(Vec3::Z);
-        match self.primitive {
-            Primitive::Mesh(_) if self.mirrored => -normal,
-            _ => normal,
-        }
+        place.normal(local) * place.hand
     }
 
     /// Unit world normal of the local plane z = 0, on the side of +z.
     pub(super) fn plane_normal(local_from_world: &Affine3A) -> Vec3 {
         let normal = local_from_world.matrix3.transpose() * Vec3A::Z;
-        unit_or_none(normal.into()).unwrap_or(Vec3::Z)
+        Vec3::from(normal).try_normalize().unwrap_or(Vec3::Z)
     }
-
-    /// Transforms a normal by the inverse transpose. The result is not of unit length, but neither overflows nor vanishes for sensible transforms.
-    fn world_normal(&self, local: Vec3) -> Vec3 {
-        // The scale brings the normal near 1 by a power of two, which is faster than a division.
-        let exponent = local.abs().max_element().to_bits() & 0x7f80_0000;
-        let scale = f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent).max(LEAST_SCALE));
-        (self.local_from_world.matrix3.transpose() * Vec3A::from(scale * local)).into()
-    }
-
-    /// The interpolated vertex normal, not flipped. Each normal is taken to the world and normalised first, as if the mesh had been stored
-    /// transformed.
-    fn vertex_normal(&self, mesh: &MeshData, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
-        let corners = mesh.triangles.get(triangle as usize)?;
-        let Vec2 { x: u, y: v } = barycentric;
-        let [a, b, c] = corners.map(|corner| mesh.normals.get(corner as usize).copied());
-        let normals = [a?, b?, c?];
-        let mean = |[a, b, c]: [Vec3; 3]| (1.0 - u - v) * a + u * b + v * c;
-        let normal = if self.similarity.is_some() {
-            // Their lengths stay in proportion, so that one transform suffices.
-            unit_or_none(self.world_normal(mean(normals)))?
-        } else {
-            unit_or_none(mean(
-                normals.map(|normal| unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO)),
-            ))?
-        };
-        Some(if self.mirrored && mesh.has_computed_normals {
-            -normal
-        } else {
-            normal
-        })
-    }
-
-    /// The local error in world units, with the rounding of the transform to the world and of the next ray's transform back.
-    fn world_error(&self, local: &LocalSurface) -> f32 {
-        let error = self.rounding.of_error * Vec3A::from(local.error)
-            + self.rounding.of_position * Vec3A::from(local.position.abs())
-            + self.rounding.of_translation;
-        error.max_element()
-    }
-}
-
-/// The bits of 2 to the power of -127.
-const LEAST_SCALE: u32 = 0x0040_0000;
-
-fn unit_or_none(v: Vec3) -> Option<Vec3> {
-    v.try_normalize()
 }

@@ -2,6 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::math::Real;
+
 /// A hit at ray parameter `t` (the world's `t`: local rays are not renormalised).
 ///
 /// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others: unused, zero.
@@ -17,14 +19,14 @@ pub struct LocalHit {
 
 /// The surface at a hit, in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LocalSurface {
+pub struct LocalSurface<R: Real = f32> {
     /// The point on the surface within rounding. It is never computed as origin + t dir.
-    pub position: Vec3,
+    pub position: R::Vec3,
     /// The bound, per coordinate, on how far `position` is off the surface as the intersection test sees it. Displacement within the surface is not
     /// counted: it cannot make a ray that leaves meet the surface again.
-    pub error: Vec3,
+    pub error: R::Vec3,
     /// The geometric normal, not of unit length.
-    pub normal: Vec3,
+    pub normal: R::Vec3,
 }
 
 /// A point in Mitsuba 3's parametrisation of its shape, in local space. It is not part of [`LocalSurface`], because most paths do not need it.

@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Sub};
 use glam::{Vec2, Vec3};
 
 use super::local::{LocalHit, LocalSurface, Parametrisation};
-use crate::math::{Ray, gamma};
+use crate::math::{Ray, Real, Vector, gamma};
 
 /// The sides of a triangle that can be hit. The front is the side from which its corners turn counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,24 +142,29 @@ pub(crate) fn is_regular(corners: [Vec3; 3]) -> bool {
 }
 
 /// The surface at the weights `u`, `v` of corners 1 and 2.
-pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
-    let [a, b, c] = corners;
-    let w = 1.0 - u - v;
-    let position = w * a + u * b + v * c;
+#[inline(always)]
+pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> {
+    let w = R::ONE - u - v;
+    let position = a * w + b * u + c * v;
     let (edge_b, edge_c) = (b - a, c - a);
     let normal = edge_b.cross(edge_c);
 
     // The rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) . normal, where each component
     // of the normal is a difference of products (large for slivers).
-    let interpolation = gamma(7) * (w.abs() * a.abs() + u.abs() * b.abs() + v.abs() * c.abs());
-    let (p, q) = (edge_b.abs(), edge_c.abs());
-    let products = Vec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
-    let reach = (position - a).abs() + interpolation;
-    let plane = gamma(8) * reach.dot(products) / normal.length();
-    let longest = p.max(q).max_element();
+    let size = |v: R::Vec3| v.map(R::abs);
+    let interpolation = (size(a) * w.abs() + size(b) * u.abs() + size(c) * v.abs()) * R::splat(gamma(7));
+    let (p, q) = (size(edge_b), size(edge_c));
+    let products = R::Vec3::of(
+        p.y() * q.z() + p.z() * q.y(),
+        p.z() * q.x() + p.x() * q.z(),
+        p.x() * q.y() + p.y() * q.x(),
+    );
+    let reach = size(position - a) + interpolation;
+    let plane = R::splat(gamma(8)) * reach.dot(products) / normal.length_squared().sqrt();
+    let longest = p.max_element().max(q.max_element());
     LocalSurface {
         position,
-        error: interpolation + Vec3::splat(plane.min(MAX_PLANE_ERROR * longest)),
+        error: interpolation + R::Vec3::even(plane.min(R::splat(MAX_PLANE_ERROR) * longest)),
         normal,
     }
 }

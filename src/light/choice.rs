@@ -5,7 +5,9 @@
 
 use super::LightReference;
 use super::bounds::LightBounds;
-use super::tree::LightTree;
+use super::reference::Reference;
+use super::tree::{LightTree, Shares};
+use crate::math::lanes::Lanes;
 use crate::sampling::DiscreteDistribution;
 
 /// The light that was chosen, as an index into the list it came from.
@@ -61,6 +63,26 @@ impl LightChoice {
     /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one light, `u` is not used.
     #[inline]
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
+        self.sample_by(u, |tree, u| tree.sample(reference, u))
+    }
+
+    /// The probabilities by which [`Self::sample_lane`] chooses among lights that are somewhere, where lanes need not go down the tree one by one.
+    pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
+        self.finite.as_ref()?.shares(from)
+    }
+
+    /// [`Self::sample`] from the reference of a lane.
+    pub fn sample_lane(&self, lane: usize, shares: &Shares, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
+        self.sample_by(u, |tree, u| tree.sample_lane(lane, shares, u))
+    }
+
+    /// `of_finite` chooses among lights that are somewhere.
+    #[inline(always)]
+    fn sample_by(
+        &self,
+        u: impl FnOnce() -> f64,
+        of_finite: impl FnOnce(&LightTree, f64) -> Option<(u32, f32)>,
+    ) -> Option<(Chosen, f32)> {
         if let Some(only) = self.certain() {
             return Some((only, 1.0));
         }
@@ -71,7 +93,7 @@ impl LightChoice {
             return Some((Chosen::Infinite(sample.index), self.infinite_share * sample.pmf));
         }
         let u = (u - infinite_share) / (1.0 - infinite_share);
-        let (part, pmf) = self.finite.as_ref()?.sample(reference, u)?;
+        let (part, pmf) = of_finite(self.finite.as_ref()?, u)?;
         Some((Chosen::Part(part), (1.0 - self.infinite_share) * pmf))
     }
 

@@ -1,32 +1,39 @@
 //! The same radiance from all directions.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
+use super::reference::Reference;
 use super::{LightReference, LightSample, Target};
 use crate::color::Rgb;
-use crate::math::Frame;
+use crate::math::{Frame, Mask, Real, Vector};
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ConstantLight {
+pub(crate) struct ConstantLight {
     pub radiance: Rgb,
 }
 
 impl ConstantLight {
-    /// Samples a direction: by the cosine with the normal if there is one, for the light itself prefers no direction; otherwise uniformly.
-    pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
-        let wi = match reference.normal {
-            Some(normal) => Frame::from_normal(normal).to_world(warp::cosine_hemisphere(u.to_array())),
-            None => warp::uniform_sphere(u.to_array()),
-        };
-        let pdf = self.pdf(reference, wi);
-        (pdf > 0.0).then_some(LightSample {
+    /// Samples a direction: by the cosine with the normal where there is one, for the light itself prefers no direction; otherwise uniformly.
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, from: &Reference<R>, u: [R; 2]) -> LightSample<R> {
+        let Reference { normal, halved, .. } = *from;
+        let local = warp::cosine_hemisphere(u);
+        let (mut wi, mut pdf) = (
+            Frame::<R>::around(normal).to_world(local),
+            warp::cosine_hemisphere_pdf(local.z()),
+        );
+        if (!halved).any() {
+            wi = R::Vec3::select(halved, wi, warp::uniform_sphere(u));
+            pdf = R::select(halved, pdf, R::splat(warp::UNIFORM_SPHERE_PDF));
+        }
+        LightSample {
             wi,
             target: Target::Infinity,
-            radiance: self.radiance,
+            radiance: R::Vec3::same(self.radiance),
             pdf,
             is_delta: false,
-        })
+        }
     }
 
     /// Density per solid angle of [`Self::sample`].

@@ -4,7 +4,8 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
-use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, axes, solid_angle_pdf};
+use crate::math::{Real, Vector, sin_cos};
 
 #[derive(Clone, Debug)]
 pub(super) struct CylinderLight {
@@ -42,10 +43,11 @@ impl CylinderLight {
     }
 
     /// Density per area where the local angle has this cosine and sine.
-    fn pdf_around(&self, around: Vec2) -> f32 {
-        let matrix = &self.world_from_local.matrix3;
-        let along = matrix.y_axis * around.x - matrix.x_axis * around.y;
-        1.0 / (TAU * along.cross(matrix.z_axis).length())
+    #[inline(always)]
+    fn pdf_around<R: Real>(&self, cos: R, sin: R) -> R {
+        let [x, y, z] = axes(&self.world_from_local).map(R::Vec3::same);
+        let across = (y * cos - x * sin).cross(z);
+        R::ONE / (R::splat(TAU) * across.length_squared().sqrt())
     }
 
     /// The point of the axis at this share of the height.
@@ -53,18 +55,17 @@ impl CylinderLight {
         self.world_from_local.transform_point3(Vec3::new(0.0, 0.0, height))
     }
 
-    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        self.sample_area(u).seen_from(reference)
-    }
-
     /// A point that is uniform in angle and height.
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
-        let around = Vec2::from_angle(TAU * u.x);
-        let normal = Vec3::from(self.local_from_world.matrix3.transpose() * Vec3A::from(around.extend(0.0)));
+    #[inline(always)]
+    pub fn sample_area<R: Real>(&self, [u, v]: [R; 2]) -> AreaSample<R> {
+        let (sin, cos) = sin_cos(R::splat(TAU) * u);
+        let around = R::Vec3::of(cos, sin, R::ZERO);
+        let normal = around.coordinates(axes(&self.local_from_world)).normalize();
         AreaSample {
-            position: self.world_from_local.transform_point3(around.extend(u.y)),
-            normal: self.side * normal.normalize_or_zero(),
-            pdf_area: self.pdf_around(around),
+            position: R::Vec3::same(self.world_from_local.translation.into())
+                + around.with_third(v).along(axes(&self.world_from_local)),
+            normal: normal * R::splat(self.side),
+            pdf_area: self.pdf_around(cos, sin),
         }
     }
 
@@ -75,6 +76,7 @@ impl CylinderLight {
     /// Density per area of [`Self::sample_area`].
     pub fn pdf_area(&self, position: Vec3) -> f32 {
         let local = self.local_from_world.transform_point3(position);
-        self.pdf_around(local.truncate().normalize_or_zero())
+        let Vec2 { x, y } = local.truncate().normalize_or_zero();
+        self.pdf_around(x, y)
     }
 }

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::{LightSample, Target};
 use crate::color::Rgb;
+use crate::math::{Real, Vector};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionalLight {
@@ -14,12 +15,12 @@ pub(super) struct DirectionalLight {
 }
 
 impl DirectionalLight {
-    pub fn sample(&self) -> LightSample {
+    pub fn sample<R: Real>(&self) -> LightSample<R> {
         LightSample {
-            wi: -self.direction,
+            wi: R::Vec3::same(-self.direction),
             target: Target::Infinity,
-            radiance: self.irradiance,
-            pdf: 1.0,
+            radiance: R::Vec3::same(self.irradiance),
+            pdf: R::ONE,
             is_delta: true,
         }
     }

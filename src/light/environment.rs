@@ -12,7 +12,8 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::sampling::PiecewiseBilinear2d;
+use crate::math::{Real, Vector, sin_cos};
+use crate::sampling::{PiecewiseBilinear2d, SquareSample};
 use crate::texture::Image;
 
 /// A picture of all directions with its sampling density, which neither turning nor scaling changes.
@@ -113,21 +114,31 @@ pub(super) struct EnvironmentLight {
 }
 
 impl EnvironmentLight {
-    /// None if it is black.
-    pub fn sample(&self, u: Vec2) -> Option<LightSample> {
-        let sample = self.map.density.as_ref()?.sample(u);
-        let half_column = 0.5 / self.map.image.width() as f32;
-        let uv = Vec2::new(sample.position.x + half_column, sample.position.y);
-        let (sin_phi, cos_phi) = (TAU * uv.x).sin_cos();
-        let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
-        let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-        Some(LightSample {
-            wi: self.world_from_local * local,
+    /// Samples a direction where `asked` holds. There is none if the picture is black.
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> LightSample<R> {
+        let (mut uv, mut pdf) = ([R::ZERO; 2], R::ZERO);
+        if let Some(density) = &self.map.density {
+            let SquareSample {
+                position: [x, y],
+                pdf: of_picture,
+            } = density.sample(u);
+            uv = [x + R::splat(0.5 / self.map.image.width() as f32), y];
+            pdf = of_picture.only(asked);
+        }
+        let radiance = |uv: [f32; 2]| (self.scale * self.map.radiance(uv.into())).to_array();
+        let [red, green, blue] = R::each(asked, uv, radiance);
+        let (sin_phi, cos_phi) = sin_cos(R::splat(TAU) * uv[0]);
+        let (sin_theta, cos_theta) = sin_cos(R::splat(PI) * uv[1]);
+        let local = R::Vec3::of(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        LightSample {
+            wi: local.along([x_axis, y_axis, z_axis]),
             target: Target::Infinity,
-            radiance: self.scale * self.map.radiance(uv),
-            pdf: sample.pdf * uv_density(sin_theta),
+            radiance: R::Vec3::of(red, green, blue),
+            pdf: pdf * uv_density(sin_theta),
             is_delta: false,
-        })
+        }
     }
 
     pub fn radiance(&self, wi: Vec3) -> Rgb {
@@ -142,7 +153,7 @@ impl EnvironmentLight {
         let sin_theta = local.x.hypot(local.z);
         let density = self.map.density.as_ref();
         let pdf = density.map_or(0.0, |density| {
-            density.pdf(Vec2::new(x - x.floor(), uv.y)) * uv_density(sin_theta)
+            density.pdf([x - x.floor(), uv.y]) * uv_density(sin_theta)
         });
         (self.scale * self.map.radiance(uv), pdf)
     }
@@ -162,8 +173,8 @@ fn uv(local: Vec3) -> Vec2 {
 }
 
 /// The density per solid angle of a density that is uniform over the picture.
-fn uv_density(sin_theta: f32) -> f32 {
-    1.0 / (TAU * PI * sin_theta.abs().max(LEAST_SINE))
+fn uv_density<R: Real>(sin_theta: R) -> R {
+    R::ONE / (R::splat(TAU * PI) * sin_theta.abs().max(R::splat(LEAST_SINE)))
 }
 
 fn usable(radiance: Rgb) -> Rgb {

@@ -9,10 +9,12 @@ use super::bounds::LightBounds;
 use super::hit::SurfaceHit;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
+use super::reference::Reference;
 use super::spot::SpotLight;
 use super::surface::SurfaceLight;
 use super::{LightReference, LightSample};
 use crate::color::Rgb;
+use crate::math::Real;
 use crate::texture::TextureTable;
 
 #[derive(Clone, Debug)]
@@ -49,19 +51,20 @@ impl FiniteLight {
         }
     }
 
-    /// A direction towards a part; None where it sends nothing to `reference`.
-    pub fn sample(
+    /// A direction towards a part. There is none where it sends nothing to the reference.
+    #[inline(always)]
+    pub fn sample<R: Real>(
         &self,
         part: u32,
-        reference: &LightReference,
-        u: Vec2,
+        from: &Reference<R>,
+        u: [R; 2],
         textures: &TextureTable,
-    ) -> Option<LightSample> {
+    ) -> LightSample<R> {
         match self {
-            Self::Surface(light) => light.sample(part, reference.position, u, textures),
-            Self::Point(light) => light.sample(reference.position),
-            Self::Spot(light) => light.sample(reference.position, textures),
-            Self::Projector(light) => light.sample(reference.position, textures),
+            Self::Surface(light) => light.sample(part, from, u, textures),
+            Self::Point(light) => light.sample(from.position),
+            Self::Spot(light) => light.sample(from, textures),
+            Self::Projector(light) => light.sample(from, textures),
         }
     }
 

@@ -1,8 +1,11 @@
 //! Points on emitting surfaces: those that rays hit and those that sampling chooses.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Mat3A, Vec2, Vec3};
 
+use super::reference::Reference;
+use super::{LightSample, Target};
 use crate::accel::{Hit, SurfacePoint};
+use crate::math::{Real, Vector, offset_origin};
 
 /// A place on a surface as the density of a light needs it, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,58 +39,118 @@ impl SurfaceHit {
 }
 
 /// A point chosen on an emitter, world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SurfaceSample {
-    pub position: Vec3,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceSample<R: Real = f32> {
+    pub position: R::Vec3,
     /// Unit normal of the surface, to the side of the reference point.
-    pub normal: Vec3,
-    /// Density per solid angle as seen from the reference point.
-    pub pdf_solid_angle: f32,
+    pub normal: R::Vec3,
+    /// Density per solid angle as seen from the reference point; zero where the point cannot be seen from there.
+    pub pdf_solid_angle: R,
 }
 
 /// A point chosen on an emitter without regard to who looks at it, world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct AreaSample {
-    pub position: Vec3,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AreaSample<R: Real = f32> {
+    pub position: R::Vec3,
     /// Unit normal on the side that shines, or on either if both can.
-    pub normal: Vec3,
+    pub normal: R::Vec3,
     /// Density per area.
-    pub pdf_area: f32,
+    pub pdf_area: R,
 }
 
-impl AreaSample {
+impl<R: Real> AreaSample<R> {
     /// The sample with the normal on the side of a place, for a surface that shines to both.
-    pub fn facing(self, reference: Vec3) -> Self {
-        let is_behind = (reference - self.position).dot(self.normal) < 0.0;
+    pub fn facing(self, reference: R::Vec3) -> Self {
+        let is_behind = (reference - self.position).dot(self.normal).is_less(R::ZERO);
         Self {
-            normal: if is_behind { -self.normal } else { self.normal },
+            normal: R::Vec3::select(is_behind, -self.normal, self.normal),
             ..self
         }
     }
 
-    /// The sample as seen from a place; None if the point shows its back or its edge.
-    pub fn seen_from(self, reference: Vec3) -> Option<SurfaceSample> {
-        SurfaceSample::from_area(self.position, self.normal, self.pdf_area, reference)
+    /// The sample as seen from a place, to which the point may show its back or its edge.
+    #[inline(always)]
+    pub fn seen_from(self, reference: R::Vec3) -> SurfaceSample<R> {
+        let Self {
+            position,
+            normal,
+            pdf_area,
+        } = self;
+        let is_before = (reference - position).dot(normal).is_more(R::ZERO);
+        let pdf = solid_angle_pdf(pdf_area, position, normal, reference);
+        SurfaceSample {
+            position,
+            normal,
+            pdf_solid_angle: pdf.only(is_before & pdf.is_less(R::splat(f32::INFINITY))),
+        }
     }
 }
 
-impl SurfaceSample {
-    /// A sample from a density per area; None if the point shows its back or its edge.
-    pub fn from_area(position: Vec3, normal: Vec3, pdf_area: f32, reference: Vec3) -> Option<Self> {
-        if (reference - position).dot(normal) <= 0.0 {
-            return None;
+impl<R: Real> SurfaceSample<R> {
+    /// What a function of single references and numbers gives where `asked` holds, one after the other.
+    #[inline(always)]
+    pub fn each(from: &Reference<R>, [u, v]: [R; 2], sample: impl Fn(Vec3, Vec2) -> Option<SurfaceSample>) -> Self {
+        let place = from.position;
+        let numbers = [place.x(), place.y(), place.z(), u, v];
+        let [x, y, z, normal_x, normal_y, normal_z, pdf] = R::each(from.asked, numbers, |[x, y, z, u, v]| {
+            sample(Vec3::new(x, y, z), Vec2::new(u, v)).map_or([0.0; 7], |sample| {
+                let (place, normal) = (sample.position, sample.normal);
+                [
+                    place.x,
+                    place.y,
+                    place.z,
+                    normal.x,
+                    normal.y,
+                    normal.z,
+                    sample.pdf_solid_angle,
+                ]
+            })
+        });
+        Self {
+            position: R::Vec3::of(x, y, z),
+            normal: R::Vec3::of(normal_x, normal_y, normal_z),
+            pdf_solid_angle: pdf,
         }
-        let pdf_solid_angle = solid_angle_pdf(pdf_area, position, normal, reference);
-        (pdf_solid_angle > 0.0 && pdf_solid_angle.is_finite()).then_some(Self {
-            position,
-            normal,
-            pdf_solid_angle,
-        })
     }
+
+    /// Selects `yes` where `condition` holds, else `no`.
+    #[inline(always)]
+    pub fn select(condition: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            position: R::Vec3::select(condition, yes.position, no.position),
+            normal: R::Vec3::select(condition, yes.normal, no.normal),
+            pdf_solid_angle: R::select(condition, yes.pdf_solid_angle, no.pdf_solid_angle),
+        }
+    }
+
+    /// The direction to the point from a place, with the radiance that comes from there. The error bounds the coordinates of the point.
+    #[inline(always)]
+    pub fn towards(self, reference: R::Vec3, error: f32, radiance: R::Vec3) -> LightSample<R> {
+        let to_point = self.position - reference;
+        let distance_squared = to_point.length_squared();
+        let is_apart = R::is_above(distance_squared, 0.0) & distance_squared.is_less(R::splat(f32::INFINITY));
+        // The shadow ray ends in front of the surface, not on it.
+        let end = offset_origin(self.position, R::splat(error), self.normal, -to_point);
+        LightSample {
+            wi: to_point.normalize(),
+            target: Target::Point(end),
+            radiance,
+            pdf: self.pdf_solid_angle.only(is_apart),
+            is_delta: false,
+        }
+    }
+}
+
+/// The images of the axes.
+#[inline(always)]
+pub(super) fn axes(map: &Affine3A) -> [Vec3; 3] {
+    let Mat3A { x_axis, y_axis, z_axis } = map.matrix3;
+    [x_axis, y_axis, z_axis].map(Vec3::from)
 }
 
 /// Density per area to density per solid angle at `reference`: times distance squared over the cosine; infinite edge-on.
-pub(super) fn solid_angle_pdf(pdf_area: f32, position: Vec3, normal: Vec3, reference: Vec3) -> f32 {
+#[inline(always)]
+pub(super) fn solid_angle_pdf<R: Real>(pdf_area: R, position: R::Vec3, normal: R::Vec3, reference: R::Vec3) -> R {
     let to_reference = reference - position;
     let distance_squared = to_reference.length_squared();
     let cos = to_reference.dot(normal).abs() / distance_squared.sqrt();

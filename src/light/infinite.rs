@@ -4,14 +4,16 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
 use super::environment::EnvironmentLight;
+use super::reference::Reference;
 use super::sun_sky::SunSkyLight;
-use super::{LightReference, LightSample, Target};
+use super::{LightReference, LightSample};
 use crate::color::{Rgb, luminance};
+use crate::math::Real;
 
 #[derive(Clone, Debug)]
 pub(super) enum InfiniteLight {
@@ -40,22 +42,14 @@ impl InfiniteLight {
         }
     }
 
-    /// Samples the light; None where it is black, or on the horizon of the reference.
-    pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
+    /// Samples the light. There is none where it is black, or on the horizon of the reference.
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, from: &Reference<R>, u: [R; 2]) -> LightSample<R> {
         match self {
-            Self::Directional(light) => Some(light.sample()),
-            Self::Constant(light) => light.sample(reference, u),
-            Self::Environment(light) => light.sample(u),
-            Self::SunSky(light) => {
-                let (sample, is_there) = light.sample(true, u.to_array());
-                is_there.then_some(LightSample {
-                    wi: sample.wi,
-                    target: Target::Infinity,
-                    radiance: sample.radiance,
-                    pdf: sample.pdf,
-                    is_delta: false,
-                })
-            }
+            Self::Directional(light) => light.sample(),
+            Self::Constant(light) => light.sample(from, u),
+            Self::Environment(light) => light.sample(from.asked, u),
+            Self::SunSky(light) => light.sample(from.asked, u),
         }
     }
 

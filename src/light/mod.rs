@@ -20,10 +20,10 @@ mod finite;
 mod hit;
 mod hosek_wilkie;
 mod infinite;
-pub mod lanes;
 mod point;
 mod projector;
 mod rectangle;
+mod reference;
 mod sphere;
 mod spot;
 mod sun_position;
@@ -39,16 +39,18 @@ use std::sync::Arc;
 use glam::{Mat3, Vec3};
 
 use crate::color::Rgb;
+use crate::math::{Real, Vector};
 use crate::texture::Parameter;
 
 pub use environment::EnvironmentMap;
 pub use hit::SurfaceHit;
 pub use hosek_wilkie::Atmosphere;
 pub use projector::Projector;
+pub use reference::{LightReference, ReferenceLanes};
 pub use spot::Spot;
 pub use sun_position::PlaceAndTime;
 pub use table::LightTable;
-pub(crate) use table::SkyLanes;
+pub(crate) use table::{Alike, SoleLight};
 
 /// Index of a light in its [`LightTable`], the order of the sources it was built from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -141,36 +143,51 @@ impl From<LightSource> for WeightedSource {
     }
 }
 
-/// The point from which light is sought.
+/// A direction towards a light, or one per lane towards the same light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightReference {
-    /// A point in world space.
-    pub position: Vec3,
-    /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on a surface that
-    /// transmits. Lights wholly outside of the half space are not chosen.
-    pub normal: Option<Vec3>,
-}
-
-/// A direction towards a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightSample {
+pub struct LightSample<R: Real = f32> {
     /// Unit vector towards the light.
-    pub wi: Vec3,
+    pub wi: R::Vec3,
     /// The end of the shadow ray.
-    pub target: Target,
+    pub target: Target<R>,
     /// Radiance arriving along `-wi` if unoccluded; for delta lights what remains after their delta is integrated.
-    pub radiance: Rgb,
-    /// Density per solid angle times the probability of the light; for delta lights only that probability.
-    pub pdf: f32,
+    pub radiance: R::Vec3,
+    /// Density per solid angle times the probability of the light; for delta lights only that probability. Zero where no light comes from there, and
+    /// the rest has no meaning.
+    pub pdf: R,
     /// Whether no other technique can find this light (a point, a single direction).
     pub is_delta: bool,
 }
 
+impl LightSample {
+    /// The sample, if light comes from there.
+    fn if_lit(self) -> Option<Self> {
+        (self.pdf > 0.0).then_some(self)
+    }
+}
+
+impl<R: Real> LightSample<R> {
+    /// The light of a point with this radiant intensity towards the reference. There is none at the very place.
+    #[inline(always)]
+    fn of_point(position: Vec3, reference: R::Vec3, intensity: R::Vec3) -> Self {
+        let to_light = R::Vec3::same(position) - reference;
+        let distance_squared = to_light.length_squared();
+        let is_apart = R::is_above(distance_squared, 0.0) & distance_squared.is_less(R::splat(f32::INFINITY));
+        Self {
+            wi: to_light.normalize(),
+            target: Target::Point(R::Vec3::same(position)),
+            radiance: intensity / distance_squared,
+            pdf: R::ONE.only(is_apart),
+            is_delta: true,
+        }
+    }
+}
+
 /// The end of a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
+pub enum Target<R: Real = f32> {
     /// A point just in front of the emitting surface.
-    Point(Vec3),
+    Point(R::Vec3),
     /// The light has no place: the ray ends nowhere.
     Infinity,
 }

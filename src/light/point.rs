@@ -2,11 +2,11 @@
 
 use glam::{Vec2, Vec3};
 
+use super::LightSample;
 use super::bounds::{LightBounds, NormalCone};
 use super::emission::{Aim, Beam, SceneSphere};
-use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::math::Aabb;
+use crate::math::{Aabb, Real, Vector};
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug)]
@@ -26,16 +26,10 @@ impl PointLight {
         }
     }
 
-    /// Samples the light; None at its very place.
-    pub fn sample(&self, reference: Vec3) -> Option<LightSample> {
-        let to_light = self.position - reference;
-        Some(LightSample {
-            wi: to_light.try_normalize()?,
-            target: Target::Point(self.position),
-            radiance: self.intensity / to_light.length_squared(),
-            pdf: 1.0,
-            is_delta: true,
-        })
+    /// Samples the light.
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, reference: R::Vec3) -> LightSample<R> {
+        LightSample::of_point(self.position, reference, R::Vec3::same(self.intensity))
     }
 
     /// A direction in which it shines: to what is lit, or uniform over all.

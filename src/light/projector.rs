@@ -9,10 +9,11 @@ use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
 use super::bounds::{LightBounds, NormalCone};
 use super::emission::Beam;
+use super::reference::Reference;
 use super::texture_density::{self, mean_luminance};
 use super::{LightSample, Target};
 use crate::color::Rgb;
-use crate::math::Aabb;
+use crate::math::{Aabb, Real, Vector};
 use crate::sampling::PiecewiseBilinear2d;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
@@ -55,18 +56,25 @@ impl ProjectorLight {
         self.projector.world_from_local.translation.into()
     }
 
-    /// Samples the light; None outside of the picture's frustum.
-    pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
-        let local = self.local_from_world.transform_point3(reference);
-        let uv = self.uv(local)?;
-        let wi = (self.position() - reference).try_normalize()?;
-        Some(LightSample {
-            wi,
-            target: Target::Point(self.position()),
-            radiance: self.radiance(uv, local.z, -wi, textures),
-            pdf: 1.0,
+    /// Samples the light. There is none outside of the picture's frustum.
+    pub fn sample<R: Real>(&self, from: &Reference<R>, textures: &TextureTable) -> LightSample<R> {
+        let position = from.position;
+        let numbers = [position.x(), position.y(), position.z()];
+        let [red, green, blue, pdf] = R::each(from.asked, numbers, |reference| {
+            let reference = Vec3::from(reference);
+            let local = self.local_from_world.transform_point3(reference);
+            match (self.uv(local), (reference - self.position()).try_normalize()) {
+                (Some(uv), Some(dir)) => self.radiance(uv, local.z, dir, textures).extend(1.0).to_array(),
+                _ => [0.0; 4],
+            }
+        });
+        LightSample {
+            wi: (R::Vec3::same(self.position()) - position).normalize(),
+            target: Target::Point(R::Vec3::same(self.position())),
+            radiance: R::Vec3::of(red, green, blue),
+            pdf,
             is_delta: true,
-        })
+        }
     }
 
     /// The place in the picture of a local point; None outside of the frustum.
@@ -84,7 +92,7 @@ impl ProjectorLight {
 
     /// A direction in which it shines, by the picture's brightness.
     pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
-        let uv = self.density.as_ref().map_or(u, |density| density.sample(u).position);
+        let uv = (self.density.as_ref()).map_or(u, |density| density.sample(u.to_array()).position.into());
         let local = (self.projector.half_size * (1.0 - 2.0 * uv)).extend(1.0);
         let dir = self
             .projector
@@ -106,7 +114,7 @@ impl ProjectorLight {
         let Some(uv) = self.uv(local) else {
             return 0.0;
         };
-        let pdf_uv = self.density.as_ref().map_or(1.0, |density| density.pdf(uv));
+        let pdf_uv = self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()));
         // From the picture to the plane z = 1, and from there to directions: the plane's part of an angle grows with the distance cubed.
         let matrix = &self.projector.world_from_local.matrix3;
         let half = self.projector.half_size;

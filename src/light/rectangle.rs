@@ -3,11 +3,8 @@
 use glam::{Vec2, Vec3};
 
 use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
-use super::lanes::SoleRectangle;
-use crate::color::Rgb;
-use crate::math::Aabb;
-use crate::sampling::lanes::RectangleLanes;
-use crate::sampling::{PiecewiseBilinear2d, Rectangle, SphericalRectangle};
+use crate::math::{Aabb, Mask, Real, Vector};
+use crate::sampling::{PiecewiseBilinear2d, Rectangle};
 
 /// A parallelogram `corner + a edge_u + b edge_v`, a and b in [0, 1].
 #[derive(Clone, Debug)]
@@ -68,69 +65,72 @@ impl RectangleLight {
     }
 
     /// The point with these shares of the edges.
-    pub fn at(&self, u: Vec2) -> Vec3 {
-        self.corner + u.x * self.edge_u + u.y * self.edge_v
+    #[inline(always)]
+    pub fn at<R: Real>(&self, [a, b]: [R; 2]) -> R::Vec3 {
+        R::Vec3::same(self.corner)
+            .plus_scaled(a, R::Vec3::same(self.edge_u))
+            .plus_scaled(b, R::Vec3::same(self.edge_v))
     }
 
     /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle allows it, and else uniform in
     /// area.
-    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        if (reference - self.corner).dot(self.normal) <= 0.0 {
-            return None;
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
+        let Some(rectangle) = self.uniform() else {
+            return self.sample_area(u).seen_from(reference);
+        };
+        let normal = R::Vec3::same(self.normal);
+        let is_before = (reference - R::Vec3::same(self.corner)).dot(normal).is_more(R::ZERO);
+        let seen = rectangle.seen_from::<R>(reference);
+        let sample = SurfaceSample {
+            position: seen.sample(u),
+            normal,
+            pdf_solid_angle: seen.pdf_solid_angle().only(is_before),
+        };
+        let is_tiny = is_before & !seen.is_large();
+        if !is_tiny.any() {
+            return sample;
         }
-        match self.seen_from(reference) {
-            Some(seen) if self.density.is_none() => Some(SurfaceSample {
-                position: seen.sample(u),
-                normal: self.normal,
-                pdf_solid_angle: seen.pdf_solid_angle(),
-            }),
-            _ => self.sample_area(u).seen_from(reference),
-        }
-    }
-
-    /// The rectangle in a form that is sampled from many places at once; None unless it is uniform in solid angle.
-    pub fn sole(&self, radiance: Rgb, error: f32) -> Option<SoleRectangle> {
-        let rectangle = self.rectangle.as_ref().filter(|_| self.density.is_none())?;
-        Some(SoleRectangle {
-            radiance,
-            rectangle: RectangleLanes::new(rectangle),
-            corner: self.corner,
-            edges: [self.edge_u, self.edge_v],
-            normal: self.normal,
-            pdf_area: self.pdf_area,
-            error,
-        })
+        SurfaceSample::select(is_tiny, self.sample_area(u).seen_from(reference), sample)
     }
 
     /// A point by the density if there is one, and else uniform in area.
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+    #[inline(always)]
+    pub fn sample_area<R: Real>(&self, u: [R; 2]) -> AreaSample<R> {
         let (place, pdf) = match &self.density {
             Some(density) => {
                 let sample = density.sample(u);
                 (sample.position, sample.pdf)
             }
-            None => (u, 1.0),
+            None => (u, R::ONE),
         };
         AreaSample {
             position: self.at(place),
-            normal: self.normal,
-            pdf_area: self.pdf_area * pdf,
+            normal: R::Vec3::same(self.normal),
+            pdf_area: R::splat(self.pdf_area) * pdf,
         }
     }
 
     /// Density per area of [`Self::sample_area`] at these texture coordinates.
     pub fn pdf_area(&self, uv: Vec2) -> f32 {
-        self.pdf_area * self.density.as_ref().map_or(1.0, |density| density.pdf(uv))
+        self.pdf_area * self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()))
     }
 
-    fn seen_from(&self, reference: Vec3) -> Option<SphericalRectangle> {
-        self.rectangle.as_ref()?.seen_from(reference)
+    /// The rectangle, if points are to be uniform in solid angle.
+    fn uniform(&self) -> Option<&Rectangle> {
+        self.rectangle.as_ref().filter(|_| self.density.is_none())
+    }
+
+    /// Whether it is sampled in lanes as fast as it can be: as a rectangle that is equally bright all over.
+    pub fn is_uniform(&self) -> bool {
+        self.uniform().is_some()
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        match self.seen_from(reference) {
-            Some(seen) if self.density.is_none() => seen.pdf_solid_angle(),
-            _ => solid_angle_pdf(self.pdf_area(hit.uv), hit.position, self.normal, reference),
+        let seen = self.uniform().map(|rectangle| rectangle.seen_from::<f32>(reference));
+        match seen.filter(|seen| seen.is_large()) {
+            Some(seen) => seen.pdf_solid_angle(),
+            None => solid_angle_pdf(self.pdf_area(hit.uv), hit.position, self.normal, reference),
         }
     }
 }

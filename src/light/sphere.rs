@@ -1,11 +1,11 @@
 //! Spheres that emit, sampled by the cone that they fill; and their affine images, sampled by area.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, Mat3A, Vec3};
 
-use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
-use crate::math::Frame;
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
+use crate::math::{Frame, Mask, Real, Vector};
 use crate::sampling::warp;
 
 /// The most that the axes of a transform may differ from perpendicular and equally long for its sphere to count as one.
@@ -36,52 +36,59 @@ impl SphereLight {
         4.0 * PI * self.radius * self.radius
     }
 
-    /// 1 - cos of the half angle of the cone around the sphere; None if `reference` is not outside.
-    fn cone(&self, reference: Vec3) -> Option<f32> {
-        let distance_squared = reference.distance_squared(self.center);
-        let radius_squared = self.radius * self.radius;
-        if self.side < 0.0 || distance_squared <= radius_squared {
-            return None;
-        }
+    /// 1 - cos of the half angle of the cone around the sphere, and a mask of where there is one: outside.
+    #[inline(always)]
+    fn cone<R: Real>(&self, reference: R::Vec3) -> (R, R::Mask) {
+        let distance_squared = (reference - R::Vec3::same(self.center)).length_squared();
+        let radius_squared = R::splat(self.radius * self.radius);
         let sin_squared = radius_squared / distance_squared;
-        Some(sin_squared / (1.0 + (1.0 - sin_squared).max(0.0).sqrt()))
+        let cos = (R::ONE - sin_squared).max(R::ZERO).sqrt();
+        let is_outside = match self.side < 0.0 {
+            true => R::Mask::NEVER,
+            false => distance_squared.is_more(radius_squared),
+        };
+        (sin_squared / (R::ONE + cos), is_outside)
     }
 
-    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        let Some(one_minus_cos) = self.cone(reference) else {
-            let normal = warp::uniform_sphere(u.to_array());
-            let position = self.center + self.radius * normal;
-            return SurfaceSample::from_area(position, self.side * normal, 1.0 / self.area(), reference);
-        };
-        let to_center = self.center - reference;
-        let distance = to_center.length();
-        let local = warp::uniform_cone(u.to_array(), one_minus_cos);
-        let direction = Frame::from_normal(to_center / distance).to_world(local);
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
+        let (one_minus_cos, is_outside) = self.cone::<R>(reference);
+        let center = R::Vec3::same(self.center);
+        let to_center = center - reference;
+        let distance = to_center.length_squared().sqrt();
+        let local = warp::uniform_cone(u, one_minus_cos);
+        let direction = Frame::<R>::around(to_center / distance).to_world(local);
         // The nearer of the two points where the direction meets the sphere, by the law of sines around the centre.
-        let sin_squared = (1.0 - local.z * local.z).max(0.0) * distance * distance;
-        let along = local.z * distance - (self.radius * self.radius - sin_squared).max(0.0).sqrt();
-        let normal = (reference + along * direction - self.center).normalize_or_zero();
-        Some(SurfaceSample {
-            position: self.center + self.radius * normal,
+        let sin_squared = local.with_third(R::ZERO).length_squared() * distance * distance;
+        let half_chord = (R::splat(self.radius * self.radius) - sin_squared).max(R::ZERO).sqrt();
+        let along = local.z() * distance - half_chord;
+        let normal = (direction * along - to_center).normalize();
+        let sample = SurfaceSample {
+            position: center.plus_scaled(R::splat(self.radius), normal),
             normal,
             pdf_solid_angle: warp::uniform_cone_pdf(one_minus_cos),
-        })
+        };
+        match (!is_outside).any() {
+            true => SurfaceSample::select(is_outside, sample, self.sample_area(u).seen_from(reference)),
+            false => sample,
+        }
     }
 
     /// A point that is uniform in area, with its normal and the density.
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
-        let normal = warp::uniform_sphere(u.to_array());
+    #[inline(always)]
+    pub fn sample_area<R: Real>(&self, u: [R; 2]) -> AreaSample<R> {
+        let normal = warp::uniform_sphere(u);
         AreaSample {
-            position: self.center + self.radius * normal,
-            normal: self.side * normal,
-            pdf_area: 1.0 / self.area(),
+            position: R::Vec3::same(self.center).plus_scaled(R::splat(self.radius), normal),
+            normal: normal * R::splat(self.side),
+            pdf_area: R::splat(1.0 / self.area()),
         }
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        match self.cone(reference) {
-            Some(one_minus_cos) => warp::uniform_cone_pdf(one_minus_cos),
-            None => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
+        match self.cone::<f32>(reference) {
+            (one_minus_cos, true) => warp::uniform_cone_pdf(one_minus_cos),
+            _ => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
         }
     }
 }
@@ -115,23 +122,23 @@ impl EllipsoidLight {
         4.0 * PI * ((a * b + b * c + c * a) / 3.0).powf(1.0 / P)
     }
 
-    /// World normal (outward, not normalised) and density per area at the local point on the unit sphere.
-    fn normal_and_pdf_area(&self, local: Vec3A) -> (Vec3A, f32) {
-        let normal = self.local_from_world.matrix3.transpose() * local;
-        (normal, 1.0 / (4.0 * PI * self.determinant * normal.length()))
-    }
-
-    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        self.sample_area(u).seen_from(reference)
+    /// World normal (outward) and density per area at the local point on the unit sphere.
+    #[inline(always)]
+    fn normal_and_pdf_area<R: Real>(&self, local: R::Vec3) -> (R::Vec3, R) {
+        let normal = local.coordinates(axes(&self.local_from_world));
+        let length = normal.length_squared().sqrt();
+        (normal / length, R::splat(0.25 * FRAC_1_PI / self.determinant) / length)
     }
 
     /// A point that is uniform on the unit sphere.
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
-        let local = Vec3A::from(warp::uniform_sphere(u.to_array()));
-        let (normal, pdf_area) = self.normal_and_pdf_area(local);
+    #[inline(always)]
+    pub fn sample_area<R: Real>(&self, u: [R; 2]) -> AreaSample<R> {
+        let local = warp::uniform_sphere(u);
+        let (normal, pdf_area) = self.normal_and_pdf_area::<R>(local);
         AreaSample {
-            position: self.world_from_local.transform_point3a(local).into(),
-            normal: self.side * Vec3::from(normal.normalize_or_zero()),
+            position: R::Vec3::same(self.world_from_local.translation.into())
+                + local.along(axes(&self.world_from_local)),
+            normal: normal * R::splat(self.side),
             pdf_area,
         }
     }
@@ -142,7 +149,7 @@ impl EllipsoidLight {
 
     /// Density per area of [`Self::sample_area`].
     pub fn pdf_area(&self, position: Vec3) -> f32 {
-        let local = self.local_from_world.transform_point3a(position.into());
-        self.normal_and_pdf_area(local.normalize_or_zero()).1
+        let local = self.local_from_world.transform_point3(position);
+        self.normal_and_pdf_area::<f32>(local.normalize_or_zero()).1
     }
 }

@@ -4,12 +4,14 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
+use super::LightSample;
 use super::bounds::{LightBounds, NormalCone};
 use super::emission::Beam;
+use super::hit::axes;
+use super::reference::Reference;
 use super::texture_density::mean_luminance;
-use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::math::{Aabb, Frame};
+use crate::math::{Aabb, Frame, Real, Vector, asin_positive};
 use crate::sampling::warp;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
@@ -55,28 +57,33 @@ impl SpotLight {
         self.spot.world_from_local.translation.into()
     }
 
-    /// Samples the light; None outside of the cone.
-    pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
-        let to_light = self.position() - reference;
-        let intensity = self.intensity(-to_light, textures)?;
-        Some(LightSample {
-            wi: to_light.normalize(),
-            target: Target::Point(self.position()),
-            radiance: intensity / to_light.length_squared(),
-            pdf: 1.0,
-            is_delta: true,
-        })
+    /// Samples the light. There is none outside of the cone.
+    pub fn sample<R: Real>(&self, from: &Reference<R>, textures: &TextureTable) -> LightSample<R> {
+        let dir = from.position - R::Vec3::same(self.position());
+        let (intensity, is_lit) = self.intensity::<R>(from.asked, dir, textures);
+        let sample = LightSample::<R>::of_point(self.position(), from.position, intensity);
+        LightSample {
+            pdf: sample.pdf.only(is_lit),
+            ..sample
+        }
     }
 
-    /// The radiant intensity in a direction, which is of any length; None outside of the cone.
-    fn intensity(&self, dir: Vec3, textures: &TextureTable) -> Option<Rgb> {
-        let local = self.local_from_world.transform_vector3(dir).try_normalize()?;
-        let falloff = self.falloff(local.z);
-        (falloff > 0.0).then(|| {
-            let uv = Vec2::splat(0.5) + 0.5 * local.truncate() / (local.z * self.spot.cutoff_angle.tan());
-            let color = textures.light(self.spot.texture, &TexturePoint::of_uv(uv));
-            self.spot.intensity * color * falloff
-        })
+    /// The radiant intensity in a direction, which is of any length, and a mask of where it is not outside of the cone.
+    fn intensity<R: Real>(&self, asked: R::Mask, dir: R::Vec3, textures: &TextureTable) -> (R::Vec3, R::Mask) {
+        let local = dir.along(axes(&self.local_from_world)).normalize();
+        let falloff = self.falloff(local.z());
+        let is_lit = asked & R::is_above(falloff, 0.0);
+        let color = match self.spot.texture {
+            Parameter::Constant(color) => R::Vec3::same(color.max(Rgb::ZERO)),
+            Parameter::Texture(_) => {
+                let [red, green, blue] = R::each(is_lit, [local.x(), local.y(), local.z()], |[x, y, z]| {
+                    let uv = Vec2::splat(0.5) + 0.5 * Vec2::new(x, y) / (z * self.spot.cutoff_angle.tan());
+                    textures.light(self.spot.texture, &TexturePoint::of_uv(uv)).to_array()
+                });
+                R::Vec3::of(red, green, blue)
+            }
+        };
+        (color * R::Vec3::same(self.spot.intensity) * falloff, is_lit)
     }
 
     /// A direction in which it shines, uniform over the cone; None where it is dark.
@@ -87,9 +94,10 @@ impl SpotLight {
             }
             None => warp::uniform_sphere(u.to_array()),
         };
-        Some(Beam {
+        let (intensity, is_lit) = self.intensity::<f32>(true, dir, textures);
+        is_lit.then(|| Beam {
             dir,
-            intensity: self.intensity(dir, textures)?,
+            intensity,
             pdf_solid_angle: self.beam_pdf(),
         })
     }
@@ -115,14 +123,14 @@ impl SpotLight {
     }
 
     /// The share of the intensity at an angle from the axis.
-    fn falloff(&self, cos_theta: f32) -> f32 {
-        if cos_theta <= self.cos_cutoff {
-            0.0
-        } else if cos_theta >= self.cos_beam {
-            1.0
-        } else {
-            (self.spot.cutoff_angle - cos_theta.acos()) / (self.spot.cutoff_angle - self.spot.beam_angle)
-        }
+    fn falloff<R: Real>(&self, cos_theta: R) -> R {
+        let (cutoff, beam) = (self.spot.cutoff_angle, self.spot.beam_angle);
+        // The sine of half the angle.
+        let sin_half = (R::HALF * (R::ONE - cos_theta)).saturated().sqrt();
+        let angle = R::splat(2.0) * asin_positive(sin_half);
+        let fading = (R::splat(cutoff) - angle) / R::splat(cutoff - beam);
+        let share = R::select(cos_theta.is_less(R::splat(self.cos_beam)), fading, R::ONE);
+        share.only(R::is_above(cos_theta, self.cos_cutoff))
     }
 
     pub fn bounds(&self) -> LightBounds {

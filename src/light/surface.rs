@@ -7,18 +7,18 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
-use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
-use super::lanes::SoleRectangle;
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
 use super::rectangle::RectangleLight;
+use super::reference::Reference;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
 use super::triangle::TriangleLight;
-use super::{LightSample, Target};
+use super::{LightReference, LightSample};
 use crate::accel::{Blas, Instance, Primitive, Tlas};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
-use crate::math::{Aabb, offset_origin};
+use crate::math::{Aabb, Mask, Real, Vector, offset_origin};
 use crate::sampling::warp;
 use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 
@@ -60,12 +60,14 @@ struct DiskLight {
 
 impl DiskLight {
     /// A point that is uniform in area.
-    fn sample_area(&self, u: Vec2) -> AreaSample {
-        let p = Vec2::from(warp::concentric_disk(u.to_array()));
+    #[inline(always)]
+    fn sample_area<R: Real>(&self, u: [R; 2]) -> AreaSample<R> {
+        let [x, y] = warp::concentric_disk(u);
         AreaSample {
-            position: self.world_from_local.transform_point3(p.extend(0.0)),
-            normal: self.normal,
-            pdf_area: 1.0 / self.area,
+            position: R::Vec3::same(self.world_from_local.translation.into())
+                + R::Vec3::of(x, y, R::ZERO).along(axes(&self.world_from_local)),
+            normal: R::Vec3::same(self.normal),
+            pdf_area: R::splat(1.0 / self.area),
         }
     }
 }
@@ -146,11 +148,15 @@ impl SurfaceLight {
         Some(light)
     }
 
-    /// The rectangle in a form that is sampled from many places at once; None if the surface is no rectangle of one radiance.
-    pub fn sole_rectangle(&self) -> Option<SoleRectangle> {
+    /// The surface, if it is a rectangle that is equally bright all over and black from behind.
+    pub fn plain_rectangle(&self) -> Option<PlainRectangle<'_>> {
         match (&self.shape, self.radiance) {
-            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) if !self.shines_both_ways => {
-                light.sole(radiance, self.error)
+            (EmitterShape::Rectangle(shape), Parameter::Constant(radiance)) if !self.shines_both_ways => {
+                shape.is_uniform().then_some(PlainRectangle {
+                    shape,
+                    radiance,
+                    error: self.error,
+                })
             }
             _ => None,
         }
@@ -284,37 +290,46 @@ impl SurfaceLight {
         hit
     }
 
-    /// A direction to a part; None where no light can come from (the back, the horizon).
-    pub fn sample(&self, part: u32, reference: Vec3, u: Vec2, textures: &TextureTable) -> Option<LightSample> {
-        self.sample_hit(part, reference, u, textures).map(|(sample, _)| sample)
+    /// A direction to a part. There is none where no light can come from (the back, the horizon).
+    #[inline(always)]
+    pub fn sample<R: Real>(
+        &self,
+        part: u32,
+        from: &Reference<R>,
+        u: [R; 2],
+        textures: &TextureTable,
+    ) -> LightSample<R> {
+        let point = self.sample_point(part, from, u);
+        let radiance = match self.radiance {
+            Parameter::Constant(radiance) => R::Vec3::same(radiance.max(Rgb::ZERO)),
+            Parameter::Texture(_) => {
+                let is_there = from.asked & R::is_above(point.pdf_solid_angle, 0.0);
+                let numbers = [point.position.x(), point.position.y(), point.position.z()];
+                let [red, green, blue] = R::each(is_there, numbers, |position| {
+                    let hit = self.hit(part, position.into(), Vec3::Z);
+                    self.radiance(&hit, textures).to_array()
+                });
+                R::Vec3::of(red, green, blue)
+            }
+        };
+        point.towards(from.position, self.error, radiance)
     }
 
     /// [`Self::sample`] with the point that was chosen.
-    #[inline(always)]
     pub fn sample_hit(
         &self,
         part: u32,
-        reference: Vec3,
+        reference: &LightReference,
         u: Vec2,
         textures: &TextureTable,
     ) -> Option<(LightSample, SurfaceHit)> {
-        let point = self.sample_point(part, reference, u)?;
-        if let (Some(instance), EmitterShape::Mesh(triangles)) = (&self.smooth, &self.shape)
-            && !triangles[part as usize].shines(instance, point.position, reference)
-        {
+        let point = self.sample_point::<f32>(part, &reference.into(), u.to_array());
+        if point.pdf_solid_angle <= 0.0 {
             return None;
         }
-        // The shadow ray ends in front of the surface, not on it.
-        let end = offset_origin(point.position, self.error, point.normal, reference - point.position);
         let hit = self.hit(part, point.position, point.normal);
-        let sample = LightSample {
-            wi: (point.position - reference).try_normalize()?,
-            target: Target::Point(end),
-            radiance: self.radiance(&hit, textures),
-            pdf: point.pdf_solid_angle,
-            is_delta: false,
-        };
-        Some((sample, hit))
+        let sample = point.towards(reference.position, self.error, self.radiance(&hit, textures));
+        Some((sample.if_lit()?, hit))
     }
 
     /// A place on a part from which light starts, and the density per area; None where the part has no area.
@@ -323,7 +338,7 @@ impl SurfaceLight {
             position,
             normal,
             pdf_area,
-        } = self.sample_area(part, u)?;
+        } = self.sample_area(part, u.to_array());
         let mut hit = self.hit(part, position, normal);
         if let (Some(instance), EmitterShape::Mesh(triangles)) = (&self.smooth, &self.shape)
             && triangles[part as usize].emits_by_shading_normal()
@@ -356,8 +371,10 @@ impl SurfaceLight {
         offset_origin(hit.position, self.error, hit.normal, dir)
     }
 
-    fn sample_area(&self, part: u32, u: Vec2) -> Option<AreaSample> {
-        Some(match &self.shape {
+    /// A point of a part; without a normal where that has no area.
+    #[inline(always)]
+    fn sample_area<R: Real>(&self, part: u32, u: [R; 2]) -> AreaSample<R> {
+        match &self.shape {
             EmitterShape::Rectangle(light) => light.sample_area(u),
             EmitterShape::Disk(light) => light.sample_area(u),
             EmitterShape::Cylinder(light) => light.sample_area(u),
@@ -365,13 +382,14 @@ impl SurfaceLight {
             EmitterShape::Ellipsoid(light) => light.sample_area(u),
             EmitterShape::Mesh(triangles) => {
                 let triangle = &triangles[part as usize];
+                let [x, y, z] = R::each(R::Mask::ALWAYS, u, |u| triangle.at(u.into()).to_array());
                 AreaSample {
-                    position: triangle.at(u),
-                    normal: triangle.normal()?,
-                    pdf_area: 1.0 / triangle.area(),
+                    position: R::Vec3::of(x, y, z),
+                    normal: R::Vec3::same(triangle.normal().unwrap_or(Vec3::ZERO)),
+                    pdf_area: R::splat(1.0 / triangle.area()),
                 }
             }
-        })
+        }
     }
 
     fn primitive(&self, part: u32) -> u32 {
@@ -381,25 +399,29 @@ impl SurfaceLight {
         }
     }
 
-    fn sample_point(&self, part: u32, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        if self.shines_both_ways && !matches!(self.shape, EmitterShape::Mesh(_)) {
-            return self.sample_area(part, u)?.facing(reference).seen_from(reference);
-        }
+    #[inline(always)]
+    fn sample_point<R: Real>(&self, part: u32, from: &Reference<R>, u: [R; 2]) -> SurfaceSample<R> {
+        let reference = from.position;
         match &self.shape {
-            EmitterShape::Rectangle(light) => light.sample(reference, u),
-            EmitterShape::Disk(light) => light.sample_area(u).seen_from(reference),
-            EmitterShape::Cylinder(light) => light.sample(reference, u),
-            EmitterShape::Sphere(light) => light.sample(reference, u),
-            EmitterShape::Ellipsoid(light) => light.sample(reference, u),
-            EmitterShape::Mesh(triangles) => triangles[part as usize].sample(reference, u),
+            EmitterShape::Mesh(triangles) => SurfaceSample::each(from, u, |reference, u| {
+                let triangle = &triangles[part as usize];
+                let sample = triangle.sample(reference, u)?;
+                let smooth = self.smooth.as_deref();
+                let shines = smooth.is_none_or(|smooth| triangle.shines(smooth, sample.position, reference));
+                shines.then_some(sample)
+            }),
+            EmitterShape::Rectangle(light) if !self.shines_both_ways => light.sample(reference, u),
+            EmitterShape::Sphere(light) if !self.shines_both_ways => light.sample(reference, u),
+            _ if self.shines_both_ways => self.sample_area(part, u).facing(reference).seen_from(reference),
+            _ => self.sample_area(part, u).seen_from(reference),
         }
     }
 
     /// A place on a part, or in the middle of round shapes.
     pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
         match &self.shape {
-            EmitterShape::Rectangle(light) => light.at(u),
-            EmitterShape::Disk(light) => light.sample_area(u).position,
+            EmitterShape::Rectangle(light) => light.at(u.to_array()),
+            EmitterShape::Disk(light) => light.sample_area(u.to_array()).position,
             EmitterShape::Mesh(triangles) => triangles[part as usize].at(u),
             EmitterShape::Cylinder(light) => light.on_axis(u.y),
             EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_) => self.bounds.center(),
@@ -419,6 +441,29 @@ impl SurfaceLight {
             EmitterShape::Ellipsoid(light) => light.pdf(reference, hit),
             EmitterShape::Mesh(triangles) => triangles[part as usize].pdf(reference, hit),
         }
+    }
+}
+
+/// A rectangle that is equally bright all over and black from behind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlainRectangle<'a> {
+    shape: &'a RectangleLight,
+    radiance: Rgb,
+    error: f32,
+}
+
+impl PlainRectangle<'_> {
+    /// Places on the light as of [`SurfaceLight::sample_place`].
+    #[inline(always)]
+    pub fn place<R: Real>(&self, u: [R; 2]) -> R::Vec3 {
+        self.shape.at(u)
+    }
+
+    /// Directions to the light as of [`SurfaceLight::sample`].
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> LightSample<R> {
+        let point = self.shape.sample(reference, u);
+        point.towards(reference, self.error, R::Vec3::same(self.radiance))
     }
 }
 

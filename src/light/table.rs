@@ -1,9 +1,11 @@
 //! The table of all lights of a scene.
 
+mod chosen;
 mod emitting;
-mod skies;
+mod sole;
 
-pub(crate) use self::skies::SkyLanes;
+pub(crate) use self::chosen::Alike;
+pub(crate) use self::sole::SoleLight;
 
 use std::sync::Arc;
 
@@ -16,16 +18,16 @@ use super::emission_choice::EmissionChoice;
 use super::environment::EnvironmentLight;
 use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
-use super::lanes::SoleLight;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
+use super::reference::Reference;
 use super::spot::SpotLight;
 use super::sun_sky::SunSkyLight;
 use super::surface::SurfaceLight;
 use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
 use crate::accel::{Primitive, Tlas};
 use crate::color::Rgb;
-use crate::math::Aabb;
+use crate::math::{Aabb, Real};
 use crate::sampling::hash::pcg3d;
 use crate::texture::TextureTable;
 
@@ -166,21 +168,6 @@ impl LightTable {
         })
     }
 
-    /// The scene's only light, if there is one alone and it can be sampled in lanes.
-    pub(crate) fn sole(&self) -> Option<(LightId, SoleLight)> {
-        if !self.choice.is_certain() {
-            return None;
-        }
-        match (&self.finite[..], &self.infinite[..]) {
-            ([finite], []) => match &finite.light {
-                FiniteLight::Surface(light) => Some((finite.id, SoleLight::Rectangle(light.sole_rectangle()?))),
-                _ => None,
-            },
-            ([], [(id, InfiniteLight::Constant(light))]) => Some((*id, SoleLight::Constant(light.radiance))),
-            _ => None,
-        }
-    }
-
     /// The number of lights; ids are below it.
     pub fn len(&self) -> usize {
         self.places.len()
@@ -204,7 +191,14 @@ impl LightTable {
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
-        self.sample_chosen(self.choose(reference, u_choice, u)?, reference, u)
+        let choice = self.choose(reference, u_choice, u)?;
+        let (id, sample) = self.sample_chosen::<f32>(choice, &reference.into(), u.to_array());
+        let sample = sample.if_lit()?;
+        debug_assert!(
+            sample.wi.is_normalized() && sample.radiance.is_finite(),
+            "{id:?} is sampled as {sample:?} from {reference:?}"
+        );
+        Some((id, sample))
     }
 
     /// Chooses a light as [`Self::sample`], with the probability of the choice.
@@ -216,41 +210,27 @@ impl LightTable {
         self.choice.sample(reference, || refined(u_choice, u))
     }
 
-    /// The sky with the sun, if that is what was chosen.
-    fn chosen_sky(&self, chosen: Chosen) -> Option<(LightId, &SunSkyLight)> {
-        match chosen {
-            Chosen::Infinite(index) => match &self.infinite[index as usize] {
-                (id, InfiniteLight::SunSky(light)) => Some((*id, light)),
-                _ => None,
-            },
-            Chosen::Part(_) => None,
-        }
-    }
-
-    /// A direction to the chosen light as [`Self::sample`].
-    fn sample_chosen(
+    /// Directions to the chosen light as [`Self::sample`], in the lanes that have chosen it with the probabilities `pmf`.
+    #[inline(always)]
+    fn sample_chosen<R: Real>(
         &self,
-        (chosen, pmf): (Chosen, f32),
-        reference: &LightReference,
-        u: Vec2,
-    ) -> Option<(LightId, LightSample)> {
+        (chosen, pmf): (Chosen, R),
+        from: &Reference<R>,
+        u: [R; 2],
+    ) -> (LightId, LightSample<R>) {
         let (id, sample) = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];
                 let part = part - finite.first_part;
-                (finite.id, finite.light.sample(part, reference, u, &self.textures)?)
+                (finite.id, finite.light.sample(part, from, u, &self.textures))
             }
             Chosen::Infinite(index) => {
                 let (id, light) = &self.infinite[index as usize];
-                (*id, light.sample(reference, u)?)
+                (*id, light.sample(from, u))
             }
         };
-        debug_assert!(
-            sample.wi.is_normalized() && sample.radiance.is_finite() && sample.pdf >= 0.0,
-            "{id:?} is sampled as {sample:?} from {reference:?}"
-        );
-        let pdf = pmf * sample.pdf;
-        Some((id, LightSample { pdf, ..sample }))
+        let pdf = (pmf * sample.pdf).only(from.asked);
+        (id, LightSample { pdf, ..sample })
     }
 
     /// A place on a light that is chosen as [`Self::sample`] does; None if that is at infinity. It is a hint without a density, and costs little.

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::bounds::NormalCone;
-use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::accel::Instance;
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
@@ -101,9 +101,8 @@ impl TriangleLight {
 
     /// Uniform in solid angle where the triangle looks large, else uniform in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        let [p0, p1, p2] = self.corners;
         let mut normal = self.scaled_normal().try_normalize()?;
-        let height = (reference - p0).dot(normal);
+        let height = (reference - self.corners[0]).dot(normal);
         match self.emission {
             Emission::OneSide(_) if height <= 0.0 => return None,
             Emission::OneSide(_) => {}
@@ -116,9 +115,12 @@ impl TriangleLight {
                 pdf_solid_angle: seen.pdf_solid_angle(),
             });
         }
-        let b = warp::uniform_triangle(u);
-        let position = p0 + b.x * (p1 - p0) + b.y * (p2 - p0);
-        SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
+        let sample = AreaSample {
+            position: self.at(u),
+            normal,
+            pdf_area: 1.0 / self.area(),
+        };
+        Some(sample.seen_from(reference))
     }
 
     /// The normal on the emitting side, or on either if both can shine.

@@ -29,14 +29,6 @@ pub struct Vec3Lanes {
     pub z: Lanes,
 }
 
-/// An orthonormal frame per lane, as [`crate::math::Frame`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FrameLanes {
-    pub s: Vec3Lanes,
-    pub t: Vec3Lanes,
-    pub n: Vec3Lanes,
-}
-
 /// Holds the contract of masks: no bit is set beyond the lanes.
 #[inline(always)]
 fn check_mask(bits: u32) {
@@ -117,27 +109,11 @@ impl Vec3Lanes {
         Self::of(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
-    /// The largest component in each lane.
-    #[inline(always)]
-    pub fn max_element(self) -> Lanes {
-        self.x.fast_max(self.y).fast_max(self.z)
-    }
-
     /// A mask of the lanes that are not the zero vector; NaN counts as not zero.
     #[inline(always)]
     pub(crate) fn is_not_zero(self) -> Lanes {
         let zero = Lanes::ZERO;
         self.x.simd_ne(zero) | self.y.simd_ne(zero) | self.z.simd_ne(zero)
-    }
-
-    /// The sum `self + scale v`.
-    #[inline(always)]
-    pub(crate) fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
-        Self::of(
-            scale.mul_add(v.x, self.x),
-            scale.mul_add(v.y, self.y),
-            scale.mul_add(v.z, self.z),
-        )
     }
 }
 
@@ -207,51 +183,6 @@ impl Div for Vec3Lanes {
     }
 }
 
-#[expect(clippy::wrong_self_convention, reason = "a frame of lanes is large")]
-impl FrameLanes {
-    /// Frames around unit vectors, as [`crate::math::Frame::from_normal`].
-    #[inline(always)]
-    pub fn from_normal(n: Vec3Lanes) -> Self {
-        let one = Lanes::ONE;
-        let sign = copy_sign(one, n.z);
-        let a = -one / (sign + n.z);
-        let b = n.x * n.y * a;
-        Self {
-            s: Vec3Lanes::of(sign * n.x * n.x * a + one, sign * b, -sign * n.x),
-            t: Vec3Lanes::of(b, n.y * n.y * a + sign, -n.y),
-            n,
-        }
-    }
-
-    #[inline(always)]
-    pub fn to_local(&self, v: Vec3Lanes) -> Vec3Lanes {
-        Vec3Lanes::of(v.dot(self.s), v.dot(self.t), v.dot(self.n))
-    }
-
-    #[inline(always)]
-    pub fn to_world(&self, v: Vec3Lanes) -> Vec3Lanes {
-        (self.s * v.x).plus_scaled(v.y, self.t).plus_scaled(v.z, self.n)
-    }
-}
-
-/// The same as [`crate::math::offset_origin`] in every lane.
-#[inline(always)]
-pub(crate) fn offset_origins(position: Vec3Lanes, error: Lanes, normal: Vec3Lanes, dir: Vec3Lanes) -> Vec3Lanes {
-    let size = normal.abs();
-    let distance = copy_sign(error * (size.x + size.y + size.z), dir.dot(normal));
-    let moved = position.plus_scaled(distance, normal);
-    let away = |moved: Lanes, position: Lanes| {
-        let step = moved.abs().fast_max(position.abs()) * Lanes::splat(f32::EPSILON);
-        let change = moved - position;
-        moved + (copy_sign(step, change) & change.simd_ne(Lanes::ZERO))
-    };
-    Vec3Lanes::of(
-        away(moved.x, position.x),
-        away(moved.y, position.y),
-        away(moved.z, position.z),
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -284,10 +215,10 @@ mod tests {
         for seed in 0..200 {
             let normals = vectors(seed).map(Vec3::normalize);
             let (positions, dirs) = (vectors(seed + 1000).map(|v| 10.0 * v), vectors(seed + 2000));
-            let frame = FrameLanes::from_normal(lanes(&normals));
+            let frame = Frame::<Lanes>::around(lanes(&normals));
             let local = frame.to_local(lanes(&dirs));
             let world = frame.to_world(lanes(&dirs));
-            let moved = offset_origins(lanes(&positions), Lanes::splat(1e-6), lanes(&normals), lanes(&dirs));
+            let moved = offset_origin(lanes(&positions), Lanes::splat(1e-6), lanes(&normals), lanes(&dirs));
             for lane in 0..LANES {
                 let expected = Frame::from_normal(normals[lane]);
                 assert!(local.get(lane).abs_diff_eq(expected.to_local(dirs[lane]), 1e-6));

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
+use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, lanes_of};
 use super::real::Mask;
 
 /// A type of which every lane can have a value.
@@ -145,6 +145,45 @@ macro_rules! lanes_of {
 }
 
 lanes_of!(f32, u32, Vec3);
+
+/// The parameters of one kind of model or medium in the lanes that have it.
+#[derive(Clone, Debug)]
+pub(crate) struct Held<M> {
+    /// A bit per lane.
+    pub lanes: u32,
+    /// Other lanes have the parameters of one that has the model.
+    model: Option<M>,
+}
+
+impl<M> Default for Held<M> {
+    fn default() -> Self {
+        Self { lanes: 0, model: None }
+    }
+}
+
+impl<M> Held<M> {
+    #[inline(always)]
+    pub fn set<One: Copy>(&mut self, lane: usize, one: One)
+    where
+        M: LanesOf<One>,
+    {
+        match &mut self.model {
+            Some(model) if self.lanes != 0 => model.set_lane(lane, one),
+            // What earlier surfaces had would be evaluated in vain.
+            model => *model = Some(M::splat(one)),
+        }
+        self.lanes |= 1 << lane;
+    }
+
+    /// The lanes that have the model, and their parameters; None if there are none.
+    #[inline(always)]
+    pub fn held(&self) -> Option<(Lanes, &M)> {
+        match self.lanes {
+            0 => None,
+            lanes => Some((lanes_of(lanes), self.model.as_ref()?)),
+        }
+    }
+}
 
 /// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
 /// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form.

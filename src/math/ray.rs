@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::real::{Real, Vector};
+
 /// The part `t_min < t < t_max` of the line `origin + t dir`.
 ///
 /// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare across instances.
@@ -49,13 +51,19 @@ impl Ray {
 /// `normal` is the unit geometric normal, `error` a bound on the absolute error of each coordinate of `position` (world units). The
 /// offset follows the error's extent along the normal and is rounded away from the surface (Pharr, Jakob, Humphreys, PBR 4th ed.,
 /// section 6.8.6), so that it scales with the scene instead of being a fixed epsilon.
-pub fn offset_origin(position: Vec3, error: f32, normal: Vec3, dir: Vec3) -> Vec3 {
-    debug_assert!(normal.is_normalized(), "the normal {normal} is not of unit length");
-    let distance = error * (normal.x.abs() + normal.y.abs() + normal.z.abs());
-    let side = if dir.dot(normal) < 0.0 { -1.0 } else { 1.0 };
-    let moved = position + normal * (side * distance);
+#[inline(always)]
+pub fn offset_origin<R: Real>(position: R::Vec3, error: R, normal: R::Vec3, dir: R::Vec3) -> R::Vec3 {
+    let distance = (error * normal.map(R::abs).sum()).copy_sign(dir.dot(normal));
+    let moved = position.plus_scaled(distance, normal);
     // One step of the last digit or two, away from where it was.
-    let step = moved.abs().max(position.abs()) * f32::EPSILON;
-    let change = moved - position;
-    moved + Vec3::select(change.cmpeq(Vec3::ZERO), Vec3::ZERO, step.copysign(change))
+    let away = |moved: R, position: R| {
+        let step = moved.abs().max(position.abs()) * R::splat(f32::EPSILON);
+        let change = moved - position;
+        moved + step.copy_sign(change).only(!change.equals(R::ZERO))
+    };
+    R::Vec3::of(
+        away(moved.x(), position.x()),
+        away(moved.y(), position.y()),
+        away(moved.z(), position.z()),
+    )
 }

@@ -241,6 +241,22 @@ pub trait Vector<R: Real>:
         self.x() + self.y() + self.z()
     }
 
+    /// The largest component.
+    #[inline(always)]
+    fn max_element(self) -> R {
+        self.x().max(self.y()).max(self.z())
+    }
+
+    /// The sum `self + scale v`.
+    #[inline(always)]
+    fn plus_scaled(self, scale: R, v: Self) -> Self {
+        Self::of(
+            scale.mul_add(v.x(), self.x()),
+            scale.mul_add(v.y(), self.y()),
+            scale.mul_add(v.z(), self.z()),
+        )
+    }
+
     /// The vector between `self` and `other` at the place `t`.
     #[inline(always)]
     fn mix(self, other: Self, t: R) -> Self {

@@ -4,131 +4,85 @@
 //! With `h` from the lamp to the ray and `x` along the ray from the nearest point, the density is in proportion to `1 / (h + |x|)^2`. That is between
 //! the half and the whole of the equiangular `1 / (h^2 + x^2)`, and needs no trigonometric functions.
 
-use glam::Vec3;
-
 use super::Way;
-use crate::math::Vector;
-use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
+use crate::math::{Real, Vector, real_struct};
 
 /// The least distance of a lamp from the ray, relative to the mean free path. It keeps the density finite.
 const NEAREST: f32 = 1e-3;
 
 /// The largest distance of a lamp from the way that is worth it, relative to the mean free path or to the way, whichever is less. In light that is nearly
 /// the same all along the way, the distribution would only be noise for what comes from the end.
-pub(super) const NEAR: f32 = 0.4;
+const NEAR: f32 = 0.4;
 
-/// A distribution of distances.
-#[derive(Clone, Copy)]
-pub(super) struct Equiangular {
-    /// The distance along the way of the point that is nearest to the lamp.
-    nearest: f32,
-    /// The distance of the lamp from there.
-    height: f32,
-    /// The shares, from -1 to 1, of the start and of the end of the way.
-    from: f32,
-    to: f32,
+real_struct! {
+    /// A distribution of distances.
+    pub(super) struct Equiangular<R> {
+        /// The distance along the way of the point that is nearest to the lamp.
+        nearest: R,
+        /// The distance of the lamp from there.
+        height: R,
+        /// The share, from -1 to 1, of the start of the way.
+        from: R,
+        /// The share of its end.
+        to: R,
+    }
 }
 
-impl Equiangular {
-    /// The distribution for a lamp in a medium with the extinction `sigma_t`. None if the lamp is farther than [`NEAR`] from the way.
-    pub fn new(way: &Way, lamp: Vec3, sigma_t: f32) -> Option<Self> {
+impl<R: Real> Equiangular<R> {
+    /// The distribution for a lamp in a medium with the extinction `sigma_t`, and whether there is one: none if the
+    /// lamp is farther than [`reach`] from the way.
+    #[inline(always)]
+    pub fn new(way: &Way<R>, lamp: R::Vec3, sigma_t: R) -> (Self, R::Mask) {
         let to_lamp = lamp - way.origin;
         let nearest = to_lamp.dot(way.dir);
         let height_squared = (to_lamp - way.dir * nearest).length_squared();
-        let beside = nearest - nearest.clamp(0.0, way.length);
-        let reach = NEAR * way.length.min(1.0 / sigma_t);
-        if height_squared + beside * beside > reach * reach {
-            return None;
-        }
-        let height = height_squared.sqrt().max(NEAREST / sigma_t);
-        let share = |distance: f32| {
+        let beside = nearest - nearest.max(R::ZERO).min(way.length);
+        let is_near = beside
+            .mul_add(beside, height_squared)
+            .is_at_most(reach(way.length, sigma_t).squared());
+        let height = height_squared.sqrt().max(R::splat(NEAREST) / sigma_t);
+        let share = |distance: R| {
             let along = distance - nearest;
-            (1.0 - height / (height + along.abs())).copysign(along)
+            (R::ONE - height / (height + along.abs())).copy_sign(along)
         };
-        let (from, to) = (share(0.0), share(way.length));
-        (to > from).then_some(Self {
+        let (from, to) = (share(R::ZERO), share(way.length));
+        let distribution = Self {
             nearest,
             height,
             from,
             to,
-        })
+        };
+        (distribution, is_near & to.is_more(from))
     }
 
     /// The distance for `u` in [0, 1).
-    pub fn sample(&self, u: f32) -> f32 {
-        let share = self.from + u * (self.to - self.from);
-        (self.nearest + self.height * share / (1.0 - share.abs())).max(0.0)
+    #[inline(always)]
+    pub fn sample(&self, u: R) -> R {
+        let share = self.from.mix(self.to, u);
+        (self.nearest + self.height * share / (R::ONE - share.abs())).max(R::ZERO)
     }
 
     /// The density at a distance.
-    pub fn pdf(&self, distance: f32) -> f32 {
+    #[inline(always)]
+    pub fn pdf(&self, distance: R) -> R {
         let size = self.height + (distance - self.nearest).abs();
         self.height / ((self.to - self.from) * size * size)
     }
 }
 
-/// The same for sixteen ways.
-#[derive(Clone, Copy)]
-pub(super) struct EquiangularLanes {
-    /// The lanes that have one, as a mask.
-    pub is_near: Lanes,
-    nearest: Lanes,
-    height: Lanes,
-    from: Lanes,
-    to: Lanes,
-}
-
-impl EquiangularLanes {
-    /// The distributions as of [`Equiangular::new`], with the distance `reach` that is near and the `least` height.
-    #[inline(always)]
-    pub fn new(origin: Vec3Lanes, dir: Vec3Lanes, length: Lanes, lamp: Vec3Lanes, [reach, least]: [Lanes; 2]) -> Self {
-        let to_lamp = lamp - origin;
-        let nearest = to_lamp.dot(dir);
-        let height_squared = to_lamp.plus_scaled(-nearest, dir).length_squared();
-        let beside = nearest - nearest.fast_max(Lanes::ZERO).fast_min(length);
-        let is_near = beside.mul_add(beside, height_squared).simd_le(reach * reach);
-        let height = height_squared.sqrt().fast_max(least);
-        let share = |distance: Lanes| {
-            let along = distance - nearest;
-            copy_sign(Lanes::ONE - height / (height + along.abs()), along)
-        };
-        let (from, to) = (share(Lanes::ZERO), share(length));
-        Self {
-            is_near: is_near & to.simd_gt(from),
-            nearest,
-            height,
-            from,
-            to,
-        }
-    }
-
-    #[inline(always)]
-    pub fn sample(&self, u: Lanes) -> Lanes {
-        let share = u.mul_add(self.to - self.from, self.from);
-        (self.nearest + self.height * share / (Lanes::ONE - share.abs())).fast_max(Lanes::ZERO)
-    }
-
-    #[inline(always)]
-    pub fn pdf(&self, distance: Lanes) -> Lanes {
-        let size = self.height + (distance - self.nearest).abs();
-        self.height / ((self.to - self.from) * size * size)
-    }
-}
-
-/// The largest distance of a lamp that is near, and the least distance that it counts with.
+/// The largest distance of a lamp that is near to a way of this length.
 #[inline(always)]
-pub(super) fn limits(length: Lanes, sigma_t: Lanes) -> [Lanes; 2] {
-    let free_path = Lanes::ONE / sigma_t;
-    [
-        Lanes::splat(NEAR) * length.fast_min(free_path),
-        Lanes::splat(NEAREST) * free_path,
-    ]
+pub(super) fn reach<R: Real>(length: R, sigma_t: R) -> R {
+    R::splat(NEAR) * length.min(R::ONE / sigma_t)
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
-    use crate::math::lanes::LANES;
+    use crate::math::LanesOf;
+    use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
     use crate::sampling::hash::pcg3d;
     use crate::sampling::unit_float;
 
@@ -140,7 +94,8 @@ mod tests {
                 dir: Vec3::Y,
                 length,
             };
-            let lamp = Equiangular::new(&way, Vec3::new(0.5, 0.6, 0.1), 0.5).unwrap();
+            let (lamp, is_near) = Equiangular::new(&way, Vec3::new(0.5, 0.6, 0.1), 0.5);
+            assert!(is_near);
             const STEPS: usize = 20_000;
             // The integral of the density up to each sampled distance is the number it was sampled by.
             let mut integral = 0.0f64;
@@ -165,7 +120,7 @@ mod tests {
             dir: Vec3::Y,
             length: 1.0,
         };
-        let is_near = |x, y, sigma_t| Equiangular::new(&way, Vec3::new(x, y, 0.0), sigma_t).is_some();
+        let is_near = |x, y, sigma_t| Equiangular::new(&way, Vec3::new(x, y, 0.0), sigma_t).1;
         assert!(!is_near(NEAR + 0.01, 0.5, 1.0));
         assert!(is_near(NEAR - 0.01, 0.5, 1.0));
         assert!(!is_near(0.0, 1.01 + NEAR, 1.0));
@@ -178,28 +133,24 @@ mod tests {
         let mut near = 0;
         for number in 0..500 {
             let vector = |n| Vec3::from(pcg3d([number, n, 5]).map(unit_float));
-            let (origin, lamp) = (vector(1), vector(2));
-            let dir = (vector(3) - 0.5).normalize();
-            let length = if number % 3 == 0 {
-                f32::INFINITY
-            } else {
-                2.0 * vector(4).x
+            let lamp = vector(2);
+            let way = Way {
+                origin: vector(1),
+                dir: (vector(3) - 0.5).normalize(),
+                length: match number % 3 {
+                    0 => f32::INFINITY,
+                    _ => 2.0 * vector(4).x,
+                },
             };
             let (sigma_t, u) = (2.0 * vector(4).y, vector(4).z);
-            let one = Equiangular::new(&Way { origin, dir, length }, lamp, sigma_t);
+            let sigma_t = if number % 10 == 0 { 0.0 } else { sigma_t };
+            let (one, is_near) = Equiangular::new(&way, lamp, sigma_t);
             let splat = Lanes::splat;
-            let lanes = EquiangularLanes::new(
-                Vec3Lanes::splat(origin),
-                Vec3Lanes::splat(dir),
-                splat(length),
-                Vec3Lanes::splat(lamp),
-                limits(splat(length), splat(sigma_t)),
-            );
-            assert_eq!(
-                lanes.is_near.to_bitmask(),
-                if one.is_some() { (1 << LANES) - 1 } else { 0 }
-            );
-            let Some(one) = one else { continue };
+            let (lanes, are_near) = Equiangular::new(&LanesOf::splat(way), Vec3Lanes::splat(lamp), splat(sigma_t));
+            assert_eq!(are_near.to_bitmask(), if is_near { (1 << LANES) - 1 } else { 0 });
+            if !is_near {
+                continue;
+            }
             near += 1;
             let (distance, expected) = (lanes.sample(splat(u)).as_array()[0], one.sample(u));
             assert!(

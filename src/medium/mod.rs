@@ -10,31 +10,30 @@
 
 mod equiangular;
 mod grid;
-pub(crate) mod lanes;
 mod majorants;
 mod optical_depth;
 mod phase;
 mod tabulated_phase;
 mod tracking;
 mod uniform;
-pub(crate) mod uniform_lanes;
 pub mod vdb;
 mod vol_file;
 mod volume;
 
 pub use grid::{GridError, Mended, VolumeGrid, Voxels};
 pub use majorants::Limited;
+pub(crate) use phase::PlainPhase;
 pub use phase::{BlendedPhase, Phase};
 pub use tabulated_phase::TabulatedPhase;
+pub(crate) use uniform::{PlainMedium, Uniform};
 pub use vol_file::{VolError, VolFile, read_vol, write_vol};
 pub use volume::{GridVolume, Volume, VolumeFilter, VolumeWrap};
 
 use glam::{Vec2, Vec3};
 
 use self::majorants::MajorantGrid;
-use self::uniform::Uniform;
-use self::uniform_lanes::PlainMedium;
 use crate::color::Rgb;
+use crate::math::{Real, Vector, real_struct};
 use crate::sampling::RandomStream;
 
 /// An index into the scene's [`MediumTable`].
@@ -155,15 +154,24 @@ impl MediumTable {
     }
 }
 
-/// A straight way through a medium.
-#[derive(Clone, Copy, Debug)]
-pub struct Way {
-    /// The start, in world space.
-    pub origin: Vec3,
-    /// Unit vector.
-    pub dir: Vec3,
-    /// The length in world space; it may be infinite.
-    pub length: f32,
+real_struct! {
+    /// A straight way through a medium.
+    pub struct Way<R> {
+        /// The start, in world space.
+        pub origin: R::Vec3,
+        /// Unit vector.
+        pub dir: R::Vec3,
+        /// The length in world space; it may be infinite.
+        pub length: R,
+    }
+}
+
+impl<R: Real> Way<R> {
+    /// The point at a distance from the start.
+    #[inline(always)]
+    pub(crate) fn at(&self, distance: R) -> R::Vec3 {
+        self.origin + self.dir * distance
+    }
 }
 
 /// What has become of light on its way through a medium.
@@ -184,9 +192,9 @@ impl Medium {
     /// Prepares a medium.
     pub fn new(source: MediumSource) -> Self {
         let distances = match (&source.sigma_t, &source.emission) {
-            (Volume::Constant(sigma_t), Volume::Constant(emission)) => Distances::Uniform(Uniform {
+            (Volume::Constant(sigma_t), Volume::Constant(_)) => Distances::Uniform(Uniform {
                 sigma_t: *sigma_t * source.scale,
-                emission: *emission,
+                scatters: source.scatters(),
             }),
             _ => Distances::Tracked(MajorantGrid::new(&source)),
         };
@@ -197,16 +205,18 @@ impl Medium {
         }
     }
 
-    /// The medium with another source. What distances depend on is only prepared again if it has changed.
+    /// The medium with another source. Majorants are only prepared again if what they depend on has changed.
     fn with(&self, source: MediumSource) -> Self {
-        let before = &self.source;
-        if before.sigma_t != source.sigma_t || before.scale != source.scale || before.emission != source.emission {
-            return Self::new(source);
+        fn tracked(source: &MediumSource) -> (&Volume, f32, &Volume) {
+            (&source.sigma_t, source.scale, &source.emission)
         }
-        Self {
-            plain: plain(&source, &self.distances),
-            source,
-            distances: self.distances.clone(),
+        match &self.distances {
+            Distances::Tracked(majorants) if tracked(&self.source) == tracked(&source) => Self {
+                distances: Distances::Tracked(majorants.clone()),
+                source,
+                plain: None,
+            },
+            _ => Self::new(source),
         }
     }
 
@@ -234,21 +244,9 @@ impl Medium {
     #[inline]
     pub fn midway(&self, length: f32) -> Option<f32> {
         match &self.distances {
-            Distances::Uniform(Uniform { sigma_t, .. }) if self.source.scatters() && *sigma_t != Rgb::ZERO => {
-                Some(0.5 * length.min(1.0 / sigma_t.max_element()))
-            }
-            _ => None,
+            Distances::Uniform(uniform) => Some(uniform.midway(length)).filter(|&midway| midway > 0.0),
+            Distances::Tracked(_) => None,
         }
-    }
-
-    /// Whether [`Self::travel`] considers the lamp.
-    #[cfg(test)]
-    fn considers(&self, way: &Way, lamp: Option<Vec3>) -> bool {
-        let uniform = match &self.distances {
-            Distances::Uniform(uniform) if self.source.scatters() => uniform,
-            _ => return false,
-        };
-        lamp.is_some_and(|lamp| equiangular::Equiangular::new(way, lamp, uniform.sigma_t.max_element()).is_some())
     }
 
     /// Samples how far light goes, and turns the `throughput` before the way into that after it: behind the scattering, or at the end. `u` decides where
@@ -264,7 +262,21 @@ impl Medium {
         stream: &mut RandomStream,
     ) -> Travel {
         match &self.distances {
-            Distances::Uniform(uniform) => uniform::travel(&self.source, *uniform, way, lamp, throughput, u),
+            Distances::Uniform(uniform) => {
+                let emitted = match self.source.emission.at(way.origin) {
+                    Rgb::ZERO => Rgb::ZERO,
+                    emission => *throughput * emission * uniform::optical_length(uniform.sigma_t, way.length),
+                };
+                let (place, has_lamp) = (lamp.unwrap_or_default(), lamp.is_some());
+                let albedo = |distance| self.source.albedo_at(way.at(distance));
+                let passage = uniform.travel(way, place, has_lamp, *throughput, u.to_array(), albedo);
+                *throughput = passage.throughput;
+                Travel {
+                    scattered_at: passage.is_scattered.then_some(passage.distance),
+                    passed: passage.passed,
+                    emitted,
+                }
+            }
             Distances::Tracked(majorants) => tracking::travel(&self.source, majorants, way, throughput, u.y, stream),
         }
     }
@@ -275,25 +287,26 @@ impl Medium {
     #[inline]
     pub fn transmit(&self, way: &Way, carried: &mut Rgb, stream: &mut RandomStream) -> (Rgb, f32) {
         match &self.distances {
-            Distances::Uniform(uniform) => uniform::transmit(&self.source, *uniform, way, carried),
+            Distances::Uniform(uniform) => {
+                let (passing, passed) = uniform.transmit(way.length, *carried);
+                *carried *= passing;
+                (passing, passed)
+            }
             Distances::Tracked(majorants) => tracking::transmit(&self.source, majorants, way, carried, stream),
         }
     }
 }
 
-/// The medium, if it does not shine, has one albedo, scatters by the commonest phase functions, and has formulas for distances.
+/// The medium, if it does not shine, has one albedo, and has formulas for scattering and for distances.
 fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
-    let g = match source.phase {
-        Phase::Isotropic => 0.0,
-        Phase::HenyeyGreenstein { g } => g,
-        _ => return None,
-    };
     match (distances, &source.albedo) {
-        (Distances::Uniform(uniform), Volume::Constant(albedo)) if uniform.emission == Rgb::ZERO => Some(PlainMedium {
-            sigma_t: uniform.sigma_t,
-            albedo: albedo.clamp(Rgb::ZERO, Rgb::ONE),
-            g,
-        }),
+        (Distances::Uniform(uniform), Volume::Constant(albedo)) if source.emission == Volume::ZERO => {
+            Some(PlainMedium {
+                uniform: *uniform,
+                albedo: albedo.clamp(Rgb::ZERO, Rgb::ONE),
+                phase: source.phase.plain()?,
+            })
+        }
         _ => None,
     }
 }
@@ -303,8 +316,8 @@ fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
 ///
 /// Divided by it, `throughput * passing` has the sum that `throughput` had. Probabilities of parts of a way therefore multiply to that of the whole.
 #[inline(always)]
-fn chance(throughput: Rgb, passing: Rgb) -> f32 {
-    throughput.dot(passing) / throughput.element_sum()
+fn chance<R: Real>(throughput: R::Vec3, passing: R::Vec3) -> R {
+    throughput.dot(passing) / throughput.sum()
 }
 
 #[cfg(test)]
@@ -328,9 +341,9 @@ mod tests {
     fn chances_of_parts_multiply_to_the_chance_of_the_whole() {
         let throughput = Rgb::new(0.3, 0.1, 2.0);
         let (first, second) = (Rgb::new(0.5, 0.9, 0.2), Rgb::new(0.3, 0.4, 0.8));
-        let after = throughput * first / chance(throughput, first);
-        let product = chance(throughput, first) * chance(after, second);
-        assert!((product - chance(throughput, first * second)).abs() < 1e-6);
+        let after = throughput * first / chance::<f32>(throughput, first);
+        let product = chance::<f32>(throughput, first) * chance::<f32>(after, second);
+        assert!((product - chance::<f32>(throughput, first * second)).abs() < 1e-6);
         assert!((after.element_sum() - throughput.element_sum()).abs() < 1e-6);
     }
 }

@@ -1,16 +1,13 @@
 //! Phase functions: the directions into which media scatter light (PBR 4th ed., section 11.3). Those here depend only on the angle between
 //! the old and the new direction, and are sampled exactly, so that the density of a sample is the value of the function.
 
-use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
 use super::{TabulatedPhase, Volume};
-use crate::math::Frame;
-
-/// The value of the isotropic function.
-pub(super) const UNIFORM: f32 = 0.25 * FRAC_1_PI;
+use crate::math::{Frame, Mask, Real, cube_root, real_struct};
+use crate::sampling::warp::{self, UNIFORM_SPHERE_PDF};
 
 /// A distribution of scattered directions.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +42,9 @@ impl Phase {
     pub fn pdf(&self, at: Vec3, dir: Vec3, wi: Vec3) -> f32 {
         let cosine = dir.dot(wi).clamp(-1.0, 1.0);
         match self {
-            Self::Isotropic => UNIFORM,
+            Self::Isotropic => UNIFORM_SPHERE_PDF,
             Self::HenyeyGreenstein { g } => henyey_greenstein(*g, cosine),
-            Self::Rayleigh => 0.75 * UNIFORM * (1.0 + cosine * cosine),
+            Self::Rayleigh => rayleigh(cosine),
             Self::Tabulated(table) => table.pdf(cosine),
             Self::Blend(blend) => {
                 let [first, second] = blend.of.each_ref().map(|phase| phase.pdf(at, dir, wi));
@@ -73,11 +70,25 @@ impl Phase {
                 return (wi, self.pdf(at, dir, wi));
             }
         };
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
-        let local = Vec3::new(sine * cos_phi, sine * sin_phi, cosine);
+        let local = warp::at_height([u.y, cosine]);
         let wi = Frame::from_normal(dir).to_world(local).normalize();
         (wi, self.pdf(at, dir, wi))
+    }
+
+    /// The function by its formula, if it has one.
+    pub(super) fn plain(&self) -> Option<PlainPhase> {
+        match *self {
+            Self::Isotropic => Some(PlainPhase::ISOTROPIC),
+            Self::HenyeyGreenstein { g } => Some(PlainPhase {
+                g,
+                ..PlainPhase::ISOTROPIC
+            }),
+            Self::Rayleigh => Some(PlainPhase {
+                is_rayleigh: true,
+                ..PlainPhase::ISOTROPIC
+            }),
+            Self::Tabulated(_) | Self::Blend(_) => None,
+        }
     }
 }
 
@@ -87,28 +98,121 @@ impl BlendedPhase {
     }
 }
 
-/// Below this a mean cosine counts as zero, where the sampling formula divides by it.
-pub(super) const NEARLY_ISOTROPIC: f32 = 1e-3;
-
-fn henyey_greenstein(g: f32, cosine: f32) -> f32 {
-    let squared = 1.0 + g * g - 2.0 * g * cosine;
-    UNIFORM * (1.0 - g * g) / (squared * squared.max(0.0).sqrt())
+real_struct! {
+    /// A phase function that has a formula, in frames whose z axis is the direction in which the path has come.
+    pub(crate) struct PlainPhase<R> {
+        /// The mean cosine of the function of Henyey and Greenstein, which is isotropic where it is zero.
+        g: R,
+        /// Whether it is that of Rayleigh instead.
+        is_rayleigh: R::Mask,
+    }
 }
 
-/// The cosine by inversion (PBR 4th ed., equation 11.20, with the sign of forward scattering).
-fn sample_henyey_greenstein(g: f32, u: f32) -> f32 {
-    if g.abs() < NEARLY_ISOTROPIC {
-        // To the first order in g.
-        let even = 2.0 * u - 1.0;
-        return (even + 1.5 * g * (1.0 - even * even)).clamp(-1.0, 1.0);
+impl<R: Real> PlainPhase<R> {
+    /// All directions alike.
+    pub const ISOTROPIC: Self = Self {
+        g: R::ZERO,
+        is_rayleigh: R::Mask::NEVER,
+    };
+
+    /// The density as [`Phase::pdf`], by the cosine of the angle between the old and the new direction.
+    #[inline(always)]
+    pub fn pdf(&self, cosine: R) -> R {
+        self.either(|| rayleigh(cosine), henyey_greenstein(self.g, cosine))
     }
-    let ratio = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
-    ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
+
+    /// A direction as of [`Phase::sample`], and its density.
+    #[inline(always)]
+    pub fn sample(&self, [u, v]: [R; 2]) -> (R::Vec3, R) {
+        let cosine = self.either(|| sample_rayleigh(u), sample_henyey_greenstein(self.g, u));
+        (warp::at_height([v, cosine]), self.pdf(cosine))
+    }
+
+    #[inline(always)]
+    fn either(&self, of_rayleigh: impl Fn() -> R, other: R) -> R {
+        match self.is_rayleigh.any() {
+            true => R::select(self.is_rayleigh, of_rayleigh(), other),
+            false => other,
+        }
+    }
+}
+
+#[inline(always)]
+fn henyey_greenstein<R: Real>(g: R, cosine: R) -> R {
+    // 1 + g^2 - 2 g cos without cancellation in the peak.
+    let (size, rest) = (g.abs(), R::ONE - g.abs());
+    let depth = (R::ONE - R::ONE.copy_sign(g) * cosine).max(R::ZERO);
+    let squared = (size + size).mul_add(depth, rest * rest);
+    R::splat(UNIFORM_SPHERE_PDF) * rest * (R::ONE + size) / (squared * squared.sqrt())
+}
+
+/// The cosine by inversion (PBR 4th ed., equation 11.20, with the sign of forward scattering), solved for its distance
+/// from the peak. So it does not cancel there, and holds for all `g`.
+#[inline(always)]
+fn sample_henyey_greenstein<R: Real>(g: R, u: R) -> R {
+    let (size, rest, sign) = (g.abs(), R::ONE - g.abs(), R::ONE.copy_sign(g));
+    let is_backward = sign.is_less(R::ZERO);
+    let far = R::select(is_backward, u, R::ONE - u);
+    let divisor = (size + size).mul_add(R::ONE - far, rest);
+    let ratio = rest / divisor;
+    let depth = ratio * ratio * far * (R::ONE + size + divisor);
+    sign * (R::ONE - depth).max(-R::ONE)
+}
+
+#[inline(always)]
+fn rayleigh<R: Real>(cosine: R) -> R {
+    R::splat(0.75 * UNIFORM_SPHERE_PDF) * cosine.mul_add(cosine, R::ONE)
 }
 
 /// The real root of the cubic equation of inversion (Frisvad, Importance sampling the Rayleigh phase function, JOSA A 28(12), 2011).
-fn sample_rayleigh(u: f32) -> f32 {
-    let half = 2.0 * (2.0 * u - 1.0);
-    let root = (half + (half * half + 1.0).sqrt()).cbrt();
-    (root - 1.0 / root).clamp(-1.0, 1.0)
+#[inline(always)]
+fn sample_rayleigh<R: Real>(u: R) -> R {
+    let half = R::splat(4.0) * u - R::splat(2.0);
+    let root = cube_root(half.abs() + half.mul_add(half, R::ONE).sqrt());
+    (root - R::ONE / root).min(R::ONE).copy_sign(half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::LanesOf;
+    use crate::math::lanes::{LANES, Lanes};
+    use crate::sampling::hash::pcg3d;
+    use crate::sampling::unit_float;
+
+    const MEAN_COSINES: [f32; 12] = [0.0, 0.5, -0.3, 0.95, 5e-4, -0.9, 0.7, 0.2, 0.999, -0.999, -5e-4, 1e-9];
+
+    #[test]
+    fn phases_in_lanes_are_those_of_one() {
+        let phases: [Phase; LANES] = std::array::from_fn(|lane| match MEAN_COSINES.get(lane) {
+            Some(0.0) => Phase::Isotropic,
+            Some(&g) => Phase::HenyeyGreenstein { g },
+            None => Phase::Rayleigh,
+        });
+        let mut lanes = PlainPhase::<Lanes>::ISOTROPIC;
+        for (lane, phase) in phases.iter().enumerate() {
+            lanes.set_lane(lane, phase.plain().expect("it has a formula"));
+        }
+        for number in 0..1000 {
+            let [x, y, z] = match number {
+                0 => [0.0; 3],
+                1 => [1.0 - f32::EPSILON / 2.0; 3],
+                _ => pcg3d([number, 3, 9]).map(unit_float),
+            };
+            let (wi, pdf) = lanes.sample([Lanes::splat(x), Lanes::splat(y)]);
+            let cosine = 2.0 * z - 1.0;
+            let values = lanes.pdf(Lanes::splat(cosine));
+            for (lane, phase) in phases.iter().enumerate() {
+                let (expected, _) = phase.sample(Vec3::ZERO, Vec3::Z, 0.0, Vec2::new(x, y));
+                let found = wi.get(lane);
+                assert!(found.is_normalized());
+                assert!((found.z - expected.z).abs() < 1e-4, "{found} {expected}");
+                let plain = phase.plain().expect("it has a formula");
+                for (place, own) in [(found.z, pdf), (cosine, values)] {
+                    let (density, own) = (plain.pdf(place), own.as_array()[lane]);
+                    assert!((own - density).abs() < 1e-3 * density, "{phase:?}: {own} {density}");
+                }
+            }
+        }
+    }
 }

@@ -109,7 +109,7 @@ pub(super) fn travel(
                 // What is left goes to the end without further ado.
                 return (*throughput == Rgb::ZERO).then_some(None);
             }
-            let is_null = chance(*throughput, null);
+            let is_null = chance::<f32>(*throughput, null);
             if stream.draw() < is_null {
                 *throughput *= null / is_null;
                 passed *= is_null;
@@ -148,7 +148,7 @@ pub(super) fn transmit(
         stream,
         |collision, carried, stream| {
             if scatters {
-                passed *= chance(*carried, collision.null);
+                passed *= chance::<f32>(*carried, collision.null);
             }
             *carried *= collision.null;
             share *= collision.null;

@@ -1,106 +1,136 @@
 //! Media that are the same everywhere: distances and transmittances by Beer's law (PBR 4th ed., sections 11.2 and 14.1).
 
-use glam::{Vec2, Vec3};
-
-use super::equiangular::Equiangular;
-use super::{MediumSource, Travel, Way, chance};
+use super::equiangular::{Equiangular, reach};
+use super::{PlainPhase, Way, chance};
 use crate::color::Rgb;
+use crate::math::{Mask, Real, Vector, exp, ln, real_struct};
 
-/// The extinction and the emission of a medium, which are the same everywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Uniform {
-    /// The extinction coefficient per unit of length.
-    pub sigma_t: Rgb,
-    /// The radiance that is emitted per unit of length.
-    pub emission: Rgb,
+real_struct! {
+    /// The extinction of a medium that is the same everywhere.
+    pub(crate) struct Uniform<R> {
+        /// The extinction coefficient per unit of length.
+        pub sigma_t: R::Vec3,
+        /// Whether light is scattered anywhere.
+        pub scatters: R::Mask,
+    }
+}
+
+real_struct! {
+    /// A medium that is the same everywhere with its scattering, and does not shine.
+    pub(crate) struct PlainMedium<R> {
+        pub uniform: Uniform<R>,
+        /// The part of the extinction that is scattering.
+        pub albedo: R::Vec3,
+        pub phase: PlainPhase<R>,
+    }
+}
+
+/// What has become of light, as [`super::Travel`].
+pub(crate) struct Passage<R: Real> {
+    /// The distance at which it is scattered, where it is.
+    pub distance: R,
+    pub is_scattered: R::Mask,
+    pub throughput: R::Vec3,
+    /// The probability of having come so far, see [`super::Travel::passed`].
+    pub passed: R,
 }
 
 /// The share of distances that are sampled by the place of the lamp, where that is near.
-pub(super) const EQUIANGULAR_SHARE: f32 = 0.4;
+const EQUIANGULAR_SHARE: f32 = 0.4;
 
 /// The share of light that passes `distance`, which may be infinite.
-fn beer(sigma_t: Rgb, distance: f32) -> Rgb {
+#[inline(always)]
+fn beer<R: Real>(sigma_t: R::Vec3, distance: R) -> R::Vec3 {
     // Infinity times zero is no number, where there is no extinction.
-    Rgb::select(sigma_t.cmpgt(Rgb::ZERO), (-sigma_t * distance).exp(), Rgb::ONE)
+    sigma_t.map(|sigma_t| R::select(sigma_t.is_more(R::ZERO), exp(-sigma_t * distance), R::ONE))
 }
 
-/// Does what [`super::Medium::travel`] says. Each colour of the throughput decides as often as its share in it says, by the first number of `u`; the second decides how far
-/// that colour goes. The weights are those of the balance heuristic over all colours, so that no colour brings noise to the others (Wilkie et al.,
-/// Hero Wavelength Spectral Sampling, 2014). Near a `lamp`, some of the distances are about equiangular, with the same heuristic.
-pub(super) fn travel(
-    source: &MediumSource,
-    Uniform { sigma_t, emission }: Uniform,
-    way: &Way,
-    lamp: Option<Vec3>,
-    throughput: &mut Rgb,
-    u: Vec2,
-) -> Travel {
-    let emitted = match emission == Rgb::ZERO {
-        true => Rgb::ZERO,
-        false => *throughput * emission * optical_length(sigma_t, way.length),
-    };
-    if !source.scatters() {
-        *throughput *= beer(sigma_t, way.length);
-        return Travel {
-            scattered_at: None,
-            passed: 1.0,
-            emitted,
-        };
+impl<R: Real> Uniform<R> {
+    /// Does what [`super::Medium::midway`] says; zero where there is none.
+    #[inline(always)]
+    pub fn midway(&self, length: R) -> R {
+        let densest = self.sigma_t.max_element();
+        (R::HALF * length.min(R::ONE / densest)).only(self.scatters & densest.is_more(R::ZERO))
     }
-    let share = *throughput / throughput.element_sum();
-    let near_lamp = lamp.and_then(|lamp| Equiangular::new(way, lamp, sigma_t.max_element()));
-    let of_lamp = if near_lamp.is_some() { EQUIANGULAR_SHARE } else { 0.0 };
-    let distance = match &near_lamp {
-        Some(near_lamp) if u.x < of_lamp => near_lamp.sample(u.y),
-        _ => {
-            let decides = match (u.x - of_lamp) / (1.0 - of_lamp) {
-                u if u < share.x => sigma_t.x,
-                u if u < share.x + share.y => sigma_t.y,
-                _ => sigma_t.z,
-            };
-            -(1.0 - u.y).ln() / decides
+
+    /// Whether a lamp may be near that is within `radius` of `center`.
+    #[inline(always)]
+    pub fn may_be_near(&self, way: &Way<R>, center: R::Vec3, radius: f32) -> R::Mask {
+        let to_center = center - way.origin;
+        let nearest = to_center.dot(way.dir).max(R::ZERO).min(way.length);
+        // Rounding must leave out nothing that is near.
+        let reach = (reach(way.length, self.sigma_t.max_element()) + R::splat(radius)) * R::splat(1.001);
+        (to_center - way.dir * nearest)
+            .length_squared()
+            .is_at_most(reach.squared())
+    }
+
+    /// Does what [`super::Medium::travel`] says, with the place of a `lamp` where `has_lamp` holds, and the albedo at a
+    /// distance. Each colour of the throughput decides as often as its share in it says, by the first number of `u`;
+    /// the second decides how far that colour goes. The weights are those of the balance heuristic over all colours, so
+    /// that no colour brings noise to the others (Wilkie et al., Hero Wavelength Spectral Sampling, 2014). Near a lamp,
+    /// some of the distances are about equiangular, with the same heuristic.
+    #[inline(always)]
+    pub fn travel(
+        &self,
+        way: &Way<R>,
+        lamp: R::Vec3,
+        has_lamp: R::Mask,
+        throughput: R::Vec3,
+        u: [R; 2],
+        albedo: impl Fn(R) -> R::Vec3,
+    ) -> Passage<R> {
+        let Self { sigma_t, scatters } = *self;
+        let share = throughput / throughput.sum();
+        let (mut of_lamp, mut near) = (R::ZERO, None);
+        if (has_lamp & scatters).any() {
+            let (lamp, is_near) = Equiangular::new(way, lamp, sigma_t.max_element());
+            of_lamp = R::splat(EQUIANGULAR_SHARE).only(is_near & has_lamp & scatters);
+            near = Some(lamp);
         }
-    };
-    // Without extinction the distance is infinite, or no number if the logarithm was zero.
-    if distance < way.length {
-        let passing = beer(sigma_t, distance);
-        let near_lamp = near_lamp.map_or(0.0, |near_lamp| near_lamp.pdf(distance));
-        let density = (1.0 - of_lamp) * share.dot(sigma_t * passing) + of_lamp * near_lamp;
-        let point = way.origin + way.dir * distance;
-        *throughput *= source.albedo_at(point) * sigma_t * passing / density;
-        return Travel {
-            scattered_at: Some(distance),
-            passed: 1.0,
-            emitted,
-        };
+        let of_colours = R::ONE - of_lamp;
+        let v = (u[0] - of_lamp) / of_colours;
+        let of_two = R::select(v.is_less(share.x() + share.y()), sigma_t.y(), sigma_t.z());
+        let decides = R::select(v.is_less(share.x()), sigma_t.x(), of_two);
+        let mut distance = -ln(R::ONE - u[1]) / decides;
+        if let Some(near) = &near {
+            distance = R::select(u[0].is_less(of_lamp), near.sample(u[1]), distance);
+        }
+        // Without extinction the distance is infinite, or no number if the logarithm was zero.
+        let is_scattered = distance.is_less(way.length) & scatters;
+        let passing = beer(sigma_t, R::select(is_scattered, distance, way.length));
+        let passed = R::select(scatters, chance::<R>(throughput, passing), R::ONE);
+        let mut after = (throughput * passing / (passed * of_colours)).only(passed.is_more(R::ZERO));
+        if is_scattered.any() {
+            let collided = sigma_t * passing;
+            let mut density = of_colours * share.dot(collided);
+            if let Some(near) = &near {
+                // Where there is none, its density is perhaps no number.
+                density += (of_lamp * near.pdf(distance)).only(of_lamp.is_more(R::ZERO));
+            }
+            let scattered = throughput * albedo(distance) * collided / density;
+            after = R::Vec3::select(is_scattered, scattered, after);
+        }
+        Passage {
+            distance,
+            is_scattered,
+            throughput: after,
+            passed: R::select(is_scattered, R::ONE, passed),
+        }
     }
-    let passing = beer(sigma_t, way.length);
-    let passed = chance(*throughput, passing);
-    *throughput = match passed > 0.0 {
-        true => *throughput * passing / (passed * (1.0 - of_lamp)),
-        false => Rgb::ZERO,
-    };
-    Travel {
-        scattered_at: None,
-        passed,
-        emitted,
-    }
-}
 
-/// Does what [`super::Medium::transmit`] says.
-pub(super) fn transmit(source: &MediumSource, uniform: Uniform, way: &Way, carried: &mut Rgb) -> (Rgb, f32) {
-    let passing = beer(uniform.sigma_t, way.length);
-    let passed = match source.scatters() {
-        true => chance(*carried, passing),
-        false => 1.0,
-    };
-    *carried *= passing;
-    (passing, passed)
+    /// Does what [`super::Medium::transmit`] says.
+    #[inline(always)]
+    pub fn transmit(&self, length: R, carried: R::Vec3) -> (R::Vec3, R) {
+        let passing = beer(self.sigma_t, length);
+        let passed = R::select(self.scatters, chance::<R>(carried, passing), R::ONE);
+        (passing, passed)
+    }
 }
 
 /// The integral of [`beer`] from 0 to `distance`. Where it is infinite it counts as 0: a space without end and without extinction that shines
 /// has no finite radiance.
-fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
+pub(super) fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
     let one = |sigma_t: f32| {
         let depth = sigma_t * distance;
         if sigma_t > 0.0 && depth > 1e-4 {
@@ -116,36 +146,35 @@ fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
+    use glam::{DVec3, Vec2, Vec3};
 
-    use super::super::{Phase, Volume};
+    use super::super::{Medium, MediumSource, Phase, Volume};
     use super::*;
+    use crate::math::LanesOf;
+    use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};
     use crate::sampling::hash::pcg3d;
-    use crate::sampling::unit_float;
+    use crate::sampling::{Sampler, unit_float};
 
+    const SIGMA_T: Rgb = Rgb::new(0.35, 0.7, 2.8);
     const ALBEDO: Rgb = Rgb::new(0.9, 0.5, 0.2);
+    const EMISSION: Rgb = Rgb::new(1.0, 2.0, 3.0);
 
-    fn coloured() -> (MediumSource, Uniform) {
-        let uniform = Uniform {
-            sigma_t: Rgb::new(0.35, 0.7, 2.8),
-            emission: Rgb::new(1.0, 2.0, 3.0),
-        };
-        let source = MediumSource {
-            sigma_t: Volume::Constant(uniform.sigma_t),
+    fn coloured() -> Medium {
+        Medium::new(MediumSource {
+            sigma_t: Volume::Constant(SIGMA_T),
             scale: 1.0,
             albedo: Volume::Constant(ALBEDO),
-            emission: Volume::Constant(uniform.emission),
+            emission: Volume::Constant(EMISSION),
             phase: Phase::Isotropic,
-        };
-        (source, uniform)
+        })
     }
 
     /// The means of what passes and of what is scattered have formulas, for any throughput.
     #[test]
     fn what_travels_agrees_with_beer() {
         const COUNT: u32 = 1_000_000;
-        let (source, uniform) = coloured();
-        let (sigma_t, length) = (uniform.sigma_t, 1.3);
+        let (medium, length) = (coloured(), 1.3);
+        let mut stream = Sampler::new(Default::default(), Default::default(), 0, 0).stream(0);
         let way = Way {
             origin: Vec3::ZERO,
             dir: Vec3::X,
@@ -161,7 +190,7 @@ mod tests {
             for number in 0..COUNT {
                 let [x, y, _] = pcg3d([number, 7, 11]).map(unit_float);
                 let mut throughput = before;
-                let travel = travel(&source, uniform, &way, lamp, &mut throughput, Vec2::new(x, y));
+                let travel = medium.travel(&way, lamp, &mut throughput, Vec2::new(x, y), &mut stream);
                 let [sum, squares] = match travel.scattered_at {
                     Some(distance) => {
                         assert!(distance < length);
@@ -172,7 +201,7 @@ mod tests {
                 *sum += throughput.as_dvec3();
                 *squares += throughput.as_dvec3().powf(2.0);
             }
-            let passing = (-sigma_t * length).exp();
+            let passing = (-SIGMA_T * length).exp();
             let expected = [before * passing, before * ALBEDO * (Rgb::ONE - passing)];
             for ([sum, squares], expected) in [passed, scattered].into_iter().zip(expected) {
                 let mean = sum / f64::from(COUNT);
@@ -189,21 +218,99 @@ mod tests {
 
     #[test]
     fn emission_is_gathered_along_the_whole_way() {
-        let (source, uniform) = coloured();
-        let sigma_t = uniform.sigma_t;
+        let medium = coloured();
+        let mut stream = Sampler::new(Default::default(), Default::default(), 0, 0).stream(0);
         for length in [1e-6f32, 0.01, 1.3, f32::INFINITY] {
             let way = Way {
                 origin: Vec3::ZERO,
                 dir: Vec3::X,
                 length,
             };
-            let travel = travel(&source, uniform, &way, None, &mut Rgb::ONE.clone(), Vec2::splat(0.4));
-            let absorbed = Rgb::from_array((-sigma_t * length).to_array().map(|depth| -depth.exp_m1()));
-            let expected = uniform.emission * absorbed / sigma_t;
+            let travel = medium.travel(&way, None, &mut Rgb::ONE.clone(), Vec2::splat(0.4), &mut stream);
+            let absorbed = Rgb::from_array((-SIGMA_T * length).to_array().map(|depth| -depth.exp_m1()));
+            let expected = EMISSION * absorbed / SIGMA_T;
             assert!(
                 ((travel.emitted - expected) / expected).abs().max_element() < 1e-4,
                 "{length}"
             );
         }
+    }
+
+    fn assert_near(found: Rgb, expected: Rgb, what: &str) {
+        let tolerance = 2e-4 * expected.max_element() + 1e-6;
+        assert!(found.abs_diff_eq(expected, tolerance), "{what}: {found} {expected}");
+    }
+
+    #[test]
+    fn ways_in_lanes_are_those_of_one() {
+        let (mut lamps, mut scatterings) = (0, 0);
+        let media = [
+            (SIGMA_T, ALBEDO),
+            (Rgb::new(0.0, 0.7, 1.0), Rgb::ONE),
+            (Rgb::new(0.2, 0.0, 3.0), Rgb::ZERO),
+            (Rgb::ZERO, Rgb::ONE),
+        ];
+        let media: [_; LANES] = std::array::from_fn(|lane| {
+            let (sigma_t, albedo) = media[lane % 4];
+            let scatters = albedo != Rgb::ZERO;
+            (Uniform { sigma_t, scatters }, albedo)
+        });
+        for number in 0..400 {
+            let vector = |n: usize| Vec3::from(pcg3d([number, n as u32, 5]).map(unit_float));
+            let ways: [Way; LANES] = std::array::from_fn(|lane| Way {
+                origin: vector(lane),
+                dir: (vector(lane + 20) - 0.5).normalize(),
+                length: match lane % 5 {
+                    0 => f32::INFINITY,
+                    _ => 2.0 * vector(lane + 40).x,
+                },
+            });
+            let mut uniforms: Uniform<Lanes> = LanesOf::splat(media[0].0);
+            let mut way: Way<Lanes> = LanesOf::splat(ways[0]);
+            let [mut albedos, mut carried, mut at] = [Vec3Lanes::ZERO; 3];
+            let mut numbers = [Lanes::ZERO; 2];
+            for lane in 0..LANES {
+                uniforms.set_lane(lane, media[lane].0);
+                way.set_lane(lane, ways[lane]);
+                albedos.set(lane, media[lane].1);
+                carried.set(lane, vector(lane + 60));
+                at.set(lane, vector(lane + 100));
+                numbers[0].set_lane(lane, vector(lane + 80).x);
+                numbers[1].set_lane(lane, vector(lane + 80).y);
+            }
+            // A lamp in two of three lanes.
+            let lit = 0xb6db;
+            let found = uniforms.travel(&way, at, lanes_of(lit), carried, numbers, |_| albedos);
+            let (passing, passed) = uniforms.transmit(way.length, carried);
+            let (midway, near) = (uniforms.midway(way.length), uniforms.may_be_near(&way, at, 0.0));
+            for (lane, (uniform, albedo)) in media.iter().enumerate() {
+                let (way, throughput, lamp) = (&ways[lane], carried.get(lane), at.get(lane));
+                let u = numbers.map(|numbers| numbers.as_array()[lane]);
+                let has_lamp = lit >> lane & 1 == 1;
+                let one = uniform.travel(way, lamp, has_lamp, throughput, u, |_| *albedo);
+                let is_scattered = found.is_scattered.to_bitmask() >> lane & 1 == 1;
+                assert_eq!(is_scattered, one.is_scattered, "{number} {lane}");
+                assert_near(found.throughput.get(lane), one.throughput, "throughput");
+                assert!((found.passed.as_array()[lane] - one.passed).abs() < 1e-5);
+                if one.is_scattered {
+                    scatterings += 1;
+                    let distance = found.distance.as_array()[lane];
+                    assert!((distance - one.distance).abs() < 1e-3 * (1.0 + one.distance));
+                }
+                let (share, chance) = uniform.transmit(way.length, throughput);
+                assert_near(passing.get(lane), share, "passing");
+                assert!((passed.as_array()[lane] - chance).abs() < 1e-5);
+                let expected = uniform.midway(way.length);
+                assert!((midway.as_array()[lane] - expected).abs() < 1e-5 * (1.0 + expected));
+                if has_lamp && uniform.scatters && Equiangular::new(way, lamp, uniform.sigma_t.max_element()).1 {
+                    lamps += 1;
+                    assert!(
+                        near.to_bitmask() >> lane & 1 == 1,
+                        "a lamp that is near is not left out"
+                    );
+                }
+            }
+        }
+        assert!(lamps > 200 && scatterings > 1000, "{lamps} {scatterings}");
     }
 }

@@ -10,7 +10,7 @@ use glam::{Affine3A, DAffine3, DMat4, DVec3, DVec4, Mat3, Mat4, Vec2, Vec3};
 
 use crate::accel::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes};
-use crate::math::{Aabb, Ray};
+use crate::math::{Aabb, Ray, Vector};
 use crate::sampling::warp;
 
 pub use importance::RayTo;

@@ -108,12 +108,15 @@ impl RenderScene {
 
     /// The surface that `ray` met at `hit`, with what its material and its light have to know.
     pub fn surface(&self, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> SurfacePoint {
-        let is_textured = slot.light.is_some_and(|light| self.lights.is_textured(light));
-        let detail = match is_textured {
+        self.geometry.surface_in(ray, hit, self.detail(slot))
+    }
+
+    /// What the material and the light of a surface have to know.
+    pub fn detail(&self, slot: &SurfaceSlot) -> Detail {
+        match slot.light.is_some_and(|light| self.lights.is_textured(light)) {
             true => Detail::Parametrised,
             false => self.materials.detail(slot.material),
-        };
-        self.geometry.surface_in(ray, hit, detail)
+        }
     }
 
     /// The part of a camera ray's hit that is kept.

@@ -2,21 +2,23 @@
 //!
 //! The marginal over rows is piecewise linear, and so is the conditional within any line between two rows: the blend of the rows'
 //! cumulative sums. Both are inverted by bisection and a quadratic (compare PBR 4th ed., appendix A.4 and A.5, for the constant case).
-//! Sums are kept in f32, whose rounding (6e-8 of a row) moves shares between neighbours but adds up to nothing, and inverted in f64, so
-//! that a cell is covered evenly however small its share is.
+//! The rounding of sums (6e-8 of a row) moves shares between neighbours but adds up to nothing. The share of a cell is taken from the densities at
+//! its corners, not from the difference of two sums, so that it is covered evenly however small it is.
 
-use glam::{DVec2, Vec2};
+use glam::DVec2;
+
+use crate::math::{Mask, Real, Word};
 
 /// Half a step of the 24-bit random numbers: they stand for the middle of their interval, so that no sample falls on a node of density 0.
-const HALF_STEP: f64 = 0.5 / (1 << 24) as f64;
+const HALF_STEP: f32 = 0.5 / (1 << 24) as f32;
 
 /// A draw from a [`PiecewiseBilinear2d`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SquareSample {
+pub struct SquareSample<R: Real = f32> {
     /// The sampled point, in [0, 1]^2.
-    pub position: Vec2,
+    pub position: [R; 2],
     /// Density per unit area at `position`, positive.
-    pub pdf: f32,
+    pub pdf: R,
 }
 
 /// A node of the grid.
@@ -35,7 +37,7 @@ pub struct PiecewiseBilinear2d {
     /// Row by row. What a sample needs of a node is in one line of the cache.
     nodes: Vec<Node>,
     /// The integral over the square up to each row.
-    up_to_row: Vec<f64>,
+    up_to_row: Vec<f32>,
     /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On generating random variates
     /// from an empirical distribution, 1974).
     guides: Vec<u32>,
@@ -119,113 +121,113 @@ impl PiecewiseBilinear2d {
             columns,
             rows,
             nodes,
-            up_to_row,
+            up_to_row: up_to_row.into_iter().map(|sum| sum as f32).collect(),
         })
     }
 
-    /// The columns between which the share `u` of both rows is, within rounding.
-    fn guided(&self, row: usize, u: f64) -> (usize, usize) {
-        let share = ((u * self.shares as f64) as usize).min(self.shares - 1);
-        let of_row = |row: usize| {
-            let at = row * (self.shares + 1) + share;
-            [self.guides[at] as usize, self.guides[at + 1] as usize]
+    /// The density at a point, per unit area; 0 outside of [0, 1]^2.
+    #[inline(always)]
+    pub fn pdf<R: Real>(&self, [x, y]: [R; 2]) -> R {
+        let within = |x: R| !(x.is_less(R::ZERO) | x.is_more(R::ONE)) & x.equals(x);
+        let cell = |x: R, nodes: usize| {
+            let place = x.saturated() * R::splat((nodes - 1) as f32);
+            let cell = place.floor().min(R::splat((nodes - 2) as f32));
+            (cell, place - cell)
         };
-        let ([start, end], [other_start, other_end]) = (of_row(row), of_row(row + 1));
-        (start.min(other_start), end.max(other_end) + 1)
-    }
-
-    /// The last row whose sum is not above `target`, the share `u` of all, and that is not the last one.
-    fn row_of(&self, u: f64, target: f64) -> usize {
-        let shares = self.row_guides.len() - 1;
-        let share = ((u * shares as f64) as usize).min(shares - 1);
-        let [start, end] = [share, share + 1].map(|share| self.row_guides[share] as usize);
-        // Rounding may have put the target just outside of its share.
-        let start = if self.up_to_row[start] > target { 0 } else { start };
-        let end = (end + 1).min(self.rows - 1);
-        let end = if self.up_to_row[end] <= target {
-            self.rows - 1
-        } else {
-            end
-        };
-        let among = &self.up_to_row[start + 1..end];
-        start + among.partition_point(|&sum| sum <= target)
-    }
-
-    /// Density at a point, per unit area; 0 outside of [0, 1]^2.
-    pub fn pdf(&self, position: Vec2) -> f32 {
-        if !(position.cmpge(Vec2::ZERO) & position.cmple(Vec2::ONE)).all() {
-            return 0.0;
-        }
-        let [x, y] = [
-            position.x * (self.columns - 1) as f32,
-            position.y * (self.rows - 1) as f32,
-        ];
-        let (column, row) = ((x as usize).min(self.columns - 2), (y as usize).min(self.rows - 2));
-        let (s, t) = (x - column as f32, y - row as f32);
-        let at = row * self.columns + column;
-        let [lower, upper] =
-            [at, at + self.columns].map(|at| lerp32(self.nodes[at].density, self.nodes[at + 1].density, s));
-        lerp32(lower, upper, t)
+        let ((column, s), (row, t)) = (cell(x, self.columns), cell(y, self.rows));
+        let rows = self.rows_beside(row);
+        let density = |column: R| self.between(rows, column, t, |node| node.density);
+        density(column)
+            .mix(density(column + R::ONE), s)
+            .only(within(x) & within(y))
     }
 
     /// The point for `u` in [0, 1)^2.
-    pub fn sample(&self, u: Vec2) -> SquareSample {
-        let u = u.as_dvec2() + HALF_STEP;
-        let row_total = |row: usize| f64::from(self.nodes[row * self.columns + self.columns - 1].before);
-        let target = u.y * self.up_to_row[self.rows - 1];
-        let row = self.row_of(u.y, target);
-        let (start, end) = (self.up_to_row[row], self.up_to_row[row + 1]);
-        let t = invert_linear(row_total(row), row_total(row + 1), (target - start) / (end - start));
+    #[inline(always)]
+    pub fn sample<R: Real>(&self, [u, v]: [R; 2]) -> SquareSample<R> {
+        let up_to = |row: R| R::gather(row.whole(), |row| self.up_to_row[row]);
+        let last_row = R::splat((self.rows - 1) as f32);
+        let shares = self.row_guides.len() - 1;
+        let share = share_of(v, shares);
+        let guide = |share: R::Word| R::gather(share, |share| self.row_guides[share] as f32);
+        let (first, beyond) = (guide(share), guide(share + R::Word::splat(1)) + R::ONE);
+        let all = up_to(last_row);
+        let row = last_below([first, beyond.min(last_row), last_row], all * v, up_to);
+        let rows = self.rows_beside(row);
+        let right = R::splat((self.columns - 1) as f32);
+        let total = |row: R::Word| R::gather(row + right.whole(), |node| self.nodes[node].before);
+        let [above, below] = rows.map(total);
+        let rest = v.mul_add(all, R::splat(HALF_STEP) * all - up_to(row));
+        let t = invert_linear([above, below], rest * last_row);
 
-        let (lower, upper) = self.nodes[row * self.columns..][..2 * self.columns].split_at(self.columns);
-        let blend = |a: f32, b: f32| lerp(f64::from(a), f64::from(b), t);
-        let sum_at = |column: usize| blend(lower[column].before, upper[column].before);
-        let density_at = |column: usize| blend(lower[column].density, upper[column].density);
-        let target = u.x * sum_at(self.columns - 1);
-        // The last column whose sum is not above the target is in [0, columns - 2].
-        let (mut column, mut beyond) = self.guided(row, u.x);
-        if sum_at(column) > target {
-            column = 0;
-        }
-        if sum_at(beyond) <= target {
-            beyond = self.columns - 1;
-        }
-        while beyond - column > 1 {
-            let middle = column.midpoint(beyond);
-            if sum_at(middle) <= target {
-                column = middle;
-            } else {
-                beyond = middle;
-            }
-        }
-        let (start, end) = (sum_at(column), sum_at(column + 1));
-        let (left, right) = (density_at(column), density_at(column + 1));
-        let s = invert_linear(left, right, (target - start) / (end - start));
+        let sum = |column: R| self.between(rows, column, t, |node| node.before);
+        let guides = R::Word::splat(self.shares as u32 + 1);
+        let of_row = [row.whole(), row.whole() + R::Word::splat(1)].map(|row| row * guides + share_of(u, self.shares));
+        let guide = |at: R::Word| R::gather(at, |at| self.guides[at] as f32);
+        let [first, other_first] = of_row.map(guide);
+        let [beyond, other_beyond] = of_row.map(|at| guide(at + R::Word::splat(1)) + R::ONE);
+        let all = above.mix(below, t);
+        let column = last_below(
+            [first.min(other_first), beyond.max(other_beyond).min(right), right],
+            all * u,
+            sum,
+        );
+        let density = |column: R| self.between(rows, column, t, |node| node.density);
+        let (left, beside) = (density(column), density(column + R::ONE));
+        let rest = u.mul_add(all, R::splat(HALF_STEP) * all - sum(column));
+        let s = invert_linear([left, beside], rest * right);
         SquareSample {
-            position: Vec2::new(
-                ((column as f64 + s) / (self.columns - 1) as f64) as f32,
-                ((row as f64 + t) / (self.rows - 1) as f64) as f32,
-            ),
-            pdf: (lerp(left, right, s) as f32).max(f32::MIN_POSITIVE),
+            position: [(column + s) / right, (row + t) / last_row],
+            pdf: left.mix(beside, s).max(R::splat(f32::MIN_POSITIVE)),
         }
     }
-}
 
-/// The x in [0, 1] below which the fraction `u` of the integral of a linear function with end values `a` and `b` lies.
-fn invert_linear(a: f64, b: f64, u: f64) -> f64 {
-    let u = u.clamp(0.0, 1.0);
-    let denominator = a + lerp(a * a, b * b, u).sqrt();
-    if denominator > 0.0 {
-        (u * (a + b) / denominator).min(1.0)
-    } else {
-        u
+    /// The first nodes of a row and of the next one.
+    #[inline(always)]
+    fn rows_beside<R: Real>(&self, row: R) -> [R::Word; 2] {
+        let columns = R::Word::splat(self.columns as u32);
+        let first = row.whole() * columns;
+        [first, first + columns]
+    }
+
+    /// A figure of the nodes in a column, at the place `t` between two rows, which are given by their first nodes.
+    #[inline(always)]
+    fn between<R: Real>(&self, rows: [R::Word; 2], column: R, t: R, figure: impl Fn(&Node) -> f32) -> R {
+        let [above, below] = rows.map(|row| R::gather(row + column.whole(), |node| figure(&self.nodes[node])));
+        above.mix(below, t)
     }
 }
 
-fn lerp(a: f64, b: f64, t: f64) -> f64 {
-    a + t * (b - a)
+/// The share of so many that a number in [0, 1) is in.
+#[inline(always)]
+fn share_of<R: Real>(u: R, shares: usize) -> R::Word {
+    (u * R::splat(shares as f32)).min(R::splat((shares - 1) as f32)).whole()
 }
 
-fn lerp32(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
+/// The last place before `last` whose sum is not above `target`. It is in [first, beyond), but for rounding.
+#[inline(always)]
+fn last_below<R: Real>([first, beyond, last]: [R; 3], target: R, sum: impl Fn(R) -> R) -> R {
+    let mut low = first.only(sum(first).is_at_most(target));
+    let mut high = R::select(sum(beyond).is_at_most(target), last, beyond);
+    loop {
+        let middle = (R::HALF * (low + high)).floor();
+        if !middle.is_more(low).any() {
+            return low;
+        }
+        let is_below = sum(middle).is_at_most(target);
+        low = R::select(is_below, middle, low);
+        high = R::select(is_below, high, middle);
+    }
+}
+
+/// The x in [0, 1] up to which the integral of a linear function with these end values is `integral`.
+#[inline(always)]
+fn invert_linear<R: Real>(ends: [R; 2], integral: R) -> R {
+    let largest = ends[0].max(ends[1]).max(R::splat(f32::MIN_POSITIVE));
+    let [a, b] = ends.map(|end| end / largest);
+    let twice = (integral / largest + integral / largest).max(R::ZERO).min(a + b);
+    // The square root of a^2 + (b^2 - a^2) twice / (a + b).
+    let root = twice.mul_add(b - a, a * a).max(R::ZERO).sqrt();
+    let denominator = (a + root).max(R::splat(f32::MIN_POSITIVE));
+    (twice / denominator).min(R::ONE)
 }

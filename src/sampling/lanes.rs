@@ -1,7 +1,5 @@
 //! [`Sampler`] for sixteen paths at once.
 
-pub use super::spherical_rectangle_lanes::RectangleLanes;
-
 use super::sampler::{
     BLOCK_BITS, COLOUR, Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block,
 };

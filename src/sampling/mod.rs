@@ -9,7 +9,6 @@ pub mod lanes;
 mod mis;
 mod sampler;
 mod spherical_rectangle;
-mod spherical_rectangle_lanes;
 mod spherical_triangle;
 mod stream;
 pub mod warp;

@@ -1,69 +1,75 @@
-//! Uniform sampling of the solid angle under which a rectangle is seen.
+//! Uniform sampling of the solid angle under which a rectangle is seen, from one point or from sixteen.
 //!
-//! Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013. In double precision inside, for the
-//! sake of small and distant rectangles. Only for rectangles; a parallelogram that is none is sampled by area.
+//! Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013. In single precision, which wants another
+//! formula for the solid angle than the sum of angles there. Only for rectangles; a parallelogram that is none is sampled by area.
 
-use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::TAU;
+use glam::Vec3;
+
+use crate::math::{Real, Vector, atan2, sin_cos};
 
 /// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
 const PERPENDICULARITY: f64 = 1e-5;
 
-/// Below this solid angle (sr) sampling by area is as good, and this method runs out of digits in single precision.
-pub(super) const SMALLEST_SOLID_ANGLE: f64 = 1e-3;
+/// Below this solid angle (sr) sampling by area is as good, and this method runs out of digits.
+const SMALLEST_SOLID_ANGLE: f32 = 1e-3;
+
+/// Beside a rectangle and lower than this over its plane, relative to the distance, this method runs out of digits as well.
+const LOWEST: f32 = 0.02;
 
 /// A rectangle, prepared to be looked at from many points.
 #[derive(Clone, Copy, Debug)]
 pub struct Rectangle {
     corner: Vec3,
-    /// Unit vectors along the edges.
-    x: DVec3,
-    y: DVec3,
-    width: f64,
-    height: f64,
+    /// Unit vectors along the edges, and the normal.
+    axes: [Vec3; 3],
+    width: f32,
+    height: f32,
 }
 
 /// A rectangle as seen from one point, prepared for sampling.
 #[derive(Clone, Copy, Debug)]
-pub struct SphericalRectangle {
-    origin: DVec3,
-    /// Unit vectors along the edges, and the normal towards the origin's side.
-    x: DVec3,
-    y: DVec3,
-    z: DVec3,
-    /// The rectangle in that frame, relative to the origin: [x0, x1] x [y0, y1] at height z0 < 0.
-    x0: f64,
-    x1: f64,
-    y0: f64,
-    y1: f64,
-    z0: f64,
-    /// The z components of the unit normals of the planes through the origin and the edges y = y0 and y = y1; 1 - b0^2.
-    b0: f64,
-    b1: f64,
-    a0: f64,
-    /// The angle at which the solid angle left of x is zero.
-    start: Turn,
-    solid_angle: f64,
+pub struct SphericalRectangle<R: Real = f32> {
+    axes: [Vec3; 3],
+    origin: R::Vec3,
+    /// The rectangle along those axes, relative to the origin: `x[0]` to `x[1]` and `y[0]` to `y[1]` at the height `above`.
+    x: [R; 2],
+    y: [R; 2],
+    above: R,
+    solid_angle: R,
 }
 
 /// Cosine and sine of an angle: sums of angles without the angles.
-#[derive(Clone, Copy, Debug)]
-struct Turn {
-    cos: f64,
-    sin: f64,
+#[derive(Clone, Copy)]
+struct Turn<R> {
+    cos: R,
+    sin: R,
 }
 
-impl Turn {
-    /// The turn by an angle in [-pi / 2, pi / 2], given its sine.
-    fn of_sine(sin: f64) -> Self {
-        let cos = (1.0 - sin * sin).max(0.0).sqrt();
-        Self { cos, sin }
+impl<R: Real> Turn<R> {
+    /// The direction of (x, y) at a distance.
+    #[inline(always)]
+    fn towards(x: R, y: R) -> Self {
+        let scale = R::ONE / length(x, y);
+        Self {
+            cos: x * scale,
+            sin: y * scale,
+        }
     }
 
+    /// The turn whose sine is the product of two sines.
+    #[inline(always)]
+    fn of_sines(a: Self, b: Self) -> Self {
+        Self {
+            cos: length(a.cos, a.sin * b.cos),
+            sin: a.sin * b.sin,
+        }
+    }
+
+    #[inline(always)]
     fn then(self, other: Self) -> Self {
         Self {
-            cos: self.cos * other.cos - self.sin * other.sin,
-            sin: self.sin * other.cos + self.cos * other.sin,
+            cos: self.cos.mul_add(other.cos, -self.sin * other.sin),
+            sin: self.sin.mul_add(other.cos, self.cos * other.sin),
         }
     }
 }
@@ -77,116 +83,188 @@ impl Rectangle {
         if !is_rectangle || width * height == 0.0 {
             return None;
         }
+        let (x, y) = (edge_u / width, edge_v / height);
         Some(Self {
             corner,
-            x: edge_u / width,
-            y: edge_v / height,
-            width,
-            height,
+            axes: [x, y, x.cross(y)].map(|axis| axis.as_vec3()),
+            width: width as f32,
+            height: height as f32,
         })
     }
 
-    /// The corner, the unit vectors along the edges, and the lengths of the edges.
-    pub(super) fn parts(&self) -> (Vec3, [Vec3; 2], [f32; 2]) {
-        let axes = [self.x, self.y].map(|axis| axis.as_vec3());
-        (self.corner, axes, [self.width as f32, self.height as f32])
-    }
-
-    /// The rectangle as seen from a point in the same space, on either side. `None` if the point lies in the rectangle's plane, or if the solid
-    /// angle is tiny: sample by area then.
-    pub fn seen_from(&self, origin: Vec3) -> Option<SphericalRectangle> {
-        let Self { x, y, .. } = *self;
-        let origin = origin.as_dvec3();
-        let to_corner = self.corner.as_dvec3() - origin;
-        let normal = x.cross(y);
-        let above = to_corner.dot(normal);
-        let (z, z0) = if above > 0.0 {
-            (-normal, -above)
-        } else {
-            (normal, above)
-        };
-        let (x0, y0) = (to_corner.dot(x), to_corner.dot(y));
-        let (x1, y1) = (x0 + self.width, y0 + self.height);
-
-        // The unit normals of the four planes through the origin and an edge have, beside z, only an x or only a y component, so that
-        // neighbours' dot products are products of z components.
-        let [n0, n1, n2, n3] = [-y0, x1, y1, -x0].map(|offset| offset / length(offset, z0));
-        // The interior angle between neighbours is acos(-n n') = pi / 2 + asin(n n'): the solid angle, their sum less two pi, is
-        // the sum of the arc sines.
-        let [g0, g1, g2, g3] = [n0 * n1, n1 * n2, n2 * n3, n3 * n0].map(Turn::of_sine);
-        let last = g2.then(g3);
-        let all = g0.then(g1).then(last);
-        let turned = all.sin.atan2(all.cos);
-        // The rectangle fills more than half a hemisphere, a negative angle or a rounded whole turn, only for points closely before it.
-        let is_before = x0 < 0.0 && x1 > 0.0 && y0 < 0.0 && y1 > 0.0;
-        let is_close = is_before && -z0 < self.width.min(self.height);
-        let solid_angle = if is_close && turned <= SMALLEST_SOLID_ANGLE {
-            turned + TAU
-        } else {
-            turned
-        };
-        if solid_angle.is_nan() || solid_angle <= SMALLEST_SOLID_ANGLE || z0 == 0.0 {
-            return None;
-        }
-        Some(SphericalRectangle {
+    /// The rectangle as seen from a point in the same space, on either side.
+    #[inline(always)]
+    pub fn seen_from<R: Real>(&self, origin: R::Vec3) -> SphericalRectangle<R> {
+        let to_corner = (R::Vec3::same(self.corner) - origin).coordinates(self.axes);
+        let (x, y) = (to_corner.x(), to_corner.y());
+        let (x, y) = ([x, x + R::splat(self.width)], [y, y + R::splat(self.height)]);
+        SphericalRectangle {
+            axes: self.axes,
             origin,
             x,
             y,
-            z,
-            x0,
-            x1,
-            y0,
-            y1,
-            z0,
-            b0: n0,
-            b1: n2,
-            a0: z0 * z0 / (y0 * y0 + z0 * z0),
-            // This is pi less the last two.
-            start: Turn {
-                cos: -last.cos,
-                sin: last.sin,
-            },
-            solid_angle,
-        })
+            above: to_corner.z(),
+            solid_angle: self.solid_angle(x, y, to_corner.z().abs()),
+        }
+    }
+
+    /// The solid angle of the rectangle at these places, `height` over the origin.
+    ///
+    /// It is a sum of four arc tangents. Those at both ends of a short edge are nearly alike where the rectangle looks thin or small, so that their
+    /// difference is taken without them. The long edges have digits enough.
+    #[inline(always)]
+    fn solid_angle<R: Real>(&self, x: [R; 2], y: [R; 2], height: R) -> R {
+        let (long, short, extent) = match self.width < self.height {
+            true => (y, x, self.width),
+            false => (x, y, self.height),
+        };
+        // The scale is such that no product overflows.
+        let largest = |[a, b]: [R; 2]| a.abs().max(b.abs());
+        let scale = R::ONE / largest(x).max(largest(y)).max(height);
+        let [l0, l1] = long.map(|l| l * scale);
+        let [s0, s1] = short.map(|s| s * scale);
+        let (z, extent) = (height * scale, R::splat(extent) * scale);
+        let is_beside = (s0 * s1).is_more(R::ZERO);
+        // The angle under which the short edge at `l` adds to the solid angle on its left.
+        let angle = |l: R| {
+            let square = l.mul_add(l, z * z);
+            let (r0, r1) = (s0.mul_add(s0, square).sqrt(), s1.mul_add(s1, square).sqrt());
+            let (sin0, sin1) = (s0 / r0, s1 / r1);
+            let both = r0 * r1 * s1.mul_add(r0, s0 * r1);
+            let difference = R::select(is_beside, extent * (s0 + s1) * square / both, sin1 - sin0);
+            atan2(l * z * difference, (l * l * sin0).mul_add(sin1, z * z))
+        };
+        angle(l1) - angle(l0)
     }
 }
 
-impl SphericalRectangle {
-    /// Solid angle of the rectangle, steradian, in (0, 2 pi].
-    pub fn solid_angle(&self) -> f32 {
-        self.solid_angle as f32
+impl<R: Real> SphericalRectangle<R> {
+    /// Solid angle of the rectangle, steradian, in [0, 2 pi].
+    #[inline(always)]
+    pub fn solid_angle(&self) -> R {
+        self.solid_angle
     }
 
     /// Solid angle density of every sampled direction.
-    pub fn pdf_solid_angle(&self) -> f32 {
-        (1.0 / self.solid_angle) as f32
+    #[inline(always)]
+    pub fn pdf_solid_angle(&self) -> R {
+        R::ONE / self.solid_angle
+    }
+
+    /// A mask of where it can be sampled: not in the rectangle's plane, nor beside it and low above that, nor where the solid angle is tiny. Sample by
+    /// area there.
+    #[inline(always)]
+    pub fn is_large(&self) -> R::Mask {
+        let height = self.above.abs();
+        // How far the origin is beside it.
+        let gap = |[a, b]: [R; 2]| a.abs().min(b.abs()).only((a * b).is_more(R::ZERO));
+        let is_low = height.is_less(gap(self.x).max(gap(self.y)) * R::splat(LOWEST));
+        R::is_above(self.solid_angle, SMALLEST_SOLID_ANGLE) & R::is_above(height, 0.0) & !is_low
     }
 
     /// Samples a point on the rectangle whose direction from the origin is uniform in solid angle.
-    pub fn sample(&self, u: Vec2) -> Vec3 {
-        let (u, v) = (f64::from(u.x), f64::from(u.y));
+    #[inline(always)]
+    pub fn sample(&self, [u, v]: [R; 2]) -> R::Vec3 {
+        let ([x0, x1], [y0, y1], height) = (self.x, self.y, self.above.abs());
+        // The planes through the origin and three of the edges. Their unit normals have, beside z, only an x or only a y component, so that
+        // neighbours' dot products are products of z components. The interior angle between neighbours is acos(-n n') = pi / 2 + asin(n n').
+        let [n0, n2, n3] = [-y0, y1, -x0].map(|offset| Turn::towards(height, offset));
+        let last = Turn::of_sines(n2, n3).then(Turn::of_sines(n3, n0));
+        // The angle at which the solid angle left of x is zero, pi less those two.
+        let start = Turn {
+            cos: -last.cos,
+            sin: last.sin,
+        };
         // The x at which the part of the rectangle on its left covers the fraction u of the solid angle: with the paper's f = m / sin and
         // c = +-1 / sqrt(f^2 + b0^2), x = -c z0 / sqrt(1 - c^2), both fractions of roots in one.
-        let (sin, cos) = (u * self.solid_angle).sin_cos();
-        let turn = Turn { cos, sin }.then(self.start);
-        let m = turn.cos * self.b0 - self.b1;
-        let root = (m * m - self.a0 * turn.sin * turn.sin).max(0.0).sqrt();
-        let x = (-self.z0 * turn.sin.copysign(turn.sin * m) / root).clamp(self.x0, self.x1);
-        let x = if x.is_nan() {
-            self.x0 + u * (self.x1 - self.x0)
-        } else {
-            x
-        };
+        let (sin, cos) = sin_cos(u * self.solid_angle);
+        let turn = Turn { cos, sin }.then(start);
+        let m = turn.cos.mul_add(n0.sin, -n2.sin);
+        let root = m.mul_add(m, -(n0.cos * turn.sin).squared()).max(R::ZERO).sqrt();
+        let x = height * turn.sin.copy_sign(turn.sin * m) / root;
+        let x = R::select(x.equals(x), x.max(x0).min(x1), x0 + u * (x1 - x0));
         // On the segment of this x, equal steps of the sine of the elevation are equal solid angles.
-        let distance = length(x, self.z0);
-        let (h0, h1) = (self.y0 / length(self.y0, distance), self.y1 / length(self.y1, distance));
-        let h = h0 + v * (h1 - h0);
-        let y = (h * distance / (1.0 - h * h).max(f64::MIN_POSITIVE).sqrt()).clamp(self.y0, self.y1);
-        (self.origin + x * self.x + y * self.y + self.z0 * self.z).as_vec3()
+        let distance = length(x, height);
+        let (h0, h1) = (y0 / length(y0, distance), y1 / length(y1, distance));
+        let h = v.mul_add(h1 - h0, h0);
+        let rest = (-h).mul_add(h, R::ONE).max(R::splat(f32::MIN_POSITIVE));
+        let y = (h * distance / rest.sqrt()).max(y0).min(y1);
+        self.origin + R::Vec3::of(x, y, self.above).along(self.axes)
     }
 }
 
-/// The length of (a, b). Coordinates that were `f32` cannot overflow here, which is all that `hypot` would prevent, at ten times the cost.
-fn length(a: f64, b: f64) -> f64 {
-    (a * a + b * b).sqrt()
+#[inline(always)]
+fn length<R: Real>(a: R, b: R) -> R {
+    a.mul_add(a, b * b).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
+
+    fn numbers(seed: usize) -> [f32; 2] {
+        [0.754_877_7, 0.569_840_3].map(|factor| (seed as f32 * factor + 0.1).fract())
+    }
+
+    /// From near and far, beside and before, on both sides, touching it and seen from its edge.
+    #[test]
+    fn samples_in_lanes_are_those_of_one() {
+        let corner = Vec3::new(0.3, -0.4, 1.0);
+        let (mut checked, mut worst_angle, mut worst_place) = (0, 0.0f32, 0.0f32);
+        for edges in [
+            [Vec3::X * 0.46, Vec3::Z * -0.38],
+            [Vec3::new(3.0, 4.0, 0.0), Vec3::new(-0.8, 0.6, 0.0) * 0.5],
+            [Vec3::new(0.0, 300.0, 0.0), Vec3::new(0.02, 0.0, 0.01)],
+        ] {
+            let rectangle = Rectangle::new(corner, edges[0], edges[1]).expect("perpendicular");
+            let normal = edges[0].cross(edges[1]).normalize();
+            let middle = corner + 0.5 * (edges[0] + edges[1]);
+            for start in (0..8192usize).step_by(LANES) {
+                let mut origins = Vec3Lanes::ZERO;
+                let mut u = [Lanes::ZERO; 2];
+                for lane in 0..LANES {
+                    let (a, b) = (numbers(start + lane), numbers(5 * (start + lane) + 1));
+                    let distance = 0.02 * 500f32.powf(b[1]);
+                    let place = match lane % 4 {
+                        0 => corner + a[0] * edges[0] + a[1] * edges[1] + normal * (1e-6 * distance),
+                        1 => corner + 2.0 * a[0] * edges[0] - a[1] * edges[1] + normal * (0.1 * distance),
+                        _ => middle + Vec3::new(a[0] - 0.5, a[1] - 0.5, b[0] - 0.5).normalize() * distance,
+                    };
+                    origins.set(lane, place);
+                    let point = numbers(3 * (start + lane) + 7);
+                    (0..2).for_each(|axis| u[axis].as_mut_array()[lane] = point[axis]);
+                }
+                let lanes = rectangle.seen_from::<Lanes>(origins);
+                let (places, is_large) = (lanes.sample(u), lanes.is_large().to_bitmask());
+                for lane in 0..LANES {
+                    let one = rectangle.seen_from::<f32>(origins.get(lane));
+                    let found = lanes.solid_angle().as_array()[lane];
+                    // Seen edge-on it is as uncertain as the height over its plane, by the rounding of coordinates.
+                    let offset = origins.get(lane) - middle;
+                    let allowed = 2e-5
+                        + 8e-7 * ((origins.get(lane) - corner).length() + corner.length()) / offset.dot(normal).abs();
+                    if !one.is_large() || is_large >> lane & 1 == 0 {
+                        // On the border rounding decides.
+                        let least = found.min(one.solid_angle());
+                        let is_edge_on =
+                            offset.dot(normal).abs() < 1.01 * LOWEST * offset.length().max(edges[0].length());
+                        assert!(is_edge_on || least <= (1.0 + allowed) * SMALLEST_SOLID_ANGLE, "{least}");
+                        continue;
+                    }
+                    worst_angle = worst_angle.max((found / one.solid_angle() - 1.0).abs() / allowed);
+                    let expected = one.sample(u.map(|numbers| numbers.as_array()[lane]));
+                    let place = places.get(lane) - expected;
+                    // By the edges, or by the angle where the rectangle is so near that it reaches as far as the horizon.
+                    let [along, across] = edges.map(|edge| place.dot(edge).abs() / edge.length_squared());
+                    let angle = place.length() / expected.distance(origins.get(lane));
+                    worst_place = worst_place.max(along.max(across).min(angle));
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked > 15_000, "{checked}");
+        assert!(worst_angle < 1.0, "{worst_angle}");
+        assert!(worst_place < 1e-2, "{worst_place}");
+    }
 }

@@ -48,6 +48,14 @@ pub fn uniform_sphere<R: Real>([u, v]: [R; 2]) -> R::Vec3 {
     R::Vec3::of(radius * cos, radius * sin, z)
 }
 
+/// The direction that has gone this part of a turn around the axis, at the height `z`.
+#[inline(always)]
+pub(crate) fn at_height<R: Real>([turn, z]: [R; 2]) -> R::Vec3 {
+    let (sin, cos) = sin_cos(R::splat(TAU) * turn);
+    let radius = ((R::ONE - z) * (R::ONE + z)).max(R::ZERO).sqrt();
+    R::Vec3::of(radius * cos, radius * sin, z)
+}
+
 /// Solid angle density of [`uniform_sphere`].
 pub const UNIFORM_SPHERE_PDF: f32 = 0.5 * UNIFORM_HEMISPHERE_PDF;
 
@@ -72,8 +80,9 @@ pub fn uniform_cone<R: Real>(u: [R; 2], one_minus_cos: R) -> R::Vec3 {
 }
 
 /// Solid angle density of [`uniform_cone`] inside the cone.
-pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
-    1.0 / (TAU * one_minus_cos)
+#[inline(always)]
+pub fn uniform_cone_pdf<R: Real>(one_minus_cos: R) -> R {
+    R::ONE / (R::splat(TAU) * one_minus_cos)
 }
 
 /// Uniform points in the unit ball, from three numbers; the density is 3 / (4 pi).

@@ -62,8 +62,8 @@ pub use transport_mode::TransportMode;
 use glam::{Vec2, Vec3};
 
 use crate::color::Rgb;
-use crate::math::lanes::{Lanes, lanes_of};
-use crate::math::{LanesOf, Real, Vector, real_struct};
+use crate::math::lanes::Lanes;
+use crate::math::{Held, Real, Vector, real_struct};
 
 /// The least squared length of a half vector that has a direction.
 const LEAST_HALF_VECTOR: f32 = 1e-30;
@@ -106,45 +106,6 @@ pub(crate) trait Model<R: Real> {
     #[inline(always)]
     fn diffuse_lobe(&self, _: &ShadingTables, _: R::Vec3) -> DiffuseLobe<R> {
         DiffuseLobe::NONE
-    }
-}
-
-/// The parameters of one kind of model in the lanes that have it.
-#[derive(Clone, Debug)]
-struct Held<M> {
-    /// A bit per lane.
-    lanes: u32,
-    /// Other lanes have the parameters of one that has the model.
-    model: Option<M>,
-}
-
-impl<M> Default for Held<M> {
-    fn default() -> Self {
-        Self { lanes: 0, model: None }
-    }
-}
-
-impl<M> Held<M> {
-    #[inline(always)]
-    fn set<One: Copy>(&mut self, lane: usize, one: One)
-    where
-        M: LanesOf<One>,
-    {
-        match &mut self.model {
-            Some(model) if self.lanes != 0 => model.set_lane(lane, one),
-            // What earlier surfaces had would be evaluated in vain.
-            model => *model = Some(M::splat(one)),
-        }
-        self.lanes |= 1 << lane;
-    }
-
-    /// The lanes that have the model, and their parameters; None if there are none.
-    #[inline(always)]
-    fn held(&self) -> Option<(Lanes, &M)> {
-        match self.lanes {
-            0 => None,
-            lanes => Some((lanes_of(lanes), self.model.as_ref()?)),
-        }
     }
 }
 

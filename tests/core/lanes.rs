@@ -364,17 +364,17 @@ fn pictures_are_those_of_paths_one_by_one() {
 /// A ball of fog and a ball of glass around a medium of this albedo, under a lamp, in thin haze or in empty space. Where the glass scatters light, the lamp is
 /// the only light; else there is a sky.
 fn with_media(haze: bool, albedo: f32) -> RenderScene {
-    let fog = |sigma_t: [f32; 3], albedo: f32, g: f32| MediumSource {
+    let fog = |sigma_t: [f32; 3], albedo: f32, phase: Phase| MediumSource {
         sigma_t: Volume::Constant(Vec3::from(sigma_t)),
         scale: 1.0,
         albedo: Volume::Constant(Vec3::splat(albedo)),
         emission: Volume::ZERO,
-        phase: Phase::HenyeyGreenstein { g },
+        phase,
     };
     let mut scene = SceneBuilder::with_media(vec![
-        fog([0.05, 0.1, 0.15], 0.9, 0.3),
-        fog([1.0, 2.0, 3.0], 0.8, 0.6),
-        fog([3.0, 1.0, 2.0], albedo, 0.0),
+        fog([0.05, 0.1, 0.15], 0.9, Phase::Rayleigh),
+        fog([1.0, 2.0, 3.0], 0.8, Phase::HenyeyGreenstein { g: 0.6 }),
+        fog([3.0, 1.0, 2.0], albedo, Phase::Isotropic),
     ]);
     let exterior = haze.then_some(MediumId(0));
     let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);

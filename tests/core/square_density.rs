@@ -2,6 +2,7 @@
 
 use crate::statistics::{assert_all_plausible, chi_squared_p, integrate};
 use glam::{UVec2, Vec2};
+use sunroom::math::lanes::{LANES, Lanes};
 use sunroom::sampling::{ONE_MINUS_EPSILON, PiecewiseBilinear2d, Sampler, SequenceKind, hash::pcg3d, unit_float};
 
 struct Map {
@@ -124,15 +125,24 @@ fn points_follow_the_values() {
                 f64::from(count) * (0..inner_x * inner_y).map(part).sum::<f64>()
             })
             .collect();
-        let mut counted = vec![0.0; across * down];
-        for index in 0..count {
-            let sample = distribution.sample(point(index, case as u32));
-            let Vec2 { x, y } = sample.position;
+        let mut counted = [vec![0.0; across * down], vec![0.0; across * down]];
+        let mut count_in = |form: usize, [x, y]: [f32; 2]| {
             assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y), "{}", map.name);
             let bin = |x: f32, bins: usize| ((x * bins as f32) as usize).min(bins - 1);
-            counted[bin(y, down) * across + bin(x, across)] += 1.0;
+            counted[form][bin(y, down) * across + bin(x, across)] += 1.0;
+        };
+        for start in (0..count).step_by(LANES) {
+            let points: [Vec2; LANES] = std::array::from_fn(|lane| point(start + lane as u32, case as u32));
+            points
+                .iter()
+                .for_each(|u| count_in(0, distribution.sample(u.to_array()).position));
+            let numbers = [points.map(|u| u.x), points.map(|u| u.y)].map(Lanes::new);
+            let together = distribution.sample(numbers).position;
+            (0..LANES).for_each(|lane| count_in(1, together.map(|numbers| numbers.as_array()[lane])));
         }
-        results.push((map.name.to_owned(), chi_squared_p(&counted, &expected)));
+        for (form, counted) in ["one", "sixteen"].into_iter().zip(&counted) {
+            results.push((format!("{}, {form}", map.name), chi_squared_p(counted, &expected)));
+        }
     }
     assert_all_plausible(&results);
 }
@@ -159,7 +169,7 @@ fn density_is_that_of_the_values_and_of_the_samples() {
         for index in 0..4000 {
             let uniform = point(index, 50 + case as u32);
             let expected = density(f64::from(uniform.x), f64::from(uniform.y));
-            let found = f64::from(distribution.pdf(uniform));
+            let found = f64::from(distribution.pdf(uniform.to_array()));
             let tolerance = 1e-5 * expected + rounding(uniform.x, uniform.y);
             assert!(
                 (found - expected).abs() <= tolerance,
@@ -167,9 +177,9 @@ fn density_is_that_of_the_values_and_of_the_samples() {
                 map.name
             );
 
-            let sample = distribution.sample(point(index, 80 + case as u32));
+            let sample = distribution.sample(point(index, 80 + case as u32).to_array());
             assert!(sample.pdf > 0.0 && sample.pdf.is_finite(), "{}: {sample:?}", map.name);
-            let Vec2 { x, y } = sample.position;
+            let [x, y] = sample.position;
             let found = f64::from(distribution.pdf(sample.position));
             let tolerance = 1e-5 * found + rounding(x, y);
             assert!(
@@ -178,17 +188,60 @@ fn density_is_that_of_the_values_and_of_the_samples() {
                 map.name
             );
         }
-        for u in [Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON), Vec2::X, Vec2::Y] {
+        for u in [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]] {
             assert!(
-                distribution.sample(u.min(Vec2::splat(ONE_MINUS_EPSILON))).pdf > 0.0,
+                distribution.sample(u.map(|u: f32| u.min(ONE_MINUS_EPSILON))).pdf > 0.0,
                 "{}",
                 map.name
             );
         }
-        for outside in [Vec2::new(-0.1, 0.5), Vec2::new(0.5, 1.1), Vec2::NAN] {
+        for outside in [[-0.1, 0.5], [0.5, 1.1], [f32::NAN; 2]] {
             assert_eq!(distribution.pdf(outside), 0.0);
         }
     }
+}
+
+#[test]
+fn sixteen_points_are_the_points_of_one() {
+    for (case, map) in maps().iter().enumerate() {
+        let distribution = PiecewiseBilinear2d::new(map.columns, map.rows, &map.values).expect(map.name);
+        let highest = highest_density(map);
+        for index in (0..8000).step_by(LANES) {
+            let edges = [0.0, ONE_MINUS_EPSILON, 0.5];
+            let points: [Vec2; LANES] = std::array::from_fn(|lane| match index {
+                0 => Vec2::new(edges[lane % 3], edges[lane / 3 % 3]),
+                _ => point((index + lane) as u32, 20 + case as u32),
+            });
+            let together = distribution.sample([Lanes::new(points.map(|u| u.x)), Lanes::new(points.map(|u| u.y))]);
+            let pdf = distribution.pdf(together.position);
+            for (lane, &u) in points.iter().enumerate() {
+                let one = distribution.sample(u.to_array());
+                // Where cells have little of the whole, the rounding of sums moves points within them and across their borders.
+                let [x, y] = together.position.map(|numbers| numbers.as_array()[lane]);
+                let moved = (x - one.position[0]).abs().max((y - one.position[1]).abs());
+                let share = f64::from(one.pdf / highest);
+                let name = map.name;
+                assert!(f64::from(moved) * share < 1e-6, "{name}: {:?} {x} {y}", one.position);
+                // Beside a node that is much higher its rounding counts.
+                let (density, most) = (distribution.pdf([x, y]), 1e-6 * highest);
+                let error = (density - pdf.as_array()[lane]).abs();
+                assert!(error <= 1e-5 * density + most, "{name}: {density}");
+            }
+        }
+    }
+}
+
+/// The highest density.
+fn highest_density(map: &Map) -> f32 {
+    let density = density(map);
+    let (columns, rows) = (map.columns - 1, map.rows - 1);
+    let at = |node: usize| {
+        density(
+            (node % map.columns) as f64 / columns as f64,
+            (node / map.columns) as f64 / rows as f64,
+        )
+    };
+    (0..map.values.len()).map(at).fold(0.0, f64::max) as f32
 }
 
 #[test]
@@ -197,9 +250,8 @@ fn well_spread_numbers_give_well_spread_points() {
     let map = map("noise", 17, 11, random);
     let distribution = PiecewiseBilinear2d::new(map.columns, map.rows, &map.values).expect("values");
     let at = |x: u32, y: u32| {
-        distribution
-            .sample(Vec2::new(x as f32 / 64.0, y as f32 / 64.0))
-            .position
+        let [x, y] = distribution.sample([x as f32 / 64.0, y as f32 / 64.0]).position;
+        Vec2::new(x, y)
     };
     for y in 0..63 {
         for x in 0..63 {

@@ -65,7 +65,7 @@ impl LightTable {
             Chosen::Infinite(index) => {
                 let (id, light) = &self.infinite[index as usize];
                 let sphere = &reach.everything;
-                let sample = light.sample(&NOWHERE, u_dir)?;
+                let sample = light.sample::<f32>(&(&NOWHERE).into(), u_dir.to_array()).if_lit()?;
                 let pdf = EmissionPdf {
                     start: pmf * sample.pdf,
                     next: 1.0 / sphere.cross_section(),
@@ -174,7 +174,7 @@ impl LightTable {
         let (id, sample, start, pdf) = match chosen {
             Chosen::Infinite(index) => {
                 let (id, light) = &self.infinite[index as usize];
-                let sample = light.sample(reference, u)?;
+                let sample = light.sample::<f32>(&reference.into(), u.to_array()).if_lit()?;
                 let is_delta = sample.is_delta;
                 let pdf = self.emission_pdf_from(*id, reach, sample.wi);
                 (*id, sample, Start::Infinity { is_delta }, pdf)
@@ -185,12 +185,13 @@ impl LightTable {
                 let start = self.emission.pmf(&reach.everything, chosen);
                 let (sample, place, pdf) = match &finite.light {
                     FiniteLight::Surface(light) => {
-                        let (sample, hit) = light.sample_hit(part, reference.position, u, &self.textures)?;
+                        let (sample, hit) = light.sample_hit(part, reference, u, &self.textures)?;
                         let pdf = surface_pdf(light, part, start, &hit, -sample.wi, reach);
                         (sample, Start::Surface(hit), pdf)
                     }
                     point => {
-                        let sample = point.sample(part, reference, u, &self.textures)?;
+                        let sample = point.sample::<f32>(part, &reference.into(), u.to_array(), &self.textures);
+                        let sample = sample.if_lit()?;
                         let next = match point {
                             FiniteLight::Spot(light) => light.beam_pdf(),
                             FiniteLight::Projector(light) => light.beam_pdf(-sample.wi),

@@ -7,8 +7,13 @@
 mod build;
 mod node;
 
+use arrayvec::ArrayVec;
+
 use self::node::{Content, Node};
 use super::LightReference;
+use super::reference::Reference;
+use crate::math::Real;
+use crate::math::lanes::Lanes;
 
 #[derive(Clone, Debug)]
 pub(super) struct LightTree {
@@ -48,18 +53,38 @@ impl LightTree {
 
     /// The emitter for `u` in [0, 1), with its probability. None if the bounds turn out to hold nothing that sends light to `reference`.
     pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(u32, f32)> {
+        let from = Reference::from(reference);
+        self.descend(u, |pair| share_of_first(&self.pairs[pair as usize], &from))
+    }
+
+    /// The probabilities by which [`Self::sample_lane`] chooses; None for a large tree, in which lanes go different ways.
+    pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
+        let is_small = self.only.is_none() && self.pairs.len() <= MOST_SHARED;
+        is_small.then(|| self.pairs.iter().map(|pair| share_of_first(pair, from)).collect())
+    }
+
+    /// [`Self::sample`] from the reference of a lane.
+    pub fn sample_lane(&self, lane: usize, shares: &Shares, u: f64) -> Option<(u32, f32)> {
+        self.descend(u, |pair| shares[pair as usize].as_array()[lane])
+    }
+
+    /// `share` gives what [`share_of_first`] gives for a pair.
+    #[inline(always)]
+    fn descend(&self, mut u: f64, share: impl Fn(u32) -> f32) -> Option<(u32, f32)> {
         if let Some(only) = self.only {
             return Some((only, 1.0));
         }
-        let (mut pair, mut u, mut pmf) = (0, u, 1.0);
+        let (mut pair, mut pmf) = (0, 1.0);
         loop {
-            let nodes = &self.pairs[pair as usize];
-            let first = share_of_first(nodes, reference)?;
+            let first = f64::from(share(pair));
+            if first < 0.0 {
+                return None;
+            }
             let side = usize::from(u >= first);
             let (start, share) = if side == 0 { (0.0, first) } else { (first, 1.0 - first) };
             u = ((u - start) / share).min(BELOW_ONE);
             pmf *= share;
-            match nodes[side].content() {
+            match self.pairs[pair as usize][side].content() {
                 Content::Emitter(emitter) => return Some((emitter, pmf as f32)),
                 Content::Pair(child) => pair = child,
             }
@@ -74,12 +99,14 @@ impl LightTree {
         if self.only.is_some() {
             return 1.0;
         }
+        let from = Reference::from(reference);
         let mut pmf = 1.0;
         loop {
             let pair = place.pair();
-            let Some(first) = share_of_first(&self.pairs[pair as usize], reference) else {
+            let first = f64::from(share_of_first::<f32>(&self.pairs[pair as usize], &from));
+            if first < 0.0 {
                 return 0.0;
-            };
+            }
             pmf *= if place.side() == 0 { first } else { 1.0 - first };
             if pair == 0 || pmf == 0.0 {
                 return pmf as f32;
@@ -93,17 +120,23 @@ impl LightTree {
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// The least probability of a node that sends light at all: estimates do not know of occluders.
-const LEAST_SHARE: f64 = 1e-3;
+const LEAST_SHARE: f32 = 1e-3;
 
-/// Probability of going to the first of two; None if neither sends light to `reference`.
-fn share_of_first(nodes: &[Node; 2], reference: &LightReference) -> Option<f64> {
-    let [first, second] = [0, 1].map(|side: usize| nodes[side].importance(reference));
-    match (first > 0.0, second > 0.0) {
-        (true, true) => Some((first / (first + second)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)),
-        (true, false) => Some(1.0),
-        (false, true) => Some(0.0),
-        (false, false) => None,
-    }
+/// The most pairs whose probabilities are computed for all lanes at once, whichever of them each lane comes to.
+const MOST_SHARED: usize = 7;
+
+/// What [`share_of_first`] gives for each pair.
+pub(super) type Shares = ArrayVec<Lanes, MOST_SHARED>;
+
+/// The probability of going to the first of two, -1 if neither sends light to the reference.
+#[inline(always)]
+fn share_of_first<R: Real>(nodes: &[Node; 2], from: &Reference<R>) -> R {
+    let (first, second) = (nodes[0].seen_from(from), nodes[1].seen_from(from));
+    let (of_first, of_second) = (first.is_lit(), second.is_lit());
+    let share = R::ONE / (R::ONE + second.over(&first));
+    let share = share.max(R::splat(LEAST_SHARE)).min(R::splat(1.0 - LEAST_SHARE));
+    let of_one = R::select(of_first, R::ONE, R::select(of_second, R::ZERO, -R::ONE));
+    R::select(of_first & of_second, share, of_one)
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
 
-use crate::light::LightReference;
 use crate::light::bounds::{LightBounds, NormalCone};
+use crate::light::reference::Reference;
+use crate::math::{Real, Vector};
 
 /// The content of a node's child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,76 +81,96 @@ impl Node {
         }
     }
 
-    /// Irradiance (luminance, W/m^2) that arrives if all of it shone from the nearest of its directions at the distance of its centre,
-    /// about. Zero only if it sends nothing to `reference`. In double precision, for the quotients of what is far and what is dim.
-    #[inline]
-    pub fn importance(&self, reference: &LightReference) -> f64 {
-        let to_center = self.center - reference.position;
+    /// How the light is seen from the reference: the nearest of its directions at the distance of its centre.
+    #[inline(always)]
+    pub fn seen_from<R: Real>(&self, from: &Reference<R>) -> Seen<R> {
+        let to_center = R::Vec3::same(self.center) - from.position;
+        let radius_squared = R::splat(self.radius_squared);
         let distance_squared = to_center.length_squared();
-        if distance_squared <= self.radius_squared {
-            // Within the ball, light may come from anywhere. A point does not light itself.
-            let is_ball = self.radius_squared > 0.0;
-            return if is_ball {
-                self.irradiance(distance_squared.max(NEAREST_SQUARED * self.radius_squared))
-            } else {
-                0.0
-            };
-        }
         let direction = to_center / distance_squared.sqrt();
-        let seen = Angle::from_sine_squared(self.radius_squared / distance_squared + SINE_SQUARED_ROUNDING);
-        let mut cosines = 1.0;
-        if let Some(normal) = reference.normal {
-            cosines = Angle::from_cosine(normal.dot(direction)).less(seen).cos;
-        }
+        let size = Angle::from_sine_squared(radius_squared / distance_squared + R::splat(SINE_SQUARED_ROUNDING));
+        let facing = Angle::from_cosine(from.normal.dot(direction)).less(size).cos;
+        let mut cosines = R::select(from.halved, facing.max(R::ZERO), R::ONE);
         if self.cosines.x > 0 {
             let cone = self.cone();
-            let leaving = Angle::from_cosine(-cone.axis.dot(direction));
-            let cos = leaving.less(Angle::from_cosine(cone.cos_angle)).less(seen).cos;
-            if cos <= f32::from(self.cosines.y) * (1.0 / f32::from(u16::MAX)) {
-                return 0.0;
-            }
-            cosines = cosines.max(0.0) * cos;
+            let leaving = Angle::from_cosine(-direction.dot(R::Vec3::same(cone.axis)));
+            let cone_angle = Angle::from_cosine(R::splat(cone.cos_angle));
+            let cos = leaving.less(cone_angle).less(size).cos;
+            let cos_emission = f32::from(self.cosines.y) * (1.0 / f32::from(u16::MAX));
+            cosines = (cosines * cos).only(R::is_above(cos, cos_emission));
         }
-        self.irradiance(distance_squared) * f64::from(cosines.max(0.0))
+        // Within the ball, light may come from anywhere. A point does not light itself.
+        let is_within = distance_squared.is_at_most(radius_squared);
+        let of_ball = R::splat(if self.radius_squared > 0.0 { 1.0 } else { 0.0 });
+        let nearest = distance_squared.max(R::splat(NEAREST_SQUARED) * radius_squared);
+        Seen {
+            cosines: R::select(is_within, of_ball, cosines),
+            distance_squared: R::select(is_within, nearest, distance_squared).min(R::splat(f32::MAX)),
+            intensity: self.intensity,
+        }
+    }
+}
+
+/// How a node is seen from a point, or from one per lane.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<R: Real> {
+    /// The product of the cosines on both sides; zero only where it sends nothing there.
+    cosines: R,
+    distance_squared: R,
+    intensity: f32,
+}
+
+impl<R: Real> Seen<R> {
+    /// Whether it sends anything there.
+    #[inline(always)]
+    pub fn is_lit(&self) -> R::Mask {
+        R::is_above(self.cosines, 0.0)
     }
 
-    fn irradiance(&self, distance_squared: f32) -> f64 {
-        f64::from(self.intensity) / f64::from(distance_squared.min(f32::MAX))
+    /// The irradiance over that of another node, if all of either shone from where it is seen, about. Where both are [`Self::is_lit`].
+    #[inline(always)]
+    pub fn over(&self, other: &Self) -> R {
+        // No product of two such quotients is beyond all numbers.
+        let within = |quotient: R| quotient.max(R::splat(1e-18)).min(R::splat(1e18));
+        within(R::splat(self.intensity) / R::splat(other.intensity))
+            * within(other.distance_squared / self.distance_squared)
+            * (self.cosines / other.cosines)
     }
 }
 
 /// An angle in [0, pi] by its cosine and sine.
 #[derive(Clone, Copy)]
-struct Angle {
-    cos: f32,
-    sin: f32,
+struct Angle<R: Real> {
+    cos: R,
+    sin: R,
 }
 
-impl Angle {
-    fn from_cosine(cos: f32) -> Self {
-        Self {
-            cos,
-            sin: (1.0 - cos * cos).max(0.0).sqrt(),
-        }
+impl<R: Real> Angle<R> {
+    #[inline(always)]
+    fn from_cosine(cos: R) -> Self {
+        let sin = (R::ONE - cos * cos).max(R::ZERO).sqrt();
+        Self { cos, sin }
     }
 
     /// An angle below a right angle, from the square of its sine.
-    fn from_sine_squared(sine_squared: f32) -> Self {
-        let sine_squared = sine_squared.min(1.0);
+    #[inline(always)]
+    fn from_sine_squared(sine_squared: R) -> Self {
+        let sine_squared = sine_squared.min(R::ONE);
         Self {
-            cos: (1.0 - sine_squared).sqrt(),
+            cos: (R::ONE - sine_squared).sqrt(),
             sin: sine_squared.sqrt(),
         }
     }
 
     /// The difference, but not below zero.
+    #[inline(always)]
     fn less(self, other: Self) -> Self {
-        if self.cos >= other.cos {
-            return Self { cos: 1.0, sin: 0.0 };
-        }
+        let is_less = !self.cos.is_less(other.cos);
+        let cos = self.cos * other.cos + self.sin * other.sin;
+        let sin = self.sin * other.cos - self.cos * other.sin;
         Self {
-            cos: self.cos * other.cos + self.sin * other.sin,
-            sin: self.sin * other.cos - self.cos * other.sin,
+            cos: R::select(is_less, R::ONE, cos),
+            sin: R::select(is_less, R::ZERO, sin),
         }
     }
 }
@@ -176,6 +197,7 @@ fn fold(p: Vec2) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::LightReference;
     use crate::math::Aabb;
     use crate::sampling::hash::pcg4d;
     use crate::sampling::{unit_float, warp};
@@ -220,19 +242,20 @@ mod tests {
                 normal: Some(Vec3::Y),
             };
             let square: f32 = 4.0 + x * x;
-            let expected = f64::from(5.0 / square * (4.0 / square));
+            let seen = node.seen_from::<f32>(&(&reference).into());
             // Two angles, each less by what rounding may hide.
-            assert!((node.importance(&reference) / expected - 1.0).abs() < 0.01, "{x}");
+            assert!((seen.cosines * square / 4.0 - 1.0).abs() < 0.01, "{x}");
+            assert_eq!((seen.distance_squared, seen.intensity), (square, 5.0));
         }
         let behind = LightReference {
             position: Vec3::new(0.3, 2.5, 0.0),
             normal: None,
         };
-        assert_eq!(node.importance(&behind), 0.0);
+        assert!(!node.seen_from::<f32>(&(&behind).into()).is_lit());
         let turned_away = LightReference {
             position: Vec3::ZERO,
             normal: Some(Vec3::NEG_Y),
         };
-        assert_eq!(node.importance(&turned_away), 0.0);
+        assert!(!node.seen_from::<f32>(&(&turned_away).into()).is_lit());
     }
 }

@@ -213,6 +213,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
             0 => Travelled::NOTHING,
             _ => self.travel(in_media, context),
         };
+        self.vertices
+            .find_meshes(context.scene, &self.hits, self.active & !in_media);
         for lane in each_lane(self.active) {
             match self.hits[lane] {
                 hit if in_media >> lane & 1 == 1 => self.go_on(lane, hit, travelled, context, samples),

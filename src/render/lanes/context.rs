@@ -4,8 +4,7 @@ use glam::UVec2;
 
 use crate::accel::{Hit, RayLanes, Tlas};
 use crate::color::Rgb;
-use crate::light::LightId;
-use crate::light::lanes::SoleLight;
+use crate::light::{LightId, SoleLight};
 use crate::math::lanes::LANES;
 use crate::medium::MediumId;
 use crate::render::guide::Field;
@@ -62,7 +61,7 @@ pub(super) struct Context<'a> {
     pub scene: &'a RenderScene,
     pub view: &'a View,
     pub settings: &'a PathSettings,
-    pub sole_light: Option<(LightId, SoleLight)>,
+    pub sole_light: Option<(LightId, SoleLight<'a>)>,
     /// The guide of paths.
     pub field: Option<&'a Field>,
 }

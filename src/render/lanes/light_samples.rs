@@ -1,13 +1,9 @@
 //! Samples directions from vertices to lights.
 
-use glam::Vec2;
-
 use super::context::Context;
-use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
-use crate::light::{LightId, LightReference, SkyLanes, Target};
-use crate::math::PerLane;
-use crate::math::Vector;
+use crate::light::{Alike, LightId, LightSample, ReferenceLanes, Target};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
+use crate::math::{PerLane, Vector};
 use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;
 
@@ -56,84 +52,84 @@ impl LightLanes {
         raised: Option<Lanes>,
     ) -> Self {
         let u = sampler.at_2d(BounceDraw::LightPoint.at(depth));
-        let (light, alone) = match &context.sole_light {
-            Some((id, SoleLight::Rectangle(rectangle))) => {
-                let sample = rectangle.sample(seen_from.position, u);
-                return Self {
-                    light: [*id; LANES],
-                    wi: sample.wi,
-                    target: sample.target,
-                    infinite: 0,
-                    radiance: Vec3Lanes::splat(rectangle.radiance),
-                    pdf: sample.pdf,
-                    is_delta: 0,
-                    is_valid: sample.is_valid,
-                };
-            }
-            Some((id, SoleLight::Constant(radiance))) => {
-                let (wi, pdf) = sample_constant(seen_from.normal, u);
-                let light = Self {
-                    light: [*id; LANES],
-                    wi,
-                    target: Vec3Lanes::ZERO,
-                    infinite: asked,
-                    radiance: Vec3Lanes::splat(*radiance),
-                    pdf,
-                    is_delta: 0,
-                    is_valid: pdf.simd_gt(Lanes::ZERO),
-                };
-                let everywhere = asked & !seen_from.halved;
-                if everywhere == 0 {
-                    return light;
-                }
-                (light, everywhere)
-            }
-            None => (Self::NONE, asked),
-        };
+        if let Some((id, light)) = context.sole_light {
+            return Self::of(id, light.sample(&seen_from, u));
+        }
         let mut u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
         if let Some(raised) = raised {
             u_choice *= raised;
         }
-        light.with_others(context, alone, seen_from, [u_choice, u[0], u[1]])
+        Self::chosen(context, asked, seen_from, [u_choice, u[0], u[1]])
     }
 
-    /// Replaces the samples of the lanes `asked`: the sky for all that have chosen it, other lights one by one. It is not inlined, because what is set lane
-    /// by lane is in memory.
+    /// Samples of one light.
+    #[inline(always)]
+    fn of(id: LightId, sample: LightSample<Lanes>) -> Self {
+        let (target, infinite) = match sample.target {
+            Target::Point(target) => (target, false),
+            Target::Infinity => (Vec3Lanes::ZERO, true),
+        };
+        Self {
+            light: [id; LANES],
+            wi: sample.wi,
+            target,
+            infinite: infinite.splat(),
+            radiance: sample.radiance,
+            pdf: sample.pdf,
+            is_delta: sample.is_delta.splat(),
+            is_valid: sample.pdf.simd_gt(Lanes::ZERO),
+        }
+    }
+
+    /// Replaces the samples of the lanes `here`.
+    fn set(&mut self, here: Lanes, other: &Self) {
+        let lanes = here.to_bitmask();
+        each_lane(lanes).for_each(|lane| self.light[lane] = other.light[lane]);
+        self.wi = Vec3Lanes::select(here, other.wi, self.wi);
+        self.target = Vec3Lanes::select(here, other.target, self.target);
+        self.infinite = self.infinite & !lanes | other.infinite & lanes;
+        self.radiance = Vec3Lanes::select(here, other.radiance, self.radiance);
+        self.pdf = here.select(other.pdf, self.pdf);
+        self.is_delta = self.is_delta & !lanes | other.is_delta & lanes;
+        self.is_valid = here.select(other.is_valid, self.is_valid);
+    }
+
+    /// Replaces the sample of a lane.
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, id: LightId, sample: &LightSample) {
+        let bit = 1 << lane;
+        self.light[lane] = id;
+        self.wi.set(lane, sample.wi);
+        self.radiance.set(lane, sample.radiance);
+        self.pdf.as_mut_array()[lane] = sample.pdf;
+        self.is_delta |= if sample.is_delta { bit } else { 0 };
+        match sample.target {
+            Target::Point(target) => self.target.set(lane, target),
+            Target::Infinity => self.infinite |= bit,
+        }
+        self.is_valid |= lanes_of(bit);
+    }
+
+    /// Samples the lights that the lanes `asked` choose. It is not inlined, because what is set lane by lane is in memory.
     #[inline(never)]
-    fn with_others(mut self, context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
-        self.infinite &= !asked;
-        let mut valid = self.is_valid.to_bitmask() & !asked;
-        let mut skies = SkyLanes::default();
-        for lane in each_lane(asked) {
-            let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
-            let place = Vec2::new(x, y);
-            let reference = LightReference::gather_lane(&seen_from, lane);
-            let lights = &context.scene.lights;
-            let Some((id, sample)) = lights.sample_or_note(lane, &reference, u_choice, place, &mut skies) else {
-                continue;
-            };
-            let bit = 1 << lane;
-            valid |= bit;
-            self.light[lane] = id;
-            self.wi.set(lane, sample.wi);
-            self.radiance.set(lane, sample.radiance);
-            self.pdf.as_mut_array()[lane] = sample.pdf;
-            self.is_delta |= if sample.is_delta { bit } else { 0 };
-            match sample.target {
-                Target::Point(target) => self.target.set(lane, target),
-                Target::Infinity => self.infinite |= bit,
+    fn chosen(context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
+        let lights = &context.scene.lights;
+        let mut choices = lights.choose_lanes(asked, &seen_from, u);
+        let u = [u[1], u[2]];
+        let mut chosen = Self::NONE;
+        while let Some(alike) = choices.take_alike() {
+            match alike {
+                Alike::Lanes(lanes) => {
+                    let (id, sample) = lights.sample_lanes(lanes, &choices, &seen_from, u);
+                    chosen.set(lanes_of(lanes), &Self::of(id, sample));
+                }
+                Alike::Lane(lane) => {
+                    if let Some((id, sample)) = lights.sample_lane(lane, &choices, &seen_from, u) {
+                        chosen.set_lane(lane, id, &sample);
+                    }
+                }
             }
         }
-        if let Some((id, sample, is_there)) = skies.sample([u[1], u[2]]) {
-            self.wi = Vec3Lanes::select(is_there, sample.wi, self.wi);
-            self.radiance = Vec3Lanes::select(is_there, sample.radiance, self.radiance);
-            self.pdf = is_there.select(sample.pdf, self.pdf);
-            let lanes = is_there.to_bitmask();
-            each_lane(lanes).for_each(|lane| self.light[lane] = id);
-            self.infinite |= lanes;
-            valid |= lanes;
-        }
-        self.is_valid = lanes_of(valid);
-        self
+        chosen
     }
 }

@@ -8,11 +8,9 @@ use super::context::{Context, Samples};
 use super::travelled::Travelled;
 use crate::accel::{Detail, Hit};
 use crate::light::LightReference;
-use crate::light::lanes::SoleLight;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
-use crate::math::{PerLane, Ray, Real, Vector, offset_origin};
-use crate::medium::MediumId;
-use crate::medium::uniform_lanes::{PlainMediumLanes, WayLanes};
+use crate::math::{Held, PerLane, Ray, Real, Vector, offset_origin};
+use crate::medium::{MediumId, PlainMedium, Uniform, Way};
 use crate::render::dimensions::MediumDraw;
 use crate::render::medium_path::is_enclosed;
 use crate::render::observer::PathObserver;
@@ -65,50 +63,51 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
     #[inline(never)]
     pub(super) fn travel(&mut self, in_media: u32, context: &Context<'a>) -> Travelled {
         let (scene, settings) = (context.scene, context.settings);
-        let mut media = PlainMediumLanes::NONE;
+        let mut media = Held::<PlainMedium<Lanes>>::default();
         let mut length = Lanes::splat(f32::INFINITY);
         for lane in each_lane(in_media) {
             // The way of a camera ray that passes hidden emitters begins before its origin.
             let is_hiding = settings.hide_emitters && self.paths.depth.as_array()[lane] == 0;
             let medium = self.medium(lane).and_then(|id| scene.media.get(id).plain());
             if let Some(medium) = medium.filter(|_| !is_hiding) {
-                media.set(lane, medium);
+                media.set(lane, *medium);
                 if let Some(hit) = &self.hits[lane] {
                     length.as_mut_array()[lane] = hit.t;
                 }
             }
         }
-        if media.lanes == 0 {
+        let Some((here, medium)) = media.held() else {
             return Travelled::NOTHING;
-        }
-        let way = WayLanes {
+        };
+        let way = Way::<Lanes> {
             origin: self.paths.ray.origin,
             dir: self.paths.ray.dir,
             length,
         };
         let depth = self.paths.depth + WordLanes::splat(1);
         let u = self.paths.sampler.at_2d(MediumDraw::Distance.at(depth));
-        let (lamp, has_lamp) = self.lamps_near(&media, &way, depth, context);
-        let travel = media.travel(&way, lamp, has_lamp, self.paths.throughput, u);
-        let here = lanes_of(media.lanes);
+        let (lamp, has_lamp) = self.lamps_near(here, &medium.uniform, &way, depth, context);
+        let travel = (medium.uniform).travel(&way, lamp, has_lamp, self.paths.throughput, u, |_| medium.albedo);
         let paths = &mut self.paths;
         paths.throughput = Vec3Lanes::select(here, travel.throughput, paths.throughput);
         paths.arrival.pdf = here.select(paths.arrival.pdf * travel.passed, paths.arrival.pdf);
         let scattered = travel.is_scattered.to_bitmask() & media.lanes;
-        let position = way.origin.plus_scaled(travel.distance, way.dir);
-        self.vertices.set_media(scattered, position, way.dir, media.g);
+        self.vertices
+            .set_media(scattered, way.at(travel.distance), way.dir, medium.phase);
         Travelled {
             lanes: media.lanes,
             scattered,
         }
     }
 
-    /// Places on lights as of [`crate::render::medium_path::Leg`], with a mask of the lanes that have one.
+    /// Places on lights as of [`crate::render::medium_path::Leg`], with a mask of the lanes that have one. The lanes
+    /// `here` are in media.
     #[inline(always)]
     fn lamps_near(
         &self,
-        media: &PlainMediumLanes,
-        way: &WayLanes,
+        here: Lanes,
+        medium: &Uniform<Lanes>,
+        way: &Way<Lanes>,
         depth: WordLanes,
         context: &Context,
     ) -> (Vec3Lanes, Lanes) {
@@ -118,19 +117,19 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
             return nothing;
         };
         let is_last = Lanes::is_at_least(depth - self.paths.uncounted, settings.longest_path());
-        let near = media.may_be_near(way, Vec3Lanes::splat(bounds.center()), bounds.radius())
-            & lanes_of(media.lanes)
+        let near = medium.may_be_near(way, Vec3Lanes::splat(bounds.center()), bounds.radius())
+            & here
             & !is_last
             & !is_enclosed(self.paths.eta_squared);
         if !near.any() {
             return nothing;
         }
         let u = self.paths.sampler.at_2d(MediumDraw::LampPoint.at(depth));
-        if let Some((_, SoleLight::Rectangle(light))) = &context.sole_light {
-            return (light.place(u), near);
+        if let Some(places) = context.sole_light.and_then(|(_, light)| light.place(u)) {
+            return (places, near);
         }
         let u_choice = self.paths.sampler.at_1d(MediumDraw::Lamp.at(depth));
-        let middle = way.origin.plus_scaled(media.midway(way.length), way.dir);
+        let middle = way.at(medium.midway(way.length));
         let (mut places, mut found) = (Vec3Lanes::ZERO, 0);
         for lane in each_lane(near.to_bitmask()) {
             let [u_choice, x, y] = [u_choice, u[0], u[1]].map(|numbers| numbers.as_array()[lane]);

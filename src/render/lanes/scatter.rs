@@ -7,11 +7,10 @@ use super::light_samples::LightLanes;
 use super::vertices::Vertices;
 use crate::accel::RayLanes;
 use crate::color::Rgb;
-use crate::light::lanes::ReferenceLanes;
-use crate::math::PerLane;
-use crate::math::Vector;
-use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
-use crate::medium::uniform_lanes::PlainMediumLanes;
+use crate::light::ReferenceLanes;
+use crate::math::lanes::{Lanes, Vec3Lanes, each_lane, lanes_of, ones_in};
+use crate::math::{Frame, Held, PerLane, Vector, offset_origin};
+use crate::medium::PlainMedium;
 use crate::render::dimensions::{BounceDraw, MediumDraw};
 use crate::render::medium_path::{ENCLOSED_SHARE, is_enclosed};
 use crate::render::roulette;
@@ -32,7 +31,7 @@ struct Surfaces {
     /// The errors as in [`crate::accel::SurfacePoint`].
     error: Lanes,
     geometric_normal: Vec3Lanes,
-    frame: FrameLanes,
+    frame: Frame<Lanes>,
     /// The directions that the paths have come from, in `frame`.
     wo: Vec3Lanes,
     /// The lanes that scatter by a density.
@@ -66,7 +65,7 @@ impl Surfaces {
     /// The origins of rays that leave the surfaces in the directions `dir`.
     #[inline(always)]
     fn leave(&self, dir: Vec3Lanes) -> Vec3Lanes {
-        offset_origins(self.reference.position, self.error, self.geometric_normal, dir)
+        offset_origin(self.reference.position, self.error, self.geometric_normal, dir)
     }
 }
 
@@ -231,20 +230,23 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
     #[inline(never)]
     fn dimmed(&self, context: &Context, asked: u32, shadows: RayLanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight { light, carried, .. } = sought;
-        let (mut media, mut others) = (PlainMediumLanes::NONE, 0);
+        let (mut media, mut others) = (Held::<PlainMedium<Lanes>>::default(), 0);
         for lane in each_lane(asked) {
             let medium = self.medium_towards(lane, light.wi.get(lane));
             match medium.and_then(|id| context.scene.media.get(id).plain()) {
-                Some(medium) => media.set(lane, medium),
+                Some(medium) => media.set(lane, *medium),
                 None => others |= 1 << lane,
             }
         }
-        let length = shadows.t_max * shadows.dir.length_squared().sqrt();
-        let (passing, passed) = media.transmit(length, carried);
         let strategy = context.settings.strategy;
-        let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, sought.bsdf_pdf * passed);
-        let of_path = carried * light.radiance * (weight / light.pdf) * passing;
-        let mut reflected = Vec3Lanes::select(lanes_of(media.lanes), of_path, sought.reflected);
+        let mut reflected = sought.reflected;
+        if let Some((here, medium)) = media.held() {
+            let length = shadows.t_max * shadows.dir.length_squared().sqrt();
+            let (passing, passed) = medium.uniform.transmit(length, carried);
+            let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, sought.bsdf_pdf * passed);
+            let of_path = carried * light.radiance * (weight / light.pdf) * passing;
+            reflected = Vec3Lanes::select(here, of_path, reflected);
+        }
         for lane in each_lane(others) {
             let ray = shadows.get(lane);
             let mut media = self.media_of_shadow(lane, &sought);

@@ -2,14 +2,12 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::accel::{Detail, Hit, SurfacePoint};
+use crate::accel::{Detail, Hit, SurfaceLanes, SurfacePoint};
 use crate::color::Rgb;
 use crate::material::{Lobe, Single};
-use crate::math::Ray;
-use crate::math::Vector;
-use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
-use crate::medium::lanes::PhaseLanes;
-use crate::medium::{MediumId, MediumInterface};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::{Frame, Ray, Vector};
+use crate::medium::{MediumId, MediumInterface, PlainPhase};
 use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::lanes::BsdfLanes;
 use crate::shading::{BsdfSample, DiffuseLobe, ShadingTables, TransportMode};
@@ -28,10 +26,14 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     /// The lanes whose first two axes are given, a bit each. Those of the others follow from the shading normal.
     framed: u32,
     axes: [Vec3Lanes; 2],
+    /// The surfaces of meshes, before their models are known.
+    meshes: Option<SurfaceLanes>,
     /// The models.
     pub bsdf: BsdfLanes,
-    /// The lanes that are in a medium and not on a surface. Their shading normal is the direction in which the path has come.
-    pub phase: PhaseLanes,
+    /// The lanes that are in a medium and not on a surface, a bit each. Their shading normal is the direction in which
+    /// the path has come.
+    in_medium: u32,
+    phase: PlainPhase<Lanes>,
     /// The lanes on surfaces with media on their sides, which are in the list below.
     pub borders: u32,
     sides: [MediumInterface; LANES],
@@ -77,8 +79,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             side: Lanes::ONE,
             framed: 0,
             axes: [Vec3Lanes::ZERO; 2],
+            meshes: None,
             bsdf: BsdfLanes::new(),
-            phase: PhaseLanes::NONE,
+            in_medium: 0,
+            phase: PlainPhase::ISOTROPIC,
             borders: 0,
             sides: [MediumInterface::default(); LANES],
             other: 0,
@@ -91,9 +95,9 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
 
     pub fn clear(&mut self) {
         (self.lanes, self.framed) = (0, 0);
+        self.meshes = None;
         self.bsdf.clear();
-        self.phase.lanes = 0;
-        self.borders = 0;
+        (self.in_medium, self.borders) = (0, 0);
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
         self.other_diffuse = 0;
     }
@@ -101,7 +105,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// The lanes that are in media, a bit each.
     #[inline(always)]
     pub fn in_media(&self) -> u32 {
-        if MEDIA { self.phase.lanes } else { 0 }
+        if MEDIA { self.in_medium } else { 0 }
     }
 
     /// The lanes with [`crate::material::Scattering::has_smooth_lobe`], a bit each.
@@ -116,10 +120,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
 
     /// The frames in which the models are, with the shading normals on the side that is seen.
     #[inline(always)]
-    pub fn frames(&self) -> FrameLanes {
-        let upright = FrameLanes::from_normal(self.shading_normal);
+    pub fn frames(&self) -> Frame<Lanes> {
+        let upright = Frame::<Lanes>::around(self.shading_normal);
         let (own, [s, t]) = (lanes_of(self.framed), self.axes);
-        FrameLanes {
+        Frame {
             s: Vec3Lanes::select(own, s, upright.s),
             t: Vec3Lanes::select(own, t, upright.t),
             n: self.shading_normal * self.side,
@@ -174,10 +178,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// Replaces the values and densities of the lanes in media.
     #[inline(never)]
     fn with_densities(&self, value: Vec3Lanes, pdf: Lanes, cosine: Lanes) -> (Vec3Lanes, Lanes) {
-        let here = lanes_of(self.phase.lanes);
+        let here = lanes_of(self.in_medium);
         let density = self.phase.pdf(cosine);
         (
-            Vec3Lanes::select(here, Vec3Lanes::of(density, density, density), value),
+            Vec3Lanes::select(here, Vec3Lanes::even(density), value),
             here.select(density, pdf),
         )
     }
@@ -195,6 +199,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// Replaces the samples of the lanes in media.
     #[inline(never)]
     fn with_phases(&self, mut sample: BsdfSample<Lanes>, u: [Lanes; 2]) -> BsdfSample<Lanes> {
+        let here = lanes_of(self.in_medium);
         let (wi, pdf) = self.phase.sample(u);
         let of_phase = BsdfSample {
             wi,
@@ -202,18 +207,18 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             pdf,
             is_delta: Lanes::ZERO,
             eta: Lanes::ONE,
-            is_returned: lanes_of(self.phase.lanes),
+            is_returned: here,
         };
-        sample.choose(lanes_of(self.phase.lanes), of_phase);
+        sample.choose(here, of_phase);
         sample
     }
 
-    /// Sets places in media in `lanes`, which are the only ones so far, and to which the paths have come in the directions `dir`. `g` are the mean
-    /// cosines of the phase functions.
+    /// Sets places in media in `lanes`, which are the only ones so far, and to which the paths have come in the
+    /// directions `dir`.
     #[inline(always)]
-    pub fn set_media(&mut self, lanes: u32, position: Vec3Lanes, dir: Vec3Lanes, g: Lanes) {
-        self.lanes = lanes;
-        self.phase = PhaseLanes { lanes, g };
+    pub fn set_media(&mut self, lanes: u32, position: Vec3Lanes, dir: Vec3Lanes, phase: PlainPhase<Lanes>) {
+        (self.lanes, self.in_medium) = (lanes, lanes);
+        self.phase = phase;
         self.position = position;
         self.error = Lanes::ZERO;
         self.geometric_normal = dir;
@@ -224,7 +229,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     /// Takes a lane out of those in media.
     pub fn leave_medium(&mut self, lane: usize) {
         self.lanes &= !(1 << lane);
-        self.phase.lanes &= !(1 << lane);
+        self.in_medium &= !(1 << lane);
     }
 
     /// Sets the media on the sides of the surface of a lane.
@@ -284,6 +289,19 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         sample
     }
 
+    /// Finds the surfaces of meshes at those of the hits `asked` at once. They are needed by [`Self::set_plain`] and [`Self::set_other`].
+    #[inline(always)]
+    pub fn find_meshes(&mut self, scene: &RenderScene, hits: &[Option<Hit>; LANES], asked: u32) {
+        self.meshes = scene.geometry.mesh_surfaces(hits, asked);
+    }
+
+    /// The surface of a lane, if it has been found with those of the others.
+    #[inline(always)]
+    fn found(&self, lane: usize) -> Option<SurfacePoint> {
+        let meshes = self.meshes.as_ref()?;
+        (meshes.lanes >> lane & 1 == 1).then(|| meshes.get(lane))
+    }
+
     /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it depends on more than the side that is seen, or if its light
     /// needs to know more.
     #[inline(always)]
@@ -299,7 +317,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         if is_textured || !scene.materials.is_for_lanes(slot.material) {
             return None;
         }
-        let point = scene.geometry.surface_in(ray, hit, Detail::Plain);
+        let found = self.found(lane);
+        let point = found.unwrap_or_else(|| scene.geometry.surface_in(ray, hit, Detail::Plain));
         let made_of = scene
             .materials
             .plain(slot.material, -point.shading_normal.dot(ray.dir))?;
@@ -323,7 +342,11 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         hit: &Hit,
         slot: &SurfaceSlot,
     ) -> Option<Met> {
-        let point = scene.surface(ray, hit, slot);
+        let point = match (self.found(lane), scene.detail(slot)) {
+            (Some(point), Detail::Plain) => point,
+            (Some(point), Detail::Parametrised) => scene.geometry.parametrised(hit, point),
+            (None, detail) => scene.geometry.surface_in(ray, hit, detail),
+        };
         let single = scene.single(slot.material, hit, &point, -ray.dir, TransportMode::Radiance)?;
         let (is_smooth, albedo) = (single.has_smooth_lobe(), single.albedo());
         match single.model() {
