@@ -146,7 +146,7 @@ impl VertexNormals {
         are_there: false,
     };
 
-    /// Those of a triangle. None if the shape is shaded by its geometric normals.
+    /// The normals at the corners of a triangle. There are none if the shape is shaded by its geometric normals.
     #[inline(always)]
     fn at(shape: &Instance, triangle: u32) -> Option<Self> {
         let mesh: &MeshData = shape.with_vertex_normals()?.mesh();

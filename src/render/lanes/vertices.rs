@@ -289,7 +289,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         sample
     }
 
-    /// Finds the surfaces of meshes at those of the hits `asked` at once. They are needed by [`Self::set_plain`] and [`Self::set_other`].
+    /// Finds the surfaces of meshes at the hits `asked`, a bit each, at once. [`Self::set_plain`] and [`Self::set_other`] use what it has found.
     #[inline(always)]
     pub fn find_meshes(&mut self, scene: &RenderScene, hits: &[Option<Hit>; LANES], asked: u32) {
         self.meshes = scene.geometry.mesh_surfaces(hits, asked);
