@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy::prelude::App;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sunroom::app::threads::MOST_WORKERS;
 use sunroom::document::Severity;
 use sunroom::document::paths::settle;
@@ -143,7 +143,9 @@ pub struct EditArgs {
     /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
     #[arg(long, value_name = "N", group = "unattended")]
     pub measure_latency: Option<u32>,
-    /// With --measure-latency or --monkey: do not draw the window, so that what a software graphics driver takes is not in the figures
+    #[command(flatten)]
+    pub settling: SettlingArgs,
+    /// With --measure-latency, --measure-settling or --monkey: do not draw the window, so that what a software graphics driver takes is not in the figures
     #[arg(long, requires = "unattended", conflicts_with = "screenshot")]
     pub undrawn: bool,
     #[command(flatten)]
@@ -151,4 +153,26 @@ pub struct EditArgs {
     /// With --exit: fail if it is not done after this time
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
     pub timeout: Duration,
+}
+
+/// What is measured of how soon the picture settles.
+#[derive(Args)]
+pub struct SettlingArgs {
+    /// Edit in several ways and print how near the picture in the window soon comes to the one of N samples per pixel
+    #[arg(long, value_name = "N", group = "unattended", conflicts_with_all = ["measure_latency", "monkey"],
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub measure_settling: Option<u32>,
+    /// With --measure-settling: write the pictures that are compared into this folder
+    #[arg(long, value_name = "FOLDER", requires = "measure_settling")]
+    pub pictures: Option<PathBuf>,
+    /// With --measure-settling: print a table, or one JSON object
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text",
+          requires = "measure_settling")]
+    pub stats: Option<SettlingFormat>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SettlingFormat {
+    Text,
+    Json,
 }

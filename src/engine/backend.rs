@@ -7,6 +7,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use super::priority;
 use super::schedule::WorkItem;
+use crate::render::gbuffer::{TileGBuffer, render_gbuffer};
 use crate::render::replicas::{ReplicaSums, render_replicas};
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
@@ -27,6 +28,10 @@ pub(super) enum Backend {
 /// The message of a worker; `index` is the tile's index in the job's list.
 #[derive(Debug)]
 pub(super) enum TileResult {
+    GBuffer {
+        index: usize,
+        tile: TileGBuffer,
+    },
     Preview(TilePreview),
     Replicas(ReplicaSums),
     Samples {
@@ -74,6 +79,10 @@ impl Backend {
         let shutter = shutter.map(|shutter| shutter.with_method_of(&view));
         match self {
             Self::Cpu(_) => Box::new(move |item, cancel| match item {
+                WorkItem::GBuffer { index } => {
+                    let tile = render_gbuffer(&scene, &view, tiles[*index], cancel)?;
+                    Some(TileResult::GBuffer { index: *index, tile })
+                }
                 WorkItem::Preview { index, step } => {
                     render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
                 }

@@ -45,7 +45,10 @@ pub(super) fn collect_results(
         // The workers may have nothing more to send, and with it no reason to wake anybody.
         wake();
     }
-    if let Some(since) = job.since.take() {
+    // The G-buffer shows nothing yet.
+    if film.is_lit
+        && let Some(since) = job.since.take()
+    {
         let milliseconds = |duration: Duration| duration.as_secs_f32() * 1e3;
         status.latency.record(milliseconds(since.elapsed()));
         if let Some(at) = first_result {

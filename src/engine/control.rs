@@ -3,6 +3,7 @@
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use bevy::prelude::*;
@@ -57,6 +58,8 @@ pub struct RenderControl {
     pub path_is_auto: bool,
     /// Whether the film keeps the light of each group of lights in a layer, for mixing.
     pub light_layers: bool,
+    /// Whether pictures begin with their G-buffer, see [`RenderFilm::gbuffer`](super::RenderFilm::gbuffer).
+    pub gbuffer: bool,
     /// The number of worker threads that trace rays; `app::threads` decides it.
     pub threads: NonZeroUsize,
     /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background while the last
@@ -88,6 +91,7 @@ impl Default for RenderControl {
             strategy_split: false,
             path_is_auto: false,
             light_layers: false,
+            gbuffer: false,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
             interactive: false,
             restart_requested: false,
@@ -138,6 +142,48 @@ pub struct SightControl {
 /// engine uses the time when it notices the change.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct InputStamp(pub Option<Instant>);
+
+/// Keeps the workers from their next piece of work while something that is quick needs the cores.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Gate(Arc<AtomicUsize>);
+
+impl Gate {
+    /// Closes the gate until the guard is dropped or [opened](ClosedGate::open).
+    pub fn close(&self) -> ClosedGate {
+        self.0.fetch_add(1, Ordering::AcqRel);
+        ClosedGate {
+            gate: self.clone(),
+            is_open: AtomicBool::new(false),
+        }
+    }
+
+    /// Whether somebody keeps it closed.
+    pub(super) fn is_closed(&self) -> bool {
+        self.0.load(Ordering::Acquire) > 0
+    }
+}
+
+/// A gate that is closed.
+#[derive(Debug)]
+pub struct ClosedGate {
+    gate: Gate,
+    is_open: AtomicBool,
+}
+
+impl ClosedGate {
+    /// Lets the workers go on. Further calls do nothing.
+    pub fn open(&self) {
+        if !self.is_open.swap(true, Ordering::AcqRel) {
+            self.gate.0.fetch_sub(1, Ordering::AcqRel);
+        }
+    }
+}
+
+impl Drop for ClosedGate {
+    fn drop(&mut self) {
+        self.open();
+    }
+}
 
 /// A function that worker threads call when there is something to collect, so that an event loop that sleeps can run a frame: at once at the end of
 /// a preview and of a job, and rate limited in between.

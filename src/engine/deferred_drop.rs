@@ -6,7 +6,7 @@ use crossbeam_channel::{Sender, unbounded};
 
 /// A channel to the thread that drops what is sent.
 #[derive(Resource, Clone)]
-pub(super) struct DeferredDrop {
+pub(crate) struct DeferredDrop {
     sender: Sender<Box<dyn Send>>,
 }
 

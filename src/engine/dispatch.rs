@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::blas_cache::BlasCache;
-use super::control::{RenderControl, WakeUp};
+use super::control::{Gate, RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::extract::Extracted;
@@ -23,6 +23,7 @@ pub(super) struct Demand<'w> {
     cache: Res<'w, BlasCache>,
     scene_status: Res<'w, SceneStatus>,
     wake_up: Res<'w, WakeUp>,
+    gate: Res<'w, Gate>,
     deferred: Res<'w, DeferredDrop>,
     resumed: ResMut<'w, Resumed>,
 }
@@ -103,6 +104,9 @@ pub(super) fn dispatch_job(
             control.motion_scale < 1.0,
             since,
         );
+        if control.gbuffer {
+            new = new.with_gbuffer();
+        }
         if let Some(first) = control.share {
             new = new.into_share(first);
         }
@@ -118,7 +122,8 @@ pub(super) fn dispatch_job(
     }
     if let Some(job) = job {
         let shown = film.bypass_change_detection();
-        job.run(backend, &stop, shown, EventLoopWaker::new(&demand.wake_up));
+        let waker = EventLoopWaker::new(&demand.wake_up);
+        job.run(backend, &stop, shown, waker, &demand.gate);
         if !control.interactive && job.failure.is_none() {
             // The last picture stays in the film until the first tile of the new one has arrived.
             job.begin_in(film.bypass_change_detection());

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use crate::memory::{self, Reservation, Shortage};
 use crate::render::film::Film;
+use crate::render::gbuffer::TileGBuffer;
 use crate::render::tile::{Tile, TilePreview, tiles};
 use crate::render::view::View;
 
@@ -30,6 +31,12 @@ pub struct RenderFilm {
     pub light_groups: Arc<[LightGroup]>,
     /// Whether the resolution is lower than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
     pub is_coarse: bool,
+    /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked for](RenderControl::gbuffer).
+    pub gbuffer: Vec<TileGBuffer>,
+    /// Whether there is light of this picture: a preview or samples.
+    pub is_lit: bool,
+    /// The view of the picture; None if there is no picture.
+    pub view: Option<View>,
     dirty: HashSet<Tile>,
     /// The time at which the job was begun whose picture this is.
     begun: Option<Instant>,
@@ -90,18 +97,28 @@ impl RenderFilm {
         }
         let mut film = std::mem::take(&mut self.film);
         let old = film.begin(view.width, view.height, view.film_layers());
-        self.begin_with(begun, light_groups, is_coarse, film);
+        self.begin_with(begun, view, light_groups, is_coarse, film);
         old
     }
 
     /// Shows this film, the picture of the job that was begun at this time.
-    pub(super) fn begin_with(&mut self, begun: Instant, light_groups: &Arc<[LightGroup]>, is_coarse: bool, film: Film) {
+    pub(super) fn begin_with(
+        &mut self,
+        begun: Instant,
+        view: &View,
+        light_groups: &Arc<[LightGroup]>,
+        is_coarse: bool,
+        film: Film,
+    ) {
         self.film = film;
+        self.view = Some(view.clone());
         self.light_groups = light_groups.clone();
         self.is_coarse = is_coarse;
         self.begun = Some(begun);
         self.job += 1;
         self.samples = 0;
+        self.is_lit = false;
+        self.gbuffer.clear();
         self.dirty.clear();
     }
 
@@ -121,6 +138,11 @@ impl RenderFilm {
     /// Whether it has the picture of the job that was begun at this time.
     pub(super) fn is_of(&self, begun: Instant) -> bool {
         self.begun == Some(begun)
+    }
+
+    /// Notes that all tiles have changed.
+    pub fn mark_all(&mut self) {
+        self.dirty.extend(tiles(self.film.width(), self.film.height()));
     }
 
     /// Notes that a tile has changed.

@@ -13,6 +13,7 @@ use crossbeam_channel::TryRecvError;
 
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
+use super::control::Gate;
 use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::film::RenderFilm;
@@ -108,6 +109,8 @@ pub(super) struct Job {
     beginning: Beginning,
     /// Whether it goes on with an older picture, of which only previews around the region are missing.
     is_resumed: bool,
+    /// The tiles whose G-buffer is asked for and has not been collected.
+    gbuffer_left: BTreeSet<usize>,
     /// The number of tiles whose preview has not been collected.
     preview_left: usize,
     run: Option<Run>,
@@ -155,12 +158,21 @@ impl Job {
             stops: BTreeSet::new(),
             early: BTreeMap::new(),
             is_resumed: false,
+            gbuffer_left: BTreeSet::new(),
             preview_left: order.len(),
             beginning,
             tiles: order.into(),
             run: None,
             running_since: None,
             ran: Duration::ZERO,
+        }
+    }
+
+    /// Has it begin with the G-buffer.
+    pub fn with_gbuffer(self) -> Self {
+        Self {
+            gbuffer_left: (0..self.tiles.len()).collect(),
+            ..self
         }
     }
 
@@ -279,7 +291,14 @@ impl Job {
     }
 
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
-    pub fn run(&mut self, backend: &Backend, stop: &StopCondition, film: &mut RenderFilm, waker: EventLoopWaker) {
+    pub fn run(
+        &mut self,
+        backend: &Backend,
+        stop: &StopCondition,
+        film: &mut RenderFilm,
+        waker: EventLoopWaker,
+        gate: &Gate,
+    ) {
         self.set_region(stop.region, film);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {
@@ -317,6 +336,8 @@ impl Job {
             true => WorkQueue::new(&[], 0, &previews, step),
             false => self.next_queue(stop, asked, film, &previews, step),
         };
+        // In the order of the tiles, the middle of the picture first.
+        queue.begin_with_gbuffer(self.gbuffer_left.iter().copied());
         self.running_since = Some(Instant::now());
         let work = backend.work(
             self.scene.clone(),
@@ -324,7 +345,8 @@ impl Job {
             self.shutter.clone(),
             self.tiles.clone(),
         );
-        self.run = Some(Run::start(backend, queue, self.preview_left, work, waker));
+        let first = self.gbuffer_left.len() + self.preview_left;
+        self.run = Some(Run::start(backend, queue, first, work, waker, gate.clone()));
     }
 
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
@@ -405,13 +427,21 @@ impl Job {
         collected
     }
 
-    /// Adds a result to the film. Returns the number of tiles that have changed.
+    /// Adds a result to the film. Returns the number of results.
     fn take(&mut self, result: TileResult, film: &mut RenderFilm, spent: &mut Spent) -> usize {
         match result {
+            TileResult::GBuffer { index, tile } => {
+                spent.previews.extend(self.begin_in(film));
+                self.rays += tile.rays;
+                self.gbuffer_left.remove(&index);
+                film.gbuffer.push(tile);
+                1
+            }
             TileResult::Preview(preview) => {
                 spent.previews.extend(self.begin_in(film));
                 self.rays += preview.rays;
                 self.preview_left -= 1;
+                film.is_lit = true;
                 film.mark(preview.tile);
                 film.film.add_preview(preview);
                 1
@@ -475,6 +505,7 @@ impl Job {
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {
         while let Some(samples) = self.early.remove(&(index, self.done[index])) {
             spent.previews.push(film.film.add(&samples));
+            film.is_lit = true;
             film.mark(samples.tile);
             self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;

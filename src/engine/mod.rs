@@ -50,7 +50,8 @@ pub use blocking::{
     Limits, Outcome, RenderError, choose_integrator, load_to_completion, render_to_completion, render_watched,
 };
 pub use choosing::set_choice;
-pub use control::{InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
+pub use control::{ClosedGate, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
+pub(crate) use deferred_drop::DeferredDrop;
 pub use film::RenderFilm;
 pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};
 pub use light_groups::LightGroup;
@@ -96,6 +97,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<InputStamp>()
             .init_resource::<OpenShutter>()
             .init_resource::<WakeUp>()
+            .init_resource::<Gate>()
             .init_resource::<detect::Dirty>()
             .init_resource::<deferred_drop::DeferredDrop>()
             .init_resource::<extract::Extracted>()

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
 
 use super::backend::{Backend, TileResult, Work};
+use super::control::Gate;
 use super::event_loop_waker::EventLoopWaker;
 use super::schedule::{WorkItem, WorkQueue};
 
@@ -23,6 +24,8 @@ const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
 /// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before it is dropped.
 const LONGEST_WAIT: Duration = Duration::from_millis(10);
+/// The time between two looks at a closed gate.
+const GATE_WAIT: Duration = Duration::from_millis(1);
 
 pub(super) struct Run {
     cancel: Arc<AtomicBool>,
@@ -38,24 +41,26 @@ struct Shared {
     first_result: Arc<OnceLock<Instant>>,
     work: Box<Work>,
     waker: EventLoopWaker,
+    gate: Gate,
     /// The number of results from which on they should be collected soon.
     many: usize,
-    /// The number of items of the preview that are not delivered yet.
-    preview_left: AtomicUsize,
+    /// The number of items of the G-buffer and the preview that are not delivered yet.
+    first_left: AtomicUsize,
     workers_left: AtomicUsize,
 }
 
 impl Run {
-    /// Sets all workers of `backend` to work. `preview_items`: how many of the queue's items are previews.
+    /// Sets all workers of `backend` to work. `first_items`: how many of the queue's items are previews or parts of the G-buffer.
     pub fn start(
         backend: &Backend,
         queue: WorkQueue,
-        preview_items: usize,
+        first_items: usize,
         work: Box<Work>,
         waker: EventLoopWaker,
+        gate: Gate,
     ) -> Self {
         let workers = backend.workers();
-        let capacity = CAPACITY.max(ROOM_PER_WORKER * workers) + preview_items;
+        let capacity = CAPACITY.max(ROOM_PER_WORKER * workers) + first_items;
         let capacity = capacity.min(LARGEST_CAPACITY);
         let (sender, results) = bounded(capacity);
         let shared = Arc::new(Shared {
@@ -64,8 +69,9 @@ impl Run {
             first_result: Arc::default(),
             work,
             waker,
+            gate,
             many: capacity / 2,
-            preview_left: AtomicUsize::new(preview_items),
+            first_left: AtomicUsize::new(first_items),
             workers_left: AtomicUsize::new(workers),
         });
         for _ in 0..workers {
@@ -110,6 +116,10 @@ impl Shared {
 
     fn work_on_queue(&self, results: &Sender<TileResult>) {
         while !self.cancel.load(Ordering::Relaxed) {
+            if self.gate.is_closed() {
+                std::thread::sleep(GATE_WAIT);
+                continue;
+            }
             let Some(item) = self.queue.claim() else {
                 break;
             };
@@ -121,7 +131,9 @@ impl Shared {
                 break;
             }
             match item {
-                WorkItem::Preview { .. } if self.preview_left.fetch_sub(1, Ordering::AcqRel) == 1 => {
+                WorkItem::GBuffer { .. } | WorkItem::Preview { .. }
+                    if self.first_left.fetch_sub(1, Ordering::AcqRel) == 1 =>
+                {
                     self.waker.wake_now();
                 }
                 // The window is woken before the channel is full and workers wait.
@@ -198,6 +210,7 @@ mod tests {
             0,
             work,
             EventLoopWaker::new(&WakeUp::default()),
+            Gate::default(),
         )
     }
 
@@ -206,7 +219,7 @@ mod tests {
             WorkItem::Samples {
                 index, samples: range, ..
             } => Some(samples(*index, range.clone())),
-            WorkItem::Preview { .. } | WorkItem::Replicas(_) => None,
+            _ => None,
         })
     }
 
@@ -226,6 +239,27 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_begun_while_the_gate_is_closed() {
+        let (backend, gate) = (threads(), Gate::default());
+        let (one, other) = (gate.close(), gate.close());
+        let items: Vec<_> = (0..10).map(|index| (index, 0)).collect();
+        let run = Run::start(
+            &backend,
+            WorkQueue::new(&items, 1, &[], 1),
+            0,
+            sample_work(),
+            EventLoopWaker::new(&WakeUp::default()),
+            gate,
+        );
+        one.open();
+        one.open();
+        drop(one);
+        assert!(run.results.recv_timeout(Duration::from_millis(50)).is_err());
+        drop(other);
+        assert_eq!(run.results.iter().count(), 10);
+    }
+
+    #[test]
     fn somebody_is_woken_before_the_room_for_results_ends() {
         let woken = Arc::new(AtomicUsize::new(0));
         let count = woken.clone();
@@ -240,6 +274,7 @@ mod tests {
             0,
             sample_work(),
             EventLoopWaker::new(&hook),
+            Gate::default(),
         );
         // All of them end without collecting, for there is room. The hook is called while the second half is filled, and at the end.
         let deadline = Instant::now() + Duration::from_secs(600);
@@ -281,6 +316,7 @@ mod tests {
             0,
             sample_work(),
             EventLoopWaker::new(&hook),
+            Gate::default(),
         );
         // The hook is called when half of the room is taken: nothing is collected before that.
         while !run.cancel.load(Ordering::Relaxed) {

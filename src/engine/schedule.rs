@@ -45,6 +45,10 @@ pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec
 /// One visit to a tile; `index` is its place in the job's list of tiles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum WorkItem {
+    /// The G-buffer of a tile.
+    GBuffer {
+        index: usize,
+    },
     Preview {
         index: usize,
         step: u32,
@@ -70,6 +74,8 @@ pub(super) struct WorkQueue {
 struct QueueState {
     /// The greatest number of samples that a tile has or is being given.
     begun: u32,
+    /// The tiles of the G-buffer that are not claimed yet, the next one last.
+    gbuffer: Vec<usize>,
     /// The tiles of the preview that are not claimed yet, the next one last.
     previews: Vec<usize>,
     /// The edge of its blocks in pixels.
@@ -91,6 +97,7 @@ impl WorkQueue {
             state: Mutex::new(QueueState {
                 begun: tiles.iter().map(|&(_, done)| done).max().unwrap_or(0),
                 step,
+                gbuffer: Vec::new(),
                 previews: previews.iter().rev().copied().collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
@@ -108,6 +115,11 @@ impl WorkQueue {
         queue
     }
 
+    /// Has the G-buffers of these tiles made before all samples, in turn with the previews.
+    pub fn begin_with_gbuffer(&self, tiles: impl DoubleEndedIterator<Item = usize>) {
+        self.state().gbuffer = tiles.rev().collect();
+    }
+
     /// Has the blocks of these tiles differ in their samples.
     pub fn set_rounds(&self, rounds: impl Iterator<Item = (usize, Box<TileRound>)>) {
         self.state().rounds = rounds.collect();
@@ -116,6 +128,11 @@ impl WorkQueue {
     /// The next piece of work; None when everything up to the target has been claimed.
     pub fn claim(&self) -> Option<WorkItem> {
         let mut state = self.state();
+        if state.gbuffer.len() >= state.previews.len()
+            && let Some(index) = state.gbuffer.pop()
+        {
+            return Some(WorkItem::GBuffer { index });
+        }
         if let Some(index) = state.previews.pop() {
             return Some(WorkItem::Preview {
                 index,
@@ -176,7 +193,7 @@ mod tests {
             .map(|item| match item {
                 WorkItem::Preview { index, .. } => (index, 0, 0),
                 WorkItem::Samples { index, samples, .. } => (index, samples.start, samples.end),
-                WorkItem::Replicas(_) => unreachable!("none was asked for"),
+                WorkItem::GBuffer { .. } | WorkItem::Replicas(_) => unreachable!("none was asked for"),
             })
             .collect()
     }
@@ -195,6 +212,20 @@ mod tests {
             (1, 2, 3),
         ];
         assert_eq!(all(&queue), expected);
+    }
+
+    #[test]
+    fn gbuffer_and_preview_of_a_tile_come_one_after_the_other() {
+        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 1, &[0, 1], 4);
+        queue.begin_with_gbuffer([0, 1].into_iter());
+        for index in [0, 1] {
+            assert_eq!(queue.claim(), Some(WorkItem::GBuffer { index }));
+            assert_eq!(queue.claim(), Some(WorkItem::Preview { index, step: 4 }));
+        }
+        let queue = WorkQueue::new(&[(0, 0)], 1, &[], 1);
+        queue.begin_with_gbuffer([0].into_iter());
+        assert_eq!(queue.claim(), Some(WorkItem::GBuffer { index: 0 }));
+        assert!(matches!(queue.claim(), Some(WorkItem::Samples { index: 0, .. })));
     }
 
     #[test]

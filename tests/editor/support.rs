@@ -116,6 +116,7 @@ impl ViewportContent {
                 bound: &NO_BINDINGS,
             },
             denoiser: DenoiserState::Off,
+            is_carried_over: false,
             preset: Default::default(),
             blocks: &[],
             textures: None,

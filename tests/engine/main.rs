@@ -8,6 +8,7 @@ mod support;
 mod adaptive;
 mod auto;
 mod flying;
+mod gbuffer;
 mod guide;
 mod large;
 mod light_mixing;

@@ -168,7 +168,7 @@ fn time_for_some_pixels(row: &Row) {
 }
 
 fn time_for_no_pixel(row: &Row) {
-    old_file_is_there(&timed(row, "", "0.1s"));
+    old_file_is_there(&timed(row, "", "0.01s"));
 }
 
 fn killed(row: &Row) {

@@ -123,7 +123,7 @@ impl Plugin for EditorPlugin {
                 options.is_attended() || options.monkey.is_some(),
             ))
             .insert_resource(picture::motion::Motion::new(
-                options.is_attended() || options.measure_latency.is_some() || options.monkey.is_some(),
+                options.is_attended() || options.is_measured() || options.monkey.is_some(),
             ))
             .init_resource::<picture::resolution::PicturePlace>()
             .init_resource::<window::dropping::DroppedFiles>()
@@ -147,6 +147,9 @@ impl Plugin for EditorPlugin {
             .init_resource::<picture::frame_times::FrameTimes>()
             .insert_resource(picture::pacing::Pacing::new(options.undrawn))
             .insert_resource(picture::denoiser::Denoiser::new())
+            .insert_resource(picture::carrying::Carrying::new(
+                options.is_attended() || options.is_measured() || options.monkey.is_some(),
+            ))
             .insert_resource(OpeningPace(Some(LONGEST_OPENING)))
             .insert_resource(SceneDefines(options.defines.clone()))
             .insert_resource(BegunWith::new(options))
@@ -249,6 +252,7 @@ impl Plugin for EditorPlugin {
                         commands::full_film::follow_awaited_image,
                         picture::resolution::follow_place,
                         picture::motion::follow_motion,
+                        picture::carrying::ask_for_gbuffer,
                         viewport::steer_cursor::steer_cursor,
                         picture::pacing::pace,
                     )
@@ -257,6 +261,7 @@ impl Plugin for EditorPlugin {
                     (
                         command::light_mix::note_film_lights,
                         picture::denoiser::follow_denoiser,
+                        picture::carrying::follow_carrying,
                         picture::texture::update_picture,
                         viewport::outlining::request_outline,
                         window::preview::update_previews,
@@ -304,8 +309,8 @@ impl Plugin for EditorPlugin {
                 )
                     .chain(),
             );
+        picture::frame_times::time_drawing(app);
         if let Some(moves) = options.measure_latency {
-            picture::frame_times::time_drawing(app);
             app.insert_resource(automation::latency::LatencyProbe::new(moves))
                 .add_systems(
                     First,
@@ -324,6 +329,9 @@ impl Plugin for EditorPlugin {
                         automation::latency::watch_probe.after(EditorSystems::Show),
                     ),
                 );
+        }
+        if let Some(settling) = &options.measure_settling {
+            automation::settling::add_to(app, settling, options.scene.as_deref());
         }
         match monkey {
             Ok(Some(monkey)) => automation::monkey::add_to(app, monkey),

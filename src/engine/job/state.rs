@@ -88,8 +88,8 @@ impl Job {
         }
         self.adaptation.read(&mut from)?;
         self.is_resumed = true;
-        film.begin_with(self.begun, &self.light_groups, self.is_coarse, saved);
-        film.samples = self.least_samples();
+        film.begin_with(self.begun, &self.view, &self.light_groups, self.is_coarse, saved);
+        (film.samples, film.is_lit) = (self.least_samples(), true);
         for (index, &tile) in self.tiles.iter().enumerate().filter(|(index, _)| self.done[*index] > 0) {
             self.noise_of_tiles.update(index, &film.film, tile);
             film.mark(tile);

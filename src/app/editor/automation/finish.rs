@@ -7,6 +7,7 @@ use super::exit_door::{ExitDoor, Step};
 use super::latency::LatencyProbe;
 use super::screenshot::{WindowWait, save_window};
 use super::script::Script;
+use super::settling::SettlingProbe;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
 use crate::app::editor::picture::motion::Motion;
@@ -30,10 +31,13 @@ pub(crate) fn drive_exit_door(
     mut control: ResMut<RenderControl>,
     mut window_wait: Local<WindowWait>,
     (pacing, previews, place, denoiser): (Res<Pacing>, Res<Previews>, Res<PicturePlace>, Res<Denoiser>),
+    settling: Option<Res<SettlingProbe>>,
 ) {
+    let settling = settling.as_ref().filter(|probe| !probe.done);
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         let awaited = match script.as_ref().filter(|script| !script.is_done()) {
             Some(script) => script.awaited(&status),
+            None if settling.is_some() => settling.map_or_else(String::new, |probe| probe.awaited()),
             None => {
                 let wanted = door.wanted_samples();
                 let lack = if status.samples < wanted {
@@ -62,7 +66,7 @@ pub(crate) fn drive_exit_door(
     }
     match door.step {
         Step::Waiting => {
-            if is_scripted || probe.is_some_and(|probe| !probe.done) {
+            if is_scripted || settling.is_some() || probe.is_some_and(|probe| !probe.done) {
                 return;
             }
             // A script may have waited for more.

@@ -1,13 +1,12 @@
 //! Measures how quickly the window responds: frame times, and the time from a command to the first changed pixels in the texture.
 
-mod acts;
-
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use tempfile::TempDir;
 
+use super::acts;
 use super::monkey::frames::Stopwatch;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::selection::Extend;
@@ -210,7 +209,7 @@ pub fn watch_probe(
     };
     let (since, ended_before) = (*since, *ended);
     let is_shown = match in_picture {
-        true => film.job != *job && picture.revision != *revision,
+        true => film.job != *job && film.is_lit && picture.revision != *revision,
         // The panels are of the frame after the one in which a command is applied.
         false => ended_before > 0 && !history.is_saving(),
     };

@@ -99,6 +99,8 @@ pub struct Preferences {
     pub dimensions: bool,
     /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
+    /// Whether a picture that begins anew shows what is still known from the picture before it.
+    pub carries_over: bool,
     /// The pixels of the film that are traced.
     #[serde(deserialize_with = "or_default")]
     pub resolution: Resolution,
@@ -148,6 +150,7 @@ impl Default for Preferences {
             grid: GridSettings::default(),
             dimensions: false,
             moving_scale: 0.5,
+            carries_over: true,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),
             developer_figures: false,

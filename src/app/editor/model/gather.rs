@@ -16,6 +16,7 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::baking::Baking;
+use crate::app::editor::picture::carrying::Carrying;
 use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
@@ -132,6 +133,7 @@ pub struct PictureState<'w> {
     view: Res<'w, ViewSettings>,
     choices: Res<'w, Preferences>,
     awaited_image: Option<Res<'w, AwaitedImage>>,
+    carrying: Option<Res<'w, Carrying>>,
 }
 
 impl PictureState<'_> {
@@ -244,6 +246,7 @@ pub fn gather_status(
         being_saved: history.is_being_saved(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(picture.view.denoising, seen),
+        is_carried_over: picture.carrying.is_some_and(|carrying| carrying.is_seen()),
         awaited_image: picture.awaited_image.as_deref().cloned(),
         is_full: settings.control.full_until_change,
         noise_trend: picture.trend.clone(),

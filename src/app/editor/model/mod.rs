@@ -411,6 +411,8 @@ pub struct StatusModel {
     pub load_failed: bool,
     /// Whether the denoised picture is shown, or one is on its way.
     pub denoiser: DenoiserState,
+    /// Whether some of what is shown is carried over from an earlier picture.
+    pub is_carried_over: bool,
     /// The image that is saved when the full film is there.
     pub awaited_image: Option<AwaitedImage>,
     /// Whether the full film is traced until the next change.

@@ -188,6 +188,13 @@ fn view_rows(ui: &mut Ui, edited: &mut Preferences) {
     });
     switch(
         ui,
+        "After changes",
+        "Carry the picture over",
+        "Until a new picture has samples of its own, it shows what is still known from the one before. Saved pictures have none of that",
+        &mut edited.carries_over,
+    );
+    switch(
+        ui,
         "Opened scenes",
         "Begin with the last view",
         "Otherwise a scene begins with the view of its first camera",

@@ -3,27 +3,27 @@
 //! wait.
 
 use std::num::NonZeroUsize;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use bevy::prelude::*;
-use crossbeam_channel::{Receiver, TryRecvError, bounded};
+use crossbeam_channel::TryRecvError;
 
 use super::denoiser_input::FilmCopy;
+use super::filter_work::FilterWork;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp, yield_to_rendering};
+use crate::engine::{Gate, RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
 use crate::render::denoise::{DenoiseError, denoise};
 
 /// The samples per pixel of the first denoised picture where the filter is slow; where it is quick it is made of the first sample.
 const FIRST: u32 = 4;
 /// A filter that takes no longer than this many seconds is quick.
-const QUICK: f32 = 0.1;
-/// The picture is also denoised anew when the last time is this many times as long ago as it takes: the filter has no more than a part of the cores.
+const QUICK: f32 = 1.0;
+/// The picture is also denoised anew when the last time is this many times as long ago as it takes: no samples are made meanwhile.
 const REST: f32 = 8.0;
 /// The seconds that the filter is taken to need before it was used.
 const EXPECTED: f32 = 0.3;
@@ -71,16 +71,9 @@ enum Stage {
 }
 
 struct Work {
-    cancel: Arc<AtomicBool>,
-    result: Receiver<Result<Denoised, DenoiseError>>,
+    filter: FilterWork<Result<Denoised, DenoiseError>>,
     job: u64,
     mix: Vec<Rgb>,
-}
-
-impl Drop for Work {
-    fn drop(&mut self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
 }
 
 /// The film as far as the denoiser decides by it.
@@ -178,15 +171,14 @@ impl Denoiser {
     /// Stops what is under way: the scene or the view is about to change.
     pub fn interrupt(&mut self) {
         if let Stage::Working(work) = std::mem::replace(&mut self.stage, Stage::Idle) {
-            work.cancel.store(true, Ordering::Relaxed);
+            work.filter.stop();
             self.ending = Some(work);
         }
     }
 
     /// Whether a filter that was cancelled still runs.
     fn is_ending(&mut self) -> bool {
-        let is_ending = |work: &Work| matches!(work.result.try_recv(), Err(TryRecvError::Empty));
-        if !self.ending.as_ref().is_some_and(is_ending) {
+        if !self.ending.as_ref().is_some_and(|work| work.filter.is_working()) {
             self.ending = None;
         }
         self.ending.is_some()
@@ -237,7 +229,13 @@ impl Denoiser {
     }
 
     /// Copies more of the film, and sets the filter to work once all of it is copied.
-    fn go_on_copying(&mut self, mut copy: FilmCopy, film: &RenderFilm, threads: NonZeroUsize, wake_up: &WakeUp) {
+    fn go_on_copying(
+        &mut self,
+        mut copy: FilmCopy,
+        film: &RenderFilm,
+        threads: NonZeroUsize,
+        (wake_up, gate): (&WakeUp, &Gate),
+    ) {
         if !copy.step(&film.film) {
             self.stage = Stage::Copying(copy);
             // The rest is for the next frame.
@@ -247,15 +245,12 @@ impl Denoiser {
             return;
         }
         self.started += 1;
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (sender, result) = bounded(1);
-        let (flag, number, wake_up) = (cancel.clone(), self.started, wake_up.clone());
-        let (job, mix) = (copy.job, copy.mix.clone());
-        let work = move || {
-            // A filter that was cancelled has the cores for some time yet, which the next picture needs.
-            yield_to_rendering();
+        let (number, job, mix) = (self.started, copy.job, copy.mix.clone());
+        // A careful filter may take seconds, in which samples may be asked for.
+        let gate = (copy.care == Care::Quick).then_some(gate);
+        let filter = move |cancel: &AtomicBool| {
             let started = Instant::now();
-            let outcome = denoise(&copy.input(threads), &flag).map(|radiance| Denoised {
+            denoise(&copy.input(threads), cancel).map(|radiance| Denoised {
                 radiance,
                 mix: copy.mix,
                 seconds: started.elapsed().as_secs_f32(),
@@ -263,22 +258,10 @@ impl Denoiser {
                 number,
                 job: copy.job,
                 is_careful: copy.care == Care::Careful,
-            });
-            // The receiver is gone if the work was cancelled.
-            let _ = sender.send(outcome);
-            if let Some(wake) = wake_up.0 {
-                wake();
-            }
+            })
         };
-        match std::thread::Builder::new().name("denoise".to_owned()).spawn(work) {
-            Ok(_) => {
-                self.stage = Stage::Working(Work {
-                    cancel,
-                    result,
-                    job,
-                    mix,
-                });
-            }
+        match FilterWork::begin("denoise", gate, wake_up, filter) {
+            Ok(filter) => self.stage = Stage::Working(Work { filter, job, mix }),
             Err(error) => {
                 error!("The denoiser's thread could not be started: {error}");
                 self.failed = Some(job);
@@ -295,6 +278,7 @@ pub(crate) fn follow_denoiser(
     control: Res<RenderControl>,
     settings: Res<ViewSettings>,
     wake_up: Res<WakeUp>,
+    gate: Res<Gate>,
     mix: Res<LightMix>,
     lights: Res<FilmLights>,
     mut toasts: ResMut<Toasts>,
@@ -321,14 +305,14 @@ pub(crate) fn follow_denoiser(
             && let Some(care) = denoiser.care_due(&now)
         {
             let copy = FilmCopy::begin(&film, mix.clone(), care);
-            denoiser.go_on_copying(copy, &film, control.threads, &wake_up);
+            denoiser.go_on_copying(copy, &film, control.threads, (&wake_up, &gate));
         }
     };
     match std::mem::replace(&mut denoiser.stage, Stage::Idle) {
         Stage::Idle if denoiser.is_ending() => {}
         Stage::Idle => begin(denoiser),
-        Stage::Copying(copy) => denoiser.go_on_copying(copy, &film, control.threads, &wake_up),
-        Stage::Working(work) => match work.result.try_recv() {
+        Stage::Copying(copy) => denoiser.go_on_copying(copy, &film, control.threads, (&wake_up, &gate)),
+        Stage::Working(work) => match work.filter.result() {
             Err(TryRecvError::Empty) => denoiser.stage = Stage::Working(work),
             Err(TryRecvError::Disconnected) => {
                 denoiser.failed = Some(work.job);
@@ -376,6 +360,9 @@ pub enum DenoiserState {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::Ordering;
+
     use super::*;
 
     fn shown(samples: u32, is_careful: bool) -> Option<Denoised> {
@@ -477,24 +464,33 @@ mod tests {
 
     #[test]
     fn the_next_filter_waits_for_the_end_of_one_that_was_cancelled() {
-        let (sender, result) = bounded(1);
-        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, released) = crossbeam_channel::bounded::<()>(1);
+        let was_cancelled = Arc::new(AtomicBool::new(false));
+        let noted = was_cancelled.clone();
+        let slow = move |cancel: &AtomicBool| {
+            let _ = released.recv();
+            noted.store(cancel.load(Ordering::Relaxed), Ordering::Relaxed);
+            Err(DenoiseError::Cancelled)
+        };
+        let filter = FilterWork::begin("denoise", None, &WakeUp::default(), slow);
         let mut denoiser = Denoiser {
             stage: Stage::Working(Work {
-                cancel: cancel.clone(),
-                result,
+                filter: filter.expect("a thread"),
                 job: 7,
                 mix: Vec::new(),
             }),
             ..Denoiser::default()
         };
         denoiser.follow(&now(9, false), Instant::now());
-        assert!(cancel.load(Ordering::Relaxed) && !denoiser.is_working());
+        assert!(!denoiser.is_working());
         assert!(denoiser.is_ending() && denoiser.is_ending());
         // A further change of the picture leaves it so.
         denoiser.follow(&now(9, false), Instant::now());
         assert!(denoiser.is_ending());
-        sender.send(Err(DenoiseError::Cancelled)).expect("it is waited for");
-        assert!(!denoiser.is_ending());
+        sender.send(()).expect("it is waited for");
+        while denoiser.is_ending() {
+            std::thread::yield_now();
+        }
+        assert!(was_cancelled.load(Ordering::Relaxed));
     }
 }

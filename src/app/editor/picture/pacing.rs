@@ -1,7 +1,7 @@
 //! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
 //!
-//! A software driver draws with the very cores that trace rays. There the window is drawn less often while the picture only becomes less
-//! noisy, and after an edit not before there is something new to see.
+//! A software driver draws with the very cores that trace rays. There the window is not drawn after an edit until there is something new to see. While
+//! nobody does anything and the picture only becomes less noisy, drawing takes at most a tenth of a core with any driver.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,9 +9,13 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
+use bevy::render::view::screenshot::Screenshot;
+use bevy::window::WindowEvent;
 use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEvent};
 
+use super::carrying::Carrying;
 use super::denoiser::Denoiser;
+use super::frame_times::FrameTimes;
 use super::texture::Picture;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::recovery::Recovery;
@@ -23,6 +27,14 @@ const SPARING: Duration = Duration::from_millis(100);
 const IDLE: Duration = Duration::from_millis(500);
 /// The time after a command for which the window is drawn often.
 const AFTER_INPUT: Duration = Duration::from_millis(500);
+/// The time after any event of the window in which no frame is left out, long enough for tooltips.
+const AFTER_EVENT: Duration = Duration::from_millis(800);
+/// The least rest after a frame was drawn for nobody, as a multiple of the time that it took.
+const REST: f32 = 9.0;
+/// The longest such rest.
+const LONGEST_REST: Duration = Duration::from_secs(2);
+/// The share of what drawing took before that still counts when a frame takes less: frames that are not drawn take nothing.
+const MEMORY: f32 = 0.97;
 /// The longest wait for an edit's first pixels; then the panels are drawn without them.
 const LONGEST_HOLD: Duration = Duration::from_millis(120);
 
@@ -32,6 +44,12 @@ pub struct Pacing {
     last_input: Option<Instant>,
     /// The time at which a command was applied whose picture has not begun to show.
     waiting_since: Option<Instant>,
+    /// The time at which something last happened to the window: the pointer moved, a key was pressed.
+    last_event: Option<Instant>,
+    /// The time at which the window was last drawn.
+    last_drawn: Option<Instant>,
+    /// The milliseconds that drawing takes.
+    drawing: f32,
     /// The texture's revision that was drawn last.
     drawn: u64,
     /// Whether results wake the event loop at once. The threads that produce them share it.
@@ -57,6 +75,16 @@ impl Pacing {
     /// Whether the user has done nothing for a while.
     pub fn rests(&self) -> bool {
         self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
+    }
+
+    /// Whether this frame is left out because nobody does anything and the one before took long.
+    fn spares(&self, now: Instant, status: &RenderStatus) -> bool {
+        let since = |then: Option<Instant>| then.map_or(Duration::MAX, |then| now.duration_since(then));
+        let rest = Duration::from_secs_f32(1e-3 * REST * self.drawing).min(LONGEST_REST);
+        status.state == RenderState::Rendering
+            && self.rests()
+            && since(self.last_event) >= AFTER_EVENT
+            && since(self.last_drawn) < rest
     }
 
     /// Notes that commands are applied. `restarts` says that they begin the picture anew.
@@ -92,26 +120,28 @@ pub fn pace(
     pacing: Res<Pacing>,
     status: Res<RenderStatus>,
     denoiser: Res<Denoiser>,
+    carrying: Res<Carrying>,
     toasts: Res<Toasts>,
     history: Res<History>,
     recovery: Option<Res<Recovery>>,
 ) {
-    // A save goes on by a slice in each frame, and so do the recovery copy and the copy of the film for the denoiser.
+    // A save goes on by a slice in each frame, and so do the recovery copy, the copy of the film for the denoiser, and what is carried over.
     let is_copying = denoiser.is_copying() || recovery.is_some_and(|recovery| recovery.is_copying());
+    let is_copying = is_copying || carrying.has_backlog();
     let in_use = !pacing.rests() || history.is_saving() || is_copying;
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
     );
-    let settled = pacing.draws_on_cpu && status.samples > 0;
-    let is_lively = in_use || !busy || !settled;
+    // Until there is a sample of every pixel much is new in each frame.
+    let settles = busy && status.samples == 0;
+    let is_lively = in_use || !busy || settles;
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
-    let wait = if in_use || (busy && !settled) {
-        LIVELY
-    } else if busy {
-        SPARING
-    } else {
-        IDLE
+    let wait = match busy {
+        _ if in_use => LIVELY,
+        true if settles && !pacing.draws_on_cpu => LIVELY,
+        true => SPARING,
+        false => IDLE,
     };
     let wait = toasts.wait().map_or(wait, |toast| wait.min(toast));
     let mode = UpdateMode::reactive(wait);
@@ -121,15 +151,30 @@ pub fn pace(
     }
 }
 
-/// On a software driver, leaves the cores to the tracer until an edit has something to show.
-pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut cameras: Query<&mut Camera>) {
+/// Leaves the cores to the tracer: on a software driver until an edit has something to show, and with any driver while nobody does anything.
+pub fn hold_back_frame(
+    mut pacing: ResMut<Pacing>,
+    picture: Res<Picture>,
+    status: Res<RenderStatus>,
+    frames: Res<FrameTimes>,
+    mut events: MessageReader<WindowEvent>,
+    screenshots: Query<(), With<Screenshot>>,
+    mut cameras: Query<&mut Camera>,
+) {
+    let now = Instant::now();
+    if events.read().count() > 0 {
+        pacing.last_event = Some(now);
+    }
+    pacing.drawing = frames.last_frame().drawing.max(MEMORY * pacing.drawing);
     let is_new = picture.revision != pacing.drawn;
     if is_new {
         pacing.waiting_since = None;
     }
     let waits = pacing.waiting_since.is_some_and(|since| since.elapsed() < LONGEST_HOLD);
-    let draws = !(pacing.undrawn || pacing.draws_on_cpu && waits);
+    let is_spared = screenshots.is_empty() && pacing.spares(now, &status);
+    let draws = !(pacing.undrawn || pacing.draws_on_cpu && waits || is_spared);
     if draws {
+        pacing.last_drawn = Some(now);
         pacing.drawn = picture.revision;
         pacing.waiting_since = None;
     }

@@ -5,6 +5,7 @@ use crate::app::editor::command::display::{
     DisplayMode, DisplaySettings, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat,
 };
 use crate::color::{Rgb, luminance};
+use crate::render::carry::Carried;
 use crate::render::film::Film;
 use crate::render::noise::DARK;
 use crate::render::tile::{PixelSum, TILE, Tile};
@@ -86,6 +87,8 @@ pub struct Painter<'a> {
     brightness: f32,
     /// The comparison of light.
     comparison: Option<PixelComparison<'a>>,
+    /// What an earlier picture tells.
+    carried: Option<&'a Carried>,
 }
 
 impl<'a> Painter<'a> {
@@ -103,6 +106,7 @@ impl<'a> Painter<'a> {
             plain: Display::default().encoder(),
             brightness,
             comparison: None,
+            carried: None,
         }
     }
 
@@ -111,30 +115,44 @@ impl<'a> Painter<'a> {
         Self { comparison, ..self }
     }
 
-    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
-    /// are.
-    pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
-        let width = self.film.width() as usize;
-        for tile in tiles {
-            for y in tile.y..tile.y + tile.height {
-                let start = y as usize * width + tile.x as usize;
-                let row = rgba.get_mut(4 * start..4 * (start + tile.width as usize));
-                match row {
-                    Some(row) if self.mode.is_light() => self.paint_light(*tile, y, row),
-                    Some(row) => self.paint_other(*tile, y, row),
-                    None => {}
-                }
-            }
-        }
+    /// Light is shown with what is carried over from an earlier picture, which is as large.
+    pub(crate) fn carried(self, carried: Option<&'a Carried>) -> Self {
+        Self { carried, ..self }
     }
 
-    /// Paints a row of a tile in modes that show light.
-    fn paint_light(&self, tile: Tile, y: u32, rgba: &mut [u8]) {
+    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
+    /// are. Returns the tiles that show something that is carried over.
+    pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) -> Vec<Tile> {
+        let width = self.film.width() as usize;
+        let mut carried = Vec::new();
+        for &tile in tiles {
+            let mut is_carried = false;
+            for y in tile.y..tile.y + tile.height {
+                let start = y as usize * width + tile.x as usize;
+                let Some(row) = rgba.get_mut(4 * start..4 * (start + tile.width as usize)) else {
+                    continue;
+                };
+                match self.mode.is_light() {
+                    true => is_carried |= self.paint_light(tile, y, row),
+                    false => self.paint_other(tile, y, row),
+                }
+            }
+            if is_carried {
+                carried.push(tile);
+            }
+        }
+        carried
+    }
+
+    /// Paints a row of a tile in modes that show light. Returns whether some of that is carried over.
+    fn paint_light(&self, tile: Tile, y: u32, rgba: &mut [u8]) -> bool {
         let mut pixels = [None; TILE as usize];
         self.film.mixed_row(tile, y, &self.scales.mix, &mut pixels);
-        let pixels = &pixels[..tile.width as usize];
+        let pixels = &mut pixels[..tile.width as usize];
+        let blend = |carried: &Carried| carried.blend_row(self.film, tile, y, None, pixels);
+        let is_carried = self.carried.is_some_and(blend);
         let mut light = [Rgb::ZERO; TILE as usize];
-        for ((x, light), pixel) in (tile.x..).zip(&mut light).zip(pixels) {
+        for ((x, light), pixel) in (tile.x..).zip(&mut light).zip(&*pixels) {
             let radiance = pixel.unwrap_or_default();
             let comparison = self.comparison.as_ref();
             *light = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
@@ -145,6 +163,7 @@ impl<'a> Painter<'a> {
                 target.copy_from_slice(&[r, g, b, u8::MAX]);
             }
         });
+        is_carried
     }
 
     /// Paints a row of a tile in modes that show no light.

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
 
+use super::carrying::Carrying;
 use super::compare::{Comparison, PixelComparison};
 use super::denoiser::Denoiser;
 use super::painter::{self, Painter, Scales};
@@ -17,6 +18,7 @@ use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{PackedScene, RenderFilm, fit};
+use crate::render::carry::Clean;
 use crate::render::tile::tiles;
 
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
@@ -56,6 +58,14 @@ impl Picture {
     /// The texture and its size, once there is a picture.
     pub fn texture(&self) -> Option<(egui::TextureId, [u32; 2])> {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
+    }
+
+    /// The pixels as they are shown, four sRGB-encoded bytes each, and their number either way. None if there is no picture, or if it is too large for a
+    /// texture.
+    pub(crate) fn pixels<'a>(&self, images: &'a Assets<Image>) -> Option<(UVec2, &'a [u8])> {
+        let is_whole = self.size != UVec2::ZERO && texture_size(self.size) == self.size;
+        let image = images.get(&self.handle).filter(|_| is_whole)?;
+        Some((self.size, image.data.as_deref()?))
     }
 
     /// Forgets the picture, since there is none.
@@ -122,6 +132,7 @@ pub fn update_picture(
     lights: Res<FilmLights>,
     comparison: Res<Comparison>,
     packed: Res<PackedScene>,
+    mut carrying: ResMut<Carrying>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
@@ -148,13 +159,16 @@ pub fn update_picture(
         mix,
         comparison: (snapshot.is_some() || noisy_left.is_some()).then_some((comparison.view, comparison.revision)),
     };
-    let asked_anew = picture.shown.as_ref() != Some(&shown) || picture.size != size;
+    let carrying = carrying.bypass_change_detection();
+    let has_ended = carrying.take_end();
+    let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || picture.size != size;
     if !film.has_dirty() && !asked_anew {
         return;
     }
     let scales = Scales::of(&film.film, settings.mode, shown.mix.clone(), &picture.scales);
     let anew = asked_anew || scales != picture.scales;
     let changed = film.bypass_change_detection().take_dirty();
+    carrying.learn(&film, &changed);
     let dirty = if anew { tiles(size.x, size.y) } else { changed };
     if denoised.is_some() && noisy_left.is_none() && !anew {
         return;
@@ -179,13 +193,31 @@ pub fn update_picture(
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
     let compared = compared.or(beside_noisy);
     picture.compared = compared.as_ref().map_or(CompareView::Off, PixelComparison::view);
-    match (denoised.filter(|_| noisy_left.is_none()), compared) {
-        (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
-        (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
-        (None, compared) => {
-            let painter = Painter::new(&film.film, &settings, &scales).compared(compared);
-            painter.paint(&dirty, &mut pixels);
+    let carried = carrying.picture().filter(|carried| is_shaded && carried.size() == size);
+    let still_carried = match (denoised.filter(|_| noisy_left.is_none()), compared) {
+        (Some(denoised), compared) => {
+            let clean = Clean {
+                radiance: &denoised.radiance,
+                samples: denoised.samples,
+            };
+            let blended = carried.map(|carried| carried.blend_picture(&film.film, clean));
+            let (blended, still_carried) = blended.unzip();
+            let shown = blended.as_deref().unwrap_or(&denoised.radiance);
+            match compared {
+                Some(compared) => tone.encode_rgba(&compared.picture(shown), &mut pixels),
+                None => tone.encode_rgba(shown, &mut pixels),
+            }
+            still_carried.unwrap_or_default()
         }
+        (None, compared) => {
+            let painter = Painter::new(&film.film, &settings, &scales)
+                .compared(compared)
+                .carried(carried);
+            painter.paint(&dirty, &mut pixels)
+        }
+    };
+    if carried.is_some() {
+        carrying.note_painted(&film, &dirty, still_carried);
     }
     image.sampler = sampler(view.enlarging);
     let shown_size = texture_size(size);

@@ -32,6 +32,8 @@ pub struct WindowOptions {
     pub exit: bool,
     /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
     pub measure_latency: Option<u32>,
+    /// Does edits of several kinds and prints how near the shown picture is to the converged one soon after them.
+    pub measure_settling: Option<SettlingOptions>,
     /// Does random things and judges how the program bears them; the program ends with the outcome.
     pub monkey: Option<MonkeyOptions>,
     /// Whether the window's pixels are not drawn, as if the graphics driver took no time.
@@ -56,6 +58,7 @@ impl Default for WindowOptions {
             after_spp: 1,
             exit: false,
             measure_latency: None,
+            measure_settling: None,
             monkey: None,
             undrawn: false,
             denoise: false,
@@ -68,9 +71,14 @@ impl WindowOptions {
     /// Width and height of the window at the first start, and without a user, in points.
     pub const FIRST_SIZE: [u32; 2] = [1280, 720];
 
+    /// Whether something is measured of the window as a user would see it.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.measure_latency.is_some() || self.measure_settling.is_some()
+    }
+
     /// Whether there is a user.
     pub(crate) fn is_attended(&self) -> bool {
-        !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()
+        !self.exit && self.script.is_none() && self.monkey.is_none() && !self.is_measured()
     }
 }
 
@@ -95,6 +103,17 @@ pub(crate) struct WantedCamera {
     pub name: Option<String>,
     /// The program ends with an error if the camera does not exist, because no user is there to choose another.
     pub is_required: bool,
+}
+
+/// The options of the measurement of how soon the picture settles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SettlingOptions {
+    /// The samples per pixel of a converged picture, at least 1.
+    pub samples: u32,
+    /// The folder that gets the pictures that are compared. None: they are not written.
+    pub pictures: Option<PathBuf>,
+    /// Whether one JSON object is printed in place of the table.
+    pub json: bool,
 }
 
 /// The length of a monkey's run.

@@ -381,6 +381,9 @@ fn paint_over(
     if let DenoiserState::Shown { seconds, samples } = model.denoiser {
         notes.push(format!("denoised, {samples} spp, {seconds:.1} s"));
     }
+    if model.is_carried_over {
+        notes.push("carried over".to_owned());
+    }
     if model.keys.overlay.shown {
         let (shown, total) = (model.boxes.boxes.len(), model.boxes.total);
         notes.push(if total > MAX_BOXES {

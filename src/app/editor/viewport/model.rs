@@ -81,6 +81,8 @@ pub struct ViewportModel<'a> {
     pub navigation: Navigation,
     /// What the denoiser is doing.
     pub denoiser: DenoiserState,
+    /// Whether some of what is shown is carried over from an earlier picture.
+    pub is_carried_over: bool,
     /// What the drags of the mouse do.
     pub preset: NavigationPreset,
     /// The context of keys.

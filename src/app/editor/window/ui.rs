@@ -240,6 +240,7 @@ pub fn show_window(
         paths: &scene.paths,
         navigation: settings.navigation,
         denoiser: model.status.denoiser,
+        is_carried_over: model.status.is_carried_over,
         preset: shell.preferences.navigation,
         keys: action_context,
         mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),

@@ -11,6 +11,7 @@ use crate::app::editor::command::resolution::{FullFilm, Resolution};
 use crate::app::editor::commands::finished;
 use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
 use crate::app::editor::picture::awaited_image::AwaitedImage;
+use crate::app::editor::picture::carrying::Carrying;
 use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
 use crate::files::{LARGEST_NOTE, read};
 use crate::layer::{Layer, Layers};
@@ -61,6 +62,7 @@ pub(super) fn add_resources(app: &mut App) {
         .init_resource::<LightMix>()
         .init_resource::<crate::app::editor::command::light_mix::FilmLights>()
         .init_resource::<Comparison>()
+        .init_resource::<Carrying>()
         .init_resource::<Denoiser>();
 }
 

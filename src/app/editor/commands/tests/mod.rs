@@ -1,6 +1,7 @@
 //! Tests of commands on a world without a window.
 
 mod blocking;
+mod carrying;
 #[cfg(feature = "denoise")]
 mod denoising;
 mod exporting;

@@ -1,10 +1,10 @@
-//! The edits whose latency is measured. They come in turns that leave the scene about as it was.
+//! The edits after which the picture is measured. They come in turns that leave the scene about as it was.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 use tempfile::TempDir;
 
-use super::super::script::assign;
+use super::script::assign;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::AdditionKind;
