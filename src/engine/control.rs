@@ -60,6 +60,9 @@ pub struct RenderControl {
     pub light_layers: bool,
     /// Whether pictures begin with their G-buffer, see [`RenderFilm::gbuffer`](super::RenderFilm::gbuffer).
     pub gbuffer: bool,
+    /// Whether pictures keep their samples when nothing but the strength of lights changes. Where memory allows, the film keeps the light of each group of
+    /// lights in a layer for that.
+    pub lights_are_free: bool,
     /// The number of worker threads that trace rays; `app::threads` decides it.
     pub threads: NonZeroUsize,
     /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background while the last
@@ -92,6 +95,7 @@ impl Default for RenderControl {
             path_is_auto: false,
             light_layers: false,
             gbuffer: false,
+            lights_are_free: false,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
             interactive: false,
             restart_requested: false,

@@ -75,16 +75,31 @@ pub(super) fn dispatch_job(
             && job.has_shutter(demand.shutter.shutter.as_ref())
     });
     let stop = StopCondition::new(&control, demand.extracted.film_limits());
+    let can_relight = !current && control.lights_are_free && !control.restart_requested;
+    let relit = job
+        .as_mut()
+        .filter(|_| can_relight)
+        .is_some_and(|job| job.relight(&mut demand.extracted, &view, &stop, film.bypass_change_detection()));
+    if relit {
+        film.set_changed();
+    }
+    if relit && let Some(since) = demand.extracted.since.take() {
+        status.latency.record(1e3 * since.elapsed().as_secs_f32());
+    }
+    let current = current || relit;
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
         if control.restart_requested {
             control.restart_requested = false;
         }
         let since = demand.extracted.since.take();
+        demand.extracted.gains = Some(Vec::new());
         let begins = match (control.interactive, &*job) {
             (false, _) => Beginning::Whole,
-            // The picture from there stays until there are pixels of the other size.
-            (true, Some(old)) if old.samples > 0 && old.sees_the_same(&demand.extracted.scene, &view) => {
+            // The picture from there stays until there are pixels of the other size, if it is not carried over.
+            (true, Some(old))
+                if old.samples > 0 && !control.gbuffer && old.sees_the_same(&demand.extracted.scene, &view) =>
+            {
                 Beginning::Whole
             }
             (true, _) => Beginning::preview(control.motion_scale),

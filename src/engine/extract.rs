@@ -35,11 +35,12 @@ use super::splice::{ListEdits, ShapeNews};
 use super::status::BvhStatus;
 use super::stop_condition::FilmLimits;
 use crate::accel::{SplitMethod, Tlas};
+use crate::color::Rgb;
 use crate::layer::Layer;
 use crate::light::emission::Reach;
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable};
-use crate::medium::MediumId;
+use crate::medium::{MediumId, Volume};
 use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
@@ -50,6 +51,9 @@ use crate::texture::TextureTable;
 
 /// The time for which a change waits, while others follow without pause, until the preview of the change before has been seen.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
+
+/// The most memory in bytes for the light of groups that nobody has asked for.
+const MOST_FOR_GROUPS: u64 = 64 << 20;
 
 /// The tables that were packed last.
 #[derive(Resource)]
@@ -79,6 +83,9 @@ pub(super) struct Extracted {
     pub(super) special: Vec<u32>,
     pub(super) method: SplitMethod,
     light_sources: Vec<WeightedSource>,
+    /// The factors by which lights have become stronger since the last job began, by [`LightId`](crate::light::LightId); none at all if they are as they were. None if more has
+    /// changed than their strength.
+    pub gains: Option<Vec<Rgb>>,
     packed_media: PackedMedia,
     /// The entities that lights belong to, and below the groups as layers of a film.
     owners: Arc<[LightGroup]>,
@@ -162,6 +169,7 @@ impl Default for Extracted {
             special: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
+            gains: None,
             packed_media: PackedMedia::default(),
             owners: Arc::default(),
             layers: LightGroups::default(),
@@ -284,7 +292,7 @@ pub(super) fn extract_scene(
         extracted.update_view(&authored, &control);
     }
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
-    extracted.update_layers(keeps_groups);
+    extracted.update_layers(keeps_groups, control.lights_are_free);
     extracted.update_medium_of_view();
     extracted.update_sight(&control.sight);
     let same_scene = old.is_same(&extracted.scene);
@@ -301,7 +309,7 @@ pub(super) fn extract_scene(
     if has_size_until_change && !(same_scene && extracted.sees_as(as_chosen.as_ref())) {
         control.forget_size_until_change();
         extracted.update_view(&authored, &control);
-        extracted.update_layers(keeps_groups);
+        extracted.update_layers(keeps_groups, control.lights_are_free);
         extracted.update_medium_of_view();
         extracted.update_sight(&control.sight);
         extracted.keep_guide(true);
@@ -435,6 +443,9 @@ impl Extracted {
             } else {
                 Arc::default()
             };
+            let is_other = has_moved || is_textured && repainted;
+            let gains = self.gains.take().filter(|_| !is_other);
+            self.gains = gains.and_then(|gains| gains_on(gains, &self.light_sources, &sources));
             self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
             self.light_sources = sources;
         }
@@ -442,17 +453,44 @@ impl Extracted {
         self.scene.reach = self.scene.lights.reach(&self.scene.geometry);
     }
 
-    fn update_layers(&mut self, wanted: bool) {
-        let (owners, layers) = if wanted {
-            (self.owners.clone(), self.layers.clone())
-        } else {
-            Default::default()
+    /// Whether a medium sends light, which is of no light's group.
+    pub fn has_glowing_media(&self) -> bool {
+        self.packed_media
+            .sources
+            .iter()
+            .any(|medium| medium.emission != Volume::ZERO)
+    }
+
+    /// Whether the light of several groups takes little memory. That of a single one is all light.
+    fn has_room_for_groups(&self) -> bool {
+        let view = self.view.as_ref();
+        let pixels = view.map_or(0, |view| u64::from(view.width) * u64::from(view.height));
+        self.layers.count() > 1 && pixels * (self.layers.count() * size_of::<Rgb>()) as u64 <= MOST_FOR_GROUPS
+    }
+
+    /// Has the film keep the light of groups: if it is wanted, with the lights of each, or else if lights are free and there is room for it.
+    fn update_layers(&mut self, wanted: bool, lights_are_free: bool) {
+        self.light_groups = if wanted { self.owners.clone() } else { Arc::default() };
+        let layers = match wanted || lights_are_free && self.has_room_for_groups() {
+            true => self.layers.clone(),
+            false => LightGroups::default(),
         };
-        self.light_groups = owners;
         if let Some(view) = &mut self.view {
             view.light_groups = layers;
         }
     }
+}
+
+/// The gains after `old` lights have become `new` ones.
+fn gains_on(gains: Vec<Rgb>, old: &[WeightedSource], new: &[WeightedSource]) -> Option<Vec<Rgb>> {
+    if old.len() != new.len() {
+        return None;
+    }
+    let before = gains.into_iter().chain(std::iter::repeat(Rgb::ONE));
+    let lights = new.iter().zip(old).zip(before);
+    lights
+        .map(|((new, old), gain)| Some(gain * new.gain_since(old)?).filter(|gain| gain.is_finite()))
+        .collect()
 }
 
 fn split_method(method: AccelMethod) -> SplitMethod {

@@ -7,6 +7,7 @@ use std::time::Instant;
 use bevy::math::UVec2;
 use bevy::prelude::*;
 
+use crate::color::Rgb;
 use crate::memory::{self, Reservation, Shortage};
 use crate::render::film::Film;
 use crate::render::gbuffer::TileGBuffer;
@@ -35,6 +36,8 @@ pub struct RenderFilm {
     pub gbuffer: Vec<TileGBuffer>,
     /// Whether there is light of this picture: a preview or samples.
     pub is_lit: bool,
+    /// The factors on the layers by which this picture differs from the one of the job before, of which it has the samples.
+    pub relit: Option<Arc<[Rgb]>>,
     /// The view of the picture; None if there is no picture.
     pub view: Option<View>,
     dirty: HashSet<Tile>,
@@ -118,8 +121,17 @@ impl RenderFilm {
         self.job += 1;
         self.samples = 0;
         self.is_lit = false;
+        self.relit = None;
         self.gbuffer.clear();
         self.dirty.clear();
+    }
+
+    /// Multiplies the light of each layer by a factor. It counts as another picture, which has the samples of this one.
+    pub(super) fn relight(&mut self, factors: Arc<[Rgb]>) {
+        self.film.relight(&factors);
+        self.relit = Some(factors);
+        self.job += 1;
+        self.mark_all();
     }
 
     /// Whether there is no picture.

@@ -1,6 +1,8 @@
 //! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
 //! done by ending the [`Run`] and starting another; the samples stay.
 
+mod beginning;
+mod relight;
 mod rounds;
 mod state;
 
@@ -11,6 +13,7 @@ use std::time::{Duration, Instant};
 use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
+pub(super) use self::beginning::Beginning;
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::control::Gate;
@@ -23,6 +26,7 @@ use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::status::Outdated;
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
+use crate::color::Rgb;
 use crate::render::clamp::BrightnessLimit;
 use crate::render::guide::Guide;
 use crate::render::noise::PictureNoise;
@@ -33,29 +37,8 @@ use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
 use crate::render::view::{Integrator, View};
 
-/// The way in which a picture begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beginning {
-    /// It begins with a sample of every pixel.
-    Whole,
-    /// It begins with a sample of each block with an edge of this many pixels.
-    Preview(u32),
-}
-
-/// The edge of a preview's blocks in pixels of the full resolution.
-const PREVIEW_STEP: f32 = 4.0;
 /// The edge of blocks around a region, in a picture that begins without a preview.
 const STEP_AROUND_REGION: u32 = 2;
-
-impl Beginning {
-    /// A preview in blocks that are about as large whatever part of the resolution is rendered.
-    pub fn preview(motion_scale: f32) -> Self {
-        match (PREVIEW_STEP * motion_scale).round() as u32 {
-            0 | 1 => Self::Whole,
-            step => Self::Preview(step),
-        }
-    }
-}
 
 /// The results that have been added to the film.
 #[derive(Default)]
@@ -106,6 +89,8 @@ pub(super) struct Job {
     stops: BTreeSet<u32>,
     /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
+    /// For each layer of light, how many times as strong it is as at the beginning, and the least that it was; empty while all is as it was.
+    strengths: Vec<[Rgb; 2]>,
     beginning: Beginning,
     /// Whether it goes on with an older picture, of which only previews around the region are missing.
     is_resumed: bool,
@@ -157,6 +142,7 @@ impl Job {
             cuts: BTreeSet::new(),
             stops: BTreeSet::new(),
             early: BTreeMap::new(),
+            strengths: Vec::new(),
             is_resumed: false,
             gbuffer_left: BTreeSet::new(),
             preview_left: order.len(),
@@ -165,24 +151,6 @@ impl Job {
             run: None,
             running_since: None,
             ran: Duration::ZERO,
-        }
-    }
-
-    /// Has it begin with the G-buffer.
-    pub fn with_gbuffer(self) -> Self {
-        Self {
-            gbuffer_left: (0..self.tiles.len()).collect(),
-            ..self
-        }
-    }
-
-    /// Makes it a share of a picture, see [`RenderControl::share`](super::RenderControl::share).
-    pub fn into_share(self, first: u32) -> Self {
-        Self {
-            share: Some(first),
-            done: vec![first; self.done.len()],
-            preview_left: 0,
-            ..self
         }
     }
 

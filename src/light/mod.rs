@@ -17,6 +17,7 @@ pub mod emission;
 mod emission_choice;
 mod environment;
 mod finite;
+pub mod gain;
 mod hit;
 mod hosek_wilkie;
 mod infinite;

@@ -2,6 +2,7 @@
 
 mod chunks;
 mod errors;
+mod relight;
 mod state;
 #[cfg(test)]
 mod tests;

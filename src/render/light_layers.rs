@@ -34,7 +34,7 @@ impl LightGroups {
     }
 
     /// The group of a light.
-    pub(super) fn group(&self, light: LightId) -> Option<usize> {
+    pub fn group(&self, light: LightId) -> Option<usize> {
         self.layer_of_light.get(light.0 as usize).map(|&layer| layer.into())
     }
 }

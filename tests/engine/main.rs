@@ -14,6 +14,7 @@ mod large;
 mod light_mixing;
 mod noise;
 mod rebuilding;
+mod relighting;
 mod stopping;
 mod view_size;
 

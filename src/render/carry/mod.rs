@@ -33,14 +33,22 @@ use crate::color::{Rgb, luminance};
 const LEAST_ALBEDO: f32 = 0.02;
 /// The samples that one sample of a denoised picture is worth, by what `edit --measure-settling` has measured in rooms.
 pub const WORTH_OF_DENOISED: f32 = 64.0;
+/// The samples that the variance of a sample is known from, where light is carried over.
+const KNOWN_VARIANCE: f32 = 16.0;
+/// The samples that the mean light of a tile's preview is worth.
+const WORTH_OF_MEAN: f32 = 2.0;
+/// The least relative standard deviation that is believed of guided paths.
+const DEVIATION_OF_GUIDED: f32 = 3.0;
 /// The samples that a filtered preview is worth.
 const WORTH_OF_COARSE: f32 = 16.0;
+/// Light of no more worth counts as not found: a filtered preview is better.
+const LEAST_FOUND: f32 = 4.0;
 /// Where earlier light covers so much of the picture, previews are not filtered.
-const NEARLY_ALL: f32 = 0.995;
+const NEARLY_ALL: f32 = 0.9995;
 /// New light that is brighter than carried light by more than this factor is shown darker, as long as it is worth less.
 const OUTLIER: f32 = 3.0;
 /// The most samples that earlier light is worth.
-const MOST_WORTH: f32 = 1024.0;
+const MOST_WORTH: f32 = 512.0;
 
 /// Light of a pixel, and how far it can be relied on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,14 +127,19 @@ impl Carried {
         }
     }
 
+    /// Says that paths are guided: few samples, and those that have taught a guide, do not tell how rare bright ones are.
+    pub fn expect_guided_paths(&mut self) {
+        self.trust.least_deviation = DEVIATION_OF_GUIDED;
+    }
+
     /// The share of the picture for which there is light of an earlier one, as far as that is known.
     pub fn coverage(&self) -> f32 {
         self.found as f32 / self.light.len().max(1) as f32
     }
 
-    /// The size of the new picture in pixels.
-    pub fn size(&self) -> UVec2 {
-        self.size
+    /// Whether a film has as many pixels.
+    pub fn is_of_size(&self, film: &Film) -> bool {
+        self.size == UVec2::new(film.width(), film.height())
     }
 
     /// Whether there is an earlier picture.
@@ -154,7 +167,7 @@ impl Carried {
             for (((x, y), &texel), light) in pixels_of(tile.tile).zip(&tile.texels).zip(light) {
                 let place = place_of(self.size, x, y);
                 (self.texels[place], self.light[place]) = (texel, light);
-                self.found += usize::from(light.worth > 0.0);
+                self.found += usize::from(light.worth > LEAST_FOUND);
             }
             let index = self.tile_index(tile.tile);
             self.missing -= usize::from(!std::mem::replace(&mut self.is_exact[index], true));
@@ -171,12 +184,14 @@ impl Carried {
         if sampled.is_empty() || self.found == 0 && !self.has_coarse {
             return;
         }
-        let (size, texels, light) = (self.size, &self.texels, &self.light);
-        self.trust.learn(&sampled, film, |x, y| {
-            let place = place_of(size, x, y);
-            let Light { light, worth, variance } = light[place];
-            (worth > 0.0).then(|| (light * divisor(&texels[place]), variance))
-        });
+        let old = carried_at(self.size, &self.texels, &self.light);
+        self.trust.learn(&sampled, film, old);
+    }
+
+    /// Compares all that is carried over with a denoised picture of the film.
+    pub fn learn_clean(&mut self, film: &Film, clean: Clean) {
+        let old = carried_at(self.size, &self.texels, &self.light);
+        self.trust.learn_clean(film, clean, old);
     }
 
     /// Where nothing is carried over, shows the surfaces of a tile in the mean light of its preview, for all normals near the same axis together. Single
@@ -192,8 +207,14 @@ impl Carried {
         for (x, y) in pixels_of(tile) {
             let place = place_of(self.size, x, y);
             let (sum, count) = means[direction_of(&self.texels[place])];
-            if self.light[place].worth == 0.0 && count > 0.0 {
-                self.light[place].light = sum / count;
+            let light = &mut self.light[place];
+            if light.worth <= WORTH_OF_MEAN && count > 0.0 {
+                let mean = sum / count;
+                *light = Light {
+                    light: mean,
+                    worth: WORTH_OF_MEAN,
+                    variance: luminance(mean).powi(2),
+                };
             }
         }
     }
@@ -247,12 +268,12 @@ impl Carried {
     /// nothing is known.
     fn blend(&self, place: usize, pixel: UVec2, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
         let Light { light, worth, .. } = self.light[place];
-        let (correction, trust) = self.trust.at(pixel);
-        let old = light * divisor(&self.texels[place]) * correction;
+        let standing = self.trust.at(pixel);
+        let old = light * divisor(&self.texels[place]) * standing.correction;
         let Some((new, samples)) = new else {
             return (light != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
         };
-        let worth = faded(worth * trust * self.kept, samples);
+        let worth = faded(standing.worth(worth) * self.kept, samples);
         if worth <= 0.0 {
             return Some((new, 0.0));
         }
@@ -289,7 +310,7 @@ impl Carried {
 
     /// The picture as it is shown, to be carried over to the next one. It is still the one before while this one has hardly begun.
     pub fn into_earlier(self, film: &Film, clean: Option<Clean>) -> Option<Arc<Earlier>> {
-        if self.missing > 0 || UVec2::new(film.width(), film.height()) != self.size {
+        if self.missing > 0 || !self.is_of_size(film) {
             return self.earlier;
         }
         let known = |place: usize| {
@@ -311,18 +332,33 @@ impl Carried {
         let new = own.map(|own| (own.light, own.worth));
         let (radiance, carried) = self.blend(place, pixel, new).unwrap_or_default();
         let own = own.unwrap_or_default();
-        let worth = carried + own.worth;
-        let variances = carried * self.light[place].variance + own.worth * own.variance;
+        // Few samples do not tell how rare bright ones are.
+        let samples = film.samples(pixel.x, pixel.y) as f32;
+        let before = if carried > 0.0 { KNOWN_VARIANCE } else { 0.0 };
+        let variances = before * self.light[place].variance + samples * own.variance;
         Light {
             light: radiance,
-            worth,
-            variance: variances / worth.max(f32::MIN_POSITIVE),
+            worth: carried + own.worth,
+            variance: variances / (before + samples).max(1.0),
         }
         .on(&self.texels[place])
     }
 
     fn tile_index(&self, tile: Tile) -> usize {
         (tile.y / TILE * self.size.x.div_ceil(TILE) + tile.x / TILE) as usize
+    }
+}
+
+/// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where there is none.
+fn carried_at<'a>(
+    size: UVec2,
+    texels: &'a [Texel],
+    light: &'a [Light],
+) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync + 'a {
+    move |x, y| {
+        let place = place_of(size, x, y);
+        let Light { light, worth, variance } = light[place];
+        (worth > 0.0).then(|| (light * divisor(&texels[place]), variance))
     }
 }
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
-use super::pixels_of;
+use super::{Clean, WORTH_OF_DENOISED, pixels_of};
 use crate::color::{Rgb, luminance};
 use crate::render::film::Film;
 use crate::render::tile::{TILE, Tile};
@@ -21,8 +21,8 @@ const BLOCK: u32 = 8;
 const BLOCKS: usize = (TILE / BLOCK) as usize;
 /// Squared differences count as far as they exceed this many times what noise brings about.
 const SIGNIFICANT: f32 = 9.0;
-/// The least relative standard deviation of a sample that is believed.
-const LEAST_DEVIATION: f32 = 0.4;
+/// The least variance of a sample that is believed.
+const LEAST_VARIANCE: f32 = 1e-9;
 /// The largest factor by which light is corrected.
 const MOST_CORRECTION: f32 = 16.0;
 /// What is left of the trust in a block that has certainly changed, by the size of the block: the picture, tiles, and halves and quarters of their edge.
@@ -52,7 +52,7 @@ impl Sums {
     }
 
     /// The factors on the earlier light and the share of the trust in it, after this block is taken into account as well.
-    fn refine(&self, before: (Rgb, f32), left: f32) -> (Rgb, f32) {
+    fn refine(&self, before: (Rgb, f32), left: f32, least_deviation: f32) -> (Rgb, f32) {
         if self.pixels < 1.0 {
             return before;
         }
@@ -64,7 +64,7 @@ impl Sums {
         let spread = (self.squares * scale - plain_difference * plain_difference).max(0.0) * scale;
         let expected = self.variances * scale * scale;
         let brightness = luminance(old).max(luminance(new));
-        let least = (LEAST_DEVIATION * brightness).powi(2) / self.samples;
+        let least = (least_deviation * brightness).powi(2) / self.samples;
         let noise = spread.max(expected).max(least);
         let share = 1.0 - SIGNIFICANT * noise / (difference * difference).max(f32::MIN_POSITIVE);
         if share.is_nan() || share <= 0.0 {
@@ -78,14 +78,44 @@ impl Sums {
     }
 }
 
-/// The factors on earlier light, and the share of its worth that it keeps.
+/// What is known of the earlier light of a block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Standing {
+    /// The factors on the light.
+    pub correction: Rgb,
+    /// The share of its worth that it keeps.
+    pub share: f32,
+    /// One over the worth of light that is as far from the truth as this may be.
+    pub doubt: f32,
+}
+
+impl Standing {
+    fn lerp(&self, other: &Self, share: f32) -> Self {
+        let between = |a: f32, b: f32| a + (b - a) * share;
+        Self {
+            correction: self.correction.lerp(other.correction, share),
+            share: between(self.share, other.share),
+            doubt: between(self.doubt, other.doubt),
+        }
+    }
+
+    /// The worth of light that was worth so many samples.
+    pub fn worth(&self, before: f32) -> f32 {
+        let kept = before * self.share;
+        kept / (1.0 + kept * self.doubt)
+    }
+}
+
+/// What new samples tell of earlier light.
 #[derive(Debug)]
 pub(super) struct Trust {
     /// The blocks in a row of the picture, and the rows.
     size: UVec2,
-    blocks: Vec<(Rgb, f32)>,
+    blocks: Vec<Standing>,
     tiles_in_row: u32,
     tiles: Vec<Sums>,
+    /// The least relative standard deviation of a sample that is believed.
+    pub least_deviation: f32,
 }
 
 impl Trust {
@@ -94,9 +124,17 @@ impl Trust {
         let (size, tiles) = (count(BLOCK), count(TILE));
         Self {
             size,
-            blocks: vec![(Rgb::ONE, 1.0); size.element_product() as usize],
+            blocks: vec![
+                Standing {
+                    correction: Rgb::ONE,
+                    share: 1.0,
+                    doubt: 0.0,
+                };
+                size.element_product() as usize
+            ],
             tiles_in_row: tiles.x,
             tiles: vec![Sums::default(); tiles.element_product() as usize],
+            least_deviation: 1.0,
         }
     }
 
@@ -109,40 +147,72 @@ impl Trust {
         }
         let mut picture = Sums::default();
         self.tiles.iter().for_each(|tile| picture.add(tile));
-        let of_picture = picture.refine((Rgb::ONE, 1.0), LEFT[0]);
+        let of_picture = picture.refine((Rgb::ONE, 1.0), LEFT[0], self.least_deviation);
         for (tile, sums) in tiles.iter().zip(&all) {
             self.refine_tile(*tile, sums, of_picture);
         }
     }
 
     fn refine_tile(&mut self, tile: Tile, sums: &TileSums, of_picture: (Rgb, f32)) {
-        let of_tile = part_of(sums, 0..BLOCKS, 0..BLOCKS).refine(of_picture, LEFT[1]);
-        let half = BLOCKS / 2;
+        let of_tile = part_of(sums, 0..BLOCKS, 0..BLOCKS).refine(of_picture, LEFT[1], self.least_deviation);
+        let (half, least) = (BLOCKS / 2, self.least_deviation);
         for (row, blocks) in sums.iter().enumerate() {
             for (column, block) in blocks.iter().enumerate() {
                 let (top, left) = (row / half * half, column / half * half);
-                let of_part = part_of(sums, top..top + half, left..left + half).refine(of_tile, LEFT[2]);
+                let of_part =
+                    part_of(sums, top..top + half, left..left + half).refine(of_tile, LEFT[2], self.least_deviation);
                 let (x, y) = (tile.x / BLOCK + column as u32, tile.y / BLOCK + row as u32);
                 if x < self.size.x && y < self.size.y {
-                    self.blocks[(y * self.size.x + x) as usize] = block.refine(of_part, LEFT[3]);
+                    let standing = &mut self.blocks[(y * self.size.x + x) as usize];
+                    (standing.correction, standing.share) = block.refine(of_part, LEFT[3], least);
                 }
             }
         }
     }
 
-    /// The factors and the share at a pixel, between the middles of the blocks around it.
-    pub fn at(&self, pixel: UVec2) -> (Rgb, f32) {
+    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is no better than that many samples.
+    pub fn learn_clean(&mut self, film: &Film, clean: Clean, old: impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync) {
+        let worth = WORTH_OF_DENOISED * clean.samples.max(1) as f32;
+        let (columns, width) = (self.size.x, film.width());
+        self.blocks.par_iter_mut().enumerate().for_each(|(index, standing)| {
+            let (left, top) = (index as u32 % columns * BLOCK, index as u32 / columns * BLOCK);
+            let block = Tile {
+                x: left,
+                y: top,
+                width: BLOCK.min(width - left),
+                height: BLOCK.min(film.height() - top),
+            };
+            let (mut pixels, mut difference, mut variance) = (0.0, 0.0, 0.0);
+            for (x, y) in pixels_of(block) {
+                let (Some((old, expected)), Some(own)) = (old(x, y), film.pixel(x, y)) else {
+                    continue;
+                };
+                let new = clean.radiance[(y * width + x) as usize];
+                pixels += 1.0;
+                difference += luminance(new - old * standing.correction);
+                let spread = (own.luminance_squared - luminance(new).powi(2)).max(0.0);
+                variance += spread.max(expected);
+            }
+            if pixels > 0.0 {
+                let (difference, variance) = (difference / pixels, variance / pixels);
+                let beyond_noise = (difference * difference - variance / worth).max(0.0);
+                standing.doubt = beyond_noise / variance.max(LEAST_VARIANCE);
+            }
+        });
+    }
+
+    /// What is known between the middles of the blocks around a pixel.
+    pub fn at(&self, pixel: UVec2) -> Standing {
         let last = (self.size - 1).as_vec2();
         let place = ((pixel.as_vec2() + 0.5) / BLOCK as f32 - 0.5).clamp(Vec2::ZERO, last);
         let corner = place.floor();
         let share = place - corner;
         let (x, y) = (corner.x as u32, corner.y as u32);
         let (right, below) = ((x + 1).min(self.size.x - 1), (y + 1).min(self.size.y - 1));
-        let block = |x: u32, y: u32| self.blocks[(y * self.size.x + x) as usize];
-        let between = |a: (Rgb, f32), b: (Rgb, f32), share: f32| (a.0.lerp(b.0, share), a.1 + (b.1 - a.1) * share);
-        let upper = between(block(x, y), block(right, y), share.x);
-        let lower = between(block(x, below), block(right, below), share.x);
-        between(upper, lower, share.y)
+        let block = |x: u32, y: u32| &self.blocks[(y * self.size.x + x) as usize];
+        let upper = block(x, y).lerp(block(right, y), share.x);
+        let lower = block(x, below).lerp(block(right, below), share.x);
+        upper.lerp(&lower, share.y)
     }
 }
 

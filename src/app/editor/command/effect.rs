@@ -166,7 +166,9 @@ impl Command {
 
     /// Whether the command is one of many that follow each other while the view or something in it moves.
     pub(crate) fn moves_picture(&self) -> bool {
-        matches!(self, Self::MoveView(_) | Self::SetTime(_)) || self.effect() == Effect::Drag
+        // What is known of the picture is multiplied by what lights become stronger.
+        let is_about_light = matches!(self, Self::SetAreaLight(..) | Self::SetEmitter(..));
+        matches!(self, Self::MoveView(_) | Self::SetTime(_)) || self.effect() == Effect::Drag && !is_about_light
     }
 
     /// Whether the command is about single pixels of the picture.

@@ -191,6 +191,7 @@ fn shown(world: &mut World) -> Shown {
         noise: control.noise_target,
         adaptive: control.adaptive,
         keeps_lights_apart: control.light_layers,
+        lights_are_free: control.lights_are_free,
         region: control.region.map(|region| [region.min.into(), region.max.into()]),
     }
 }
@@ -227,6 +228,7 @@ fn show(world: &mut World, shown: &Shown) {
             max: max.into(),
         });
         control.light_layers = shown.keeps_lights_apart;
+        control.lights_are_free &= shown.lights_are_free;
     });
 }
 

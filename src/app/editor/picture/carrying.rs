@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use crossbeam_channel::TryRecvError;
 
 use super::compare::Comparison;
+use super::denoised::Denoised;
 use super::denoiser::Denoiser;
 use super::filter_work::FilterWork;
 use crate::app::editor::command::compare_view::CompareView;
@@ -48,6 +49,8 @@ pub(crate) struct Carrying {
     /// The number of tiles of the film's G-buffer that were taken.
     taken: usize,
     has_backlog: bool,
+    /// Whether this picture or one before it had guided paths.
+    is_guided: bool,
     /// The tiles that show something that is not of the film.
     tiles: HashSet<Tile>,
     /// Whether all has to be painted because nothing is carried over any more.
@@ -87,14 +90,28 @@ impl Carrying {
         }
     }
 
+    /// Compares it with a denoised picture.
+    pub(super) fn learn_clean(&mut self, film: &RenderFilm, clean: Clean) {
+        if let Some(carried) = self.carried.as_mut().filter(|carried| carried.is_of_size(&film.film)) {
+            carried.learn_clean(&film.film, clean);
+        }
+    }
+
     /// Notes which of these tiles, which were painted, still show something that is not of the film. It ends when there are none.
-    pub(super) fn note_painted(&mut self, film: &RenderFilm, painted: &[Tile], still: Vec<Tile>) {
+    pub(super) fn note_painted(
+        &mut self,
+        film: &RenderFilm,
+        painted: &[Tile],
+        still: Vec<Tile>,
+        garbage: &DeferredDrop,
+    ) {
         for tile in painted {
             self.tiles.remove(tile);
         }
         self.tiles.extend(still);
         if self.tiles.is_empty() && film.samples > 0 {
-            (self.carried, self.coarse) = (None, None);
+            garbage.drop_later(self.carried.take());
+            self.coarse = None;
         }
     }
 
@@ -147,11 +164,12 @@ impl Carrying {
         let view = film.view.as_ref().filter(|view| view.shown == Shown::Radiance);
         // A picture that fills the memory is shown without the one before.
         if let Some(view) = view.filter(|view| self.reserve(view)) {
-            self.carried = Some(Carried::begin(
-                earlier,
-                &view.camera,
-                UVec2::new(view.width, view.height),
-            ));
+            let mut carried = Carried::begin(earlier, &view.camera, UVec2::new(view.width, view.height));
+            self.is_guided |= view.guide.is_some();
+            if self.is_guided {
+                carried.expect_guided_paths();
+            }
+            self.carried = Some(carried);
             self.tiles = tiles(view.width, view.height).into_iter().collect();
             film.mark_all();
         }
@@ -198,7 +216,12 @@ pub(crate) fn ask_for_gbuffer(
     preferences: Res<Preferences>,
     mix: Res<LightMix>,
     comparison: Res<Comparison>,
+    film: Res<RenderFilm>,
 ) {
+    // A picture that was kept may be without what that takes, until another scene is opened.
+    if film.is_empty() && control.lights_are_free != carrying.is_watched {
+        control.lights_are_free = carrying.is_watched;
+    }
     // Mixed lights and comparisons show what is in the film.
     let is_plain =
         settings.display.mode == DisplayMode::Shaded && mix.is_neutral() && comparison.view == CompareView::Off;
@@ -226,21 +249,23 @@ pub(crate) fn follow_carrying(
     if !control.gbuffer || film.is_empty() {
         carrying.end(&garbage);
         (carrying.earlier, carrying.memory, carrying.job) = (None, None, film.job);
+        carrying.is_guided = false;
         return;
     }
-    if is_new {
+    let is_relit = is_new && film.relit.is_some() && carrying.job + 1 == film.job;
+    if is_relit {
+        // What is carried over is corrected by the samples, which have the new light.
+        carrying.job = film.job;
+    } else if is_new {
         carrying.begin(film, &garbage);
     }
     if restarts {
         // The cores are needed for the next picture.
         carrying.coarse = None;
         if carrying.earlier.is_none() {
-            let clean = denoiser.picture().filter(|picture| picture.job == film.job);
-            let clean = clean.map(|picture| Clean {
-                radiance: &picture.radiance,
-                samples: picture.samples,
-            });
-            carrying.keep(film, clean);
+            let clean = denoiser.picture();
+            let clean = clean.filter(|picture| picture.job == film.job && picture.mix.is_empty());
+            carrying.keep(film, clean.map(Denoised::clean));
         }
     }
     if status.state == RenderState::Done && status.is_up_to_date {

@@ -9,6 +9,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 use crossbeam_channel::TryRecvError;
 
+use super::denoised::Denoised;
 use super::denoiser_input::FilmCopy;
 use super::filter_work::FilterWork;
 use crate::app::editor::command::display::DisplayMode;
@@ -27,20 +28,6 @@ const QUICK: f32 = 1.0;
 const REST: f32 = 8.0;
 /// The seconds that the filter is taken to need before it was used.
 const EXPECTED: f32 = 0.3;
-
-/// A denoised picture, as large as the film it was made from.
-pub(crate) struct Denoised {
-    pub radiance: Vec<Rgb>,
-    /// The factors on the layers of the film that it was made with.
-    pub mix: Vec<Rgb>,
-    pub seconds: f32,
-    /// The samples per pixel that it was made from.
-    pub samples: u32,
-    /// Tells denoised pictures apart.
-    pub number: u64,
-    pub job: u64,
-    is_careful: bool,
-}
 
 /// The denoiser's work, at most one at a time; its result is shown until the film is begun anew or a fresher one is there.
 #[derive(Resource)]
@@ -195,7 +182,7 @@ impl Denoiser {
             let is_best = shown.is_some_and(|shown| shown.is_careful && shown.samples >= now.samples);
             return (!is_best).then_some(Care::Careful);
         }
-        let before = shown.map_or(0, |shown| shown.samples);
+        let before = shown.filter(|shown| !shown.is_relit).map_or(0, |shown| shown.samples);
         let next = match before {
             0 if self.usual <= QUICK => 1,
             0 => FIRST,
@@ -203,6 +190,16 @@ impl Denoiser {
         };
         let has_rested = self.rests_since.elapsed().as_secs_f32() >= REST * self.usual;
         (now.samples >= next || now.samples > before && has_rested).then_some(Care::Quick)
+    }
+
+    /// Goes on with the shown picture if lights have become stronger and the samples have stayed. A fresh one is due soon.
+    fn relight(&mut self, film: &RenderFilm) {
+        if let Some(factors) = film.relit.as_deref().filter(|_| self.job + 1 == film.job)
+            && let Some(shown) = self.shown.take_if(|shown| shown.job == self.job)
+        {
+            self.started += 1;
+            self.shown = shown.relit(film, factors, self.started);
+        }
     }
 
     /// Notes which film there is, and drops what is of another one.
@@ -258,6 +255,7 @@ impl Denoiser {
                 number,
                 job: copy.job,
                 is_careful: copy.care == Care::Careful,
+                is_relit: false,
             })
         };
         match FilterWork::begin("denoise", gate, wake_up, filter) {
@@ -296,6 +294,7 @@ pub(crate) fn follow_denoiser(
         is_finished: matches!(status.state, RenderState::Done | RenderState::Paused),
         mix: &mix,
     };
+    denoiser.relight(&film);
     denoiser.follow(&now, status.last_restart);
     let begin = |denoiser: &mut Denoiser| {
         // Other modes do not show it.
@@ -374,6 +373,7 @@ mod tests {
             number: 1,
             job: 7,
             is_careful,
+            is_relit: false,
         })
     }
 

@@ -7,6 +7,7 @@ pub mod baking;
 pub mod ball_picture;
 pub(crate) mod carrying;
 pub mod compare;
+pub mod denoised;
 pub mod denoiser;
 mod denoiser_input;
 pub mod depths;

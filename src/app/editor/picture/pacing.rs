@@ -133,9 +133,9 @@ pub fn pace(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
     );
-    // Until there is a sample of every pixel much is new in each frame.
+    // Until there is a sample of every pixel much is new in each frame. Where many cores trace, results fill the room for them between two frames.
     let settles = busy && status.samples == 0;
-    let is_lively = in_use || !busy || settles;
+    let is_lively = in_use || !busy || settles || !pacing.draws_on_cpu;
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
     let wait = match busy {
         _ if in_use => LIVELY,

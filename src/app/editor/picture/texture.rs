@@ -9,6 +9,7 @@ use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
 
 use super::carrying::Carrying;
 use super::compare::{Comparison, PixelComparison};
+use super::denoised::Denoised;
 use super::denoiser::Denoiser;
 use super::painter::{self, Painter, Scales};
 use crate::app::editor::command::compare_view::CompareView;
@@ -17,8 +18,7 @@ use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{PackedScene, RenderFilm, fit};
-use crate::render::carry::Clean;
+use crate::engine::{DeferredDrop, PackedScene, RenderFilm, fit};
 use crate::render::tile::tiles;
 
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
@@ -133,6 +133,7 @@ pub fn update_picture(
     comparison: Res<Comparison>,
     packed: Res<PackedScene>,
     mut carrying: ResMut<Carrying>,
+    garbage: Res<DeferredDrop>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
@@ -161,6 +162,7 @@ pub fn update_picture(
     };
     let carrying = carrying.bypass_change_detection();
     let has_ended = carrying.take_end();
+    let shows_other = picture.denoised() != shown.denoised;
     let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || picture.size != size;
     if !film.has_dirty() && !asked_anew {
         return;
@@ -193,14 +195,15 @@ pub fn update_picture(
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
     let compared = compared.or(beside_noisy);
     picture.compared = compared.as_ref().map_or(CompareView::Off, PixelComparison::view);
-    let carried = carrying.picture().filter(|carried| is_shaded && carried.size() == size);
+    if let Some(clean) = denoised.map(Denoised::clean).filter(|_| shows_other) {
+        carrying.learn_clean(&film, clean);
+    }
+    let carried = carrying
+        .picture()
+        .filter(|carried| is_shaded && carried.is_of_size(&film.film));
     let still_carried = match (denoised.filter(|_| noisy_left.is_none()), compared) {
         (Some(denoised), compared) => {
-            let clean = Clean {
-                radiance: &denoised.radiance,
-                samples: denoised.samples,
-            };
-            let blended = carried.map(|carried| carried.blend_picture(&film.film, clean));
+            let blended = carried.map(|carried| carried.blend_picture(&film.film, denoised.clean()));
             let (blended, still_carried) = blended.unzip();
             let shown = blended.as_deref().unwrap_or(&denoised.radiance);
             match compared {
@@ -217,7 +220,7 @@ pub fn update_picture(
         }
     };
     if carried.is_some() {
-        carrying.note_painted(&film, &dirty, still_carried);
+        carrying.note_painted(&film, &dirty, still_carried, &garbage);
     }
     image.sampler = sampler(view.enlarging);
     let shown_size = texture_size(size);

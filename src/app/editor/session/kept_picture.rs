@@ -40,6 +40,9 @@ pub struct Shown {
     pub region: Option<[[f32; 2]; 2]>,
     /// Whether the light of each light is kept by itself.
     pub keeps_lights_apart: bool,
+    /// Whether it has what it takes for lights to be free, see [`RenderControl::lights_are_free`](crate::engine::RenderControl::lights_are_free).
+    #[serde(default)]
+    pub lights_are_free: bool,
 }
 
 impl Shown {
@@ -178,6 +181,7 @@ mod tests {
             adaptive: Some(true),
             region: Some([[0.0, 0.25], [0.5, 1.0]]),
             keeps_lights_apart: true,
+            lights_are_free: true,
         };
         let text = serde_json::to_string(&shown).expect("a text");
         assert_eq!(Shown::read(&text), Some(shown.clone()));

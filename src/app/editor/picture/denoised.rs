@@ -1,0 +1,60 @@
+//! A picture that was denoised.
+
+use rayon::prelude::*;
+
+use crate::color::Rgb;
+use crate::engine::RenderFilm;
+use crate::render::carry::Clean;
+
+/// Is added to radiance before it is divided by.
+const LEAST_LIGHT: f32 = 1e-4;
+
+/// A denoised picture, as large as the film it was made from.
+pub(crate) struct Denoised {
+    pub radiance: Vec<Rgb>,
+    /// The factors on the layers of the film that it was made with.
+    pub mix: Vec<Rgb>,
+    pub seconds: f32,
+    /// The samples per pixel that it was made from.
+    pub samples: u32,
+    /// Tells denoised pictures apart.
+    pub number: u64,
+    pub job: u64,
+    pub is_careful: bool,
+    /// Whether lights have become stronger since it was made: a fresh one is due.
+    pub is_relit: bool,
+}
+
+impl Denoised {
+    /// The picture as one to which others are compared.
+    pub fn clean(&self) -> Clean<'_> {
+        Clean {
+            radiance: &self.radiance,
+            samples: self.samples,
+        }
+    }
+
+    /// The same picture after the light of each group of the film was multiplied by its factor: each pixel by what that has made of the pixel of the film. None if
+    /// that cannot be told, because the light of a group is gone or the lights are mixed.
+    pub fn relit(mut self, film: &RenderFilm, factors: &[Rgb], number: u64) -> Option<Self> {
+        let back: Vec<Rgb> = factors.iter().map(|&factor| 1.0 / factor).collect();
+        let can_be_told = self.mix.is_empty() && back.iter().all(|factor| factor.is_finite());
+        if !can_be_told {
+            return None;
+        }
+        self.radiance.par_iter_mut().enumerate().for_each(|(place, light)| {
+            let (x, y) = (place as u32 % film.film.width(), place as u32 / film.film.width());
+            let after = film.film.mixed_pixel(x, y, &[]).unwrap_or_default();
+            let before = match film.film.layers().groups {
+                0 => after * back.first().copied().unwrap_or(Rgb::ONE),
+                _ => film.film.mixed_pixel(x, y, &back).unwrap_or_default(),
+            };
+            // Filters of pixels may have made a little of it negative.
+            let [before, after] = [before, after].map(|light| light.max(Rgb::ZERO) + LEAST_LIGHT);
+            *light *= after / before;
+        });
+        (self.number, self.job) = (number, film.job);
+        (self.is_relit, self.is_careful) = (true, false);
+        Some(self)
+    }
+}
