@@ -161,7 +161,7 @@ impl Gate {
         }
     }
 
-    /// Whether somebody keeps it closed.
+    /// Whether a guard keeps it closed.
     pub(super) fn is_closed(&self) -> bool {
         self.0.load(Ordering::Acquire) > 0
     }

@@ -38,7 +38,7 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::color::Rgb;
 use crate::layer::Layer;
 use crate::light::emission::Reach;
-use crate::light::{LightSource, LightTable, WeightedSource};
+use crate::light::{LightSource, LightTable, WeightedSource, gain};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::{MediumId, Volume};
 use crate::render::guide::Guide;
@@ -52,7 +52,7 @@ use crate::texture::TextureTable;
 /// The time for which a change waits, while others follow without pause, until the preview of the change before has been seen.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
 
-/// The most memory in bytes for the light of groups that nobody has asked for.
+/// The most memory in bytes for the light of groups that is kept only so that lights are free.
 const MOST_FOR_GROUPS: u64 = 64 << 20;
 
 /// The tables that were packed last.
@@ -445,7 +445,7 @@ impl Extracted {
             };
             let is_other = has_moved || is_textured && repainted;
             let gains = self.gains.take().filter(|_| !is_other);
-            self.gains = gains.and_then(|gains| gains_on(gains, &self.light_sources, &sources));
+            self.gains = gains.and_then(|gains| gain::compose(gains, &self.light_sources, &sources));
             self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
             self.light_sources = sources;
         }
@@ -479,18 +479,6 @@ impl Extracted {
             view.light_groups = layers;
         }
     }
-}
-
-/// The gains after `old` lights have become `new` ones.
-fn gains_on(gains: Vec<Rgb>, old: &[WeightedSource], new: &[WeightedSource]) -> Option<Vec<Rgb>> {
-    if old.len() != new.len() {
-        return None;
-    }
-    let before = gains.into_iter().chain(std::iter::repeat(Rgb::ONE));
-    let lights = new.iter().zip(old).zip(before);
-    lights
-        .map(|((new, old), gain)| Some(gain * new.gain_since(old)?).filter(|gain| gain.is_finite()))
-        .collect()
 }
 
 fn split_method(method: AccelMethod) -> SplitMethod {

@@ -124,6 +124,19 @@ impl LightSource {
     }
 }
 
+/// The factors by which `new` lights differ from lights of which `old` differ by `gains`, light by light; lights without a gain have not changed. None if more
+/// than their strength has changed, or a factor is not finite.
+pub fn compose(gains: Vec<Rgb>, old: &[WeightedSource], new: &[WeightedSource]) -> Option<Vec<Rgb>> {
+    if old.len() != new.len() {
+        return None;
+    }
+    let before = gains.into_iter().chain(std::iter::repeat(Rgb::ONE));
+    let lights = new.iter().zip(old).zip(before);
+    lights
+        .map(|((new, old), gain)| Some(gain * new.gain_since(old)?).filter(|gain| gain.is_finite()))
+        .collect()
+}
+
 /// Whether two gains differ by no more than rounding.
 pub fn is_about(one: Rgb, other: Rgb) -> bool {
     (one - other).abs().cmple(1e-5 * one.abs().max(other.abs())).all()

@@ -72,7 +72,7 @@ impl Light {
     }
 }
 
-/// What of an earlier picture is carried over to a new one.
+/// The light of an earlier picture that is carried over to a new one.
 #[derive(Debug)]
 pub struct Carried {
     size: UVec2,

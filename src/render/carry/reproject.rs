@@ -28,7 +28,7 @@ const SPECULAR_SLACK: f32 = 4.0;
 const SAME_NORMAL: f32 = 0.9;
 /// Distances to the same place differ by no more than this share, beside what follows from the size of pixels.
 const SAME_DISTANCE: f32 = 0.004;
-/// Of four pixels around a place at least this share has to show it.
+/// The least share of the four pixels around a place that has to show it.
 const LEAST_SHARE: f32 = 0.05;
 
 pub(super) struct Reprojection<'a> {

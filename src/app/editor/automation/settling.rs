@@ -81,7 +81,7 @@ enum Stage {
 struct Acting {
     since: Instant,
     start: Start,
-    /// As many of [`PICTURES`] as there are so far.
+    /// The pictures of [`PICTURES`] that were taken so far, in their order.
     pictures: Vec<Timed>,
 }
 

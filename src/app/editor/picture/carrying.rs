@@ -38,7 +38,7 @@ const COPIES: u64 = 4;
 /// The picture before, and what of it is carried over.
 #[derive(Resource, Default)]
 pub(crate) struct Carrying {
-    /// Whether there is somebody who sees it.
+    /// Whether the window has a user, or stands for one in a measurement.
     is_watched: bool,
     /// The picture that was shown when the job began whose film has not begun yet.
     earlier: Option<Arc<Earlier>>,
@@ -97,7 +97,7 @@ impl Carrying {
         }
     }
 
-    /// Notes which of these tiles, which were painted, still show something that is not of the film. It ends when there are none.
+    /// Notes which of the painted tiles still show something that is not of the film. Carrying over ends when there are none.
     pub(super) fn note_painted(
         &mut self,
         film: &RenderFilm,
@@ -110,8 +110,9 @@ impl Carrying {
         }
         self.tiles.extend(still);
         if self.tiles.is_empty() && film.samples > 0 {
-            garbage.drop_later(self.carried.take());
-            self.coarse = None;
+            self.end(garbage);
+            // The texture already shows the film alone.
+            self.has_ended = false;
         }
     }
 

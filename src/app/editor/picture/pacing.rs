@@ -1,7 +1,7 @@
 //! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
 //!
 //! A software driver draws with the very cores that trace rays. There the window is not drawn after an edit until there is something new to see. While
-//! nobody does anything and the picture only becomes less noisy, drawing takes at most a tenth of a core with any driver.
+//! there is no input and the picture only becomes less noisy, drawing takes at most a tenth of a core with any driver.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,7 +29,7 @@ const IDLE: Duration = Duration::from_millis(500);
 const AFTER_INPUT: Duration = Duration::from_millis(500);
 /// The time after any event of the window in which no frame is left out, long enough for tooltips.
 const AFTER_EVENT: Duration = Duration::from_millis(800);
-/// The least rest after a frame was drawn for nobody, as a multiple of the time that it took.
+/// The least rest after a frame that was drawn without input, as a multiple of the time that it took.
 const REST: f32 = 9.0;
 /// The longest such rest.
 const LONGEST_REST: Duration = Duration::from_secs(2);
@@ -77,7 +77,7 @@ impl Pacing {
         self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
     }
 
-    /// Whether this frame is left out because nobody does anything and the one before took long.
+    /// Whether this frame is not drawn because there is no input and the last drawing took long.
     fn spares(&self, now: Instant, status: &RenderStatus) -> bool {
         let since = |then: Option<Instant>| then.map_or(Duration::MAX, |then| now.duration_since(then));
         let rest = Duration::from_secs_f32(1e-3 * REST * self.drawing).min(LONGEST_REST);
@@ -151,7 +151,7 @@ pub fn pace(
     }
 }
 
-/// Leaves the cores to the tracer: on a software driver until an edit has something to show, and with any driver while nobody does anything.
+/// Skips drawing to leave the cores to the tracer: on a software driver until an edit has something to show, and with any driver while there is no input.
 pub fn hold_back_frame(
     mut pacing: ResMut<Pacing>,
     picture: Res<Picture>,

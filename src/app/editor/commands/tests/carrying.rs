@@ -12,7 +12,7 @@ use crate::scene::{AreaLight, Hidden, Shape, ShapeKind};
 
 const SAMPLES: u32 = 1024;
 
-/// A ball in the sky, of which the picture of [`SAMPLES`] samples is finished, in an editor that somebody looks at.
+/// An editor whose pictures are carried over, with a ball in the sky. Its picture of [`SAMPLES`] samples is finished.
 fn watched() -> (App, Entity) {
     let mut app = app();
     app.init_asset::<Image>()
