@@ -20,7 +20,7 @@ use super::passes::chunks_in;
 use super::scene::FirstHit;
 use super::splats::{Splat, SplatSum, Splats, TileSplats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
@@ -56,6 +56,28 @@ pub struct Film {
     chunks: Option<Vec<Vec<TileSamples>>>,
     /// How many times the estimate the squared errors of the pixels' own samples are, where [`super::replicas`] have told.
     correction: Option<f32>,
+}
+
+/// What the samples of a pixel tell; all zero if there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// The number of samples.
+    pub samples: u32,
+    /// Their mean.
+    pub radiance: Rgb,
+    /// The mean of their squared luminances.
+    pub luminance_squared: f32,
+}
+
+impl Moments {
+    /// The variance of the luminance of a sample. A single one may be anything.
+    pub fn variance(&self) -> f32 {
+        let mean = luminance(self.radiance);
+        match self.samples {
+            1 => mean * mean,
+            _ => (self.luminance_squared - mean * mean).max(0.0),
+        }
+    }
 }
 
 impl Film {
@@ -205,6 +227,11 @@ impl Film {
         self.previews[place] = Some(preview);
     }
 
+    /// The preview of a tile of the picture, as long as it has no samples.
+    pub(super) fn preview_of(&self, tile: Tile) -> Option<&TilePreview> {
+        self.previews[self.tile_index(tile.x, tile.y)].as_ref()
+    }
+
     /// The preview's block around a pixel that has no sample yet.
     fn preview(&self, x: u32, y: u32) -> Option<(&TilePreview, usize)> {
         let preview = self.previews[self.tile_index(x, y)].as_ref()?;
@@ -327,18 +354,46 @@ impl Film {
             }
             return;
         }
-        // The same without looking up the tile of each pixel.
+        self.each_sum_of_row(tile, y, |place, count, radiance, _| {
+            row[place] = (count > 0).then(|| radiance * (1.0 / count as f32));
+        });
+    }
+
+    /// What the samples of a row of pixels of a tile tell, in the first of `row`.
+    pub fn moments_row(&self, tile: Tile, y: u32, row: &mut [Moments; TILE as usize]) {
+        let start = self.index(tile.x, y);
+        self.each_sum_of_row(tile, y, |place, samples, radiance, luminance_squared| {
+            let scale = if samples > 0 { 1.0 / samples as f32 } else { 0.0 };
+            let splats = if samples > 0 {
+                self.splatted(start + place)
+            } else {
+                Rgb::ZERO
+            };
+            row[place] = Moments {
+                samples,
+                radiance: radiance * scale + splats,
+                luminance_squared: luminance_squared * scale,
+            };
+        });
+    }
+
+    /// Gives `each` the place in a row of a tile of every pixel of it, its number of samples, and the sums of their radiance and of their squared luminances.
+    fn each_sum_of_row(&self, tile: Tile, y: u32, mut each: impl FnMut(usize, u32, Rgb, f32)) {
         let places = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
+        // Looked up once, and not for each pixel.
         let begun = self.begun_at(tile.x, y);
         let begun = begun.map(|(chunk, start, _)| (&chunk.pixels[start..], chunk.samples.len() as u32));
         let pixels = self.sums[places.clone()].iter().zip(&self.counts[places]);
-        for (i, (pixel, (sum, &count))) in row.iter_mut().zip(pixels).enumerate() {
-            let sum = match begun {
-                Some((new, samples)) if count == samples => new[i].radiance,
-                Some((new, _)) => sum.radiance + new[i].radiance,
-                None => sum.radiance,
+        for (place, (sum, &count)) in pixels.enumerate() {
+            let (radiance, luminance_squared) = match begun {
+                Some((new, samples)) if count == samples => (new[place].radiance, new[place].luminance_squared),
+                Some((new, _)) => (
+                    sum.radiance + new[place].radiance,
+                    sum.luminance_squared + new[place].luminance_squared,
+                ),
+                None => (sum.radiance, sum.luminance_squared),
             };
-            *pixel = (count > 0).then(|| sum * (1.0 / count as f32));
+            each(place, count, radiance, luminance_squared);
         }
     }
 

@@ -34,8 +34,8 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// The picture as the film has it in the middle of each block. None while there are blocks without a preview.
-    pub(super) fn of(film: &Film, texels: &[Texel]) -> Option<Self> {
+    /// The picture as the film has it in the middle of each block, with what each pixel shows. None while there are blocks without a preview.
+    pub(super) fn of(film: &Film, texel: impl Fn(u32, u32) -> Option<Texel>) -> Option<Self> {
         let size = UVec2::new(film.width(), film.height());
         let blocks = UVec2::new(size.x.div_ceil(STEP), size.y.div_ceil(STEP));
         let count = blocks.element_product() as usize;
@@ -54,7 +54,8 @@ impl Coarse {
             coarse.albedo.push(pixel.albedo);
             coarse.normal.push(pixel.normal);
         }
-        coarse.texels = texels.to_vec();
+        let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y)));
+        coarse.texels = pixels.map(|(x, y)| texel(x, y)).collect::<Option<_>>()?;
         Some(coarse)
     }
 

@@ -21,12 +21,12 @@ use rayon::prelude::*;
 
 pub use self::coarse::Coarse;
 pub use self::earlier::Earlier;
-use self::reproject::Reprojection;
-use self::trust::Trust;
+pub use self::reproject::Reprojection;
+use self::trust::{Standing, Trust};
 use super::camera::Camera;
-use super::film::Film;
+use super::film::{Film, Moments};
 use super::gbuffer::{Texel, TileGBuffer};
-use super::tile::{TILE, Tile, tiles as all_tiles};
+use super::tile::{TILE, Tile};
 use crate::color::{Rgb, luminance};
 
 /// Is added to albedos before light is divided by them.
@@ -72,25 +72,116 @@ impl Light {
     }
 }
 
-/// The light of an earlier picture that is carried over to a new one.
+/// A tile of a picture: what its pixels show, the light that is carried over to them, and the light that they were painted with, row by row.
 #[derive(Debug)]
-pub struct Carried {
-    size: UVec2,
-    camera: Camera,
-    earlier: Option<Arc<Earlier>>,
+pub struct CarriedTile {
+    tile: Tile,
     texels: Vec<Texel>,
     light: Vec<Light>,
-    /// The pixels that were found in the earlier picture.
-    found: usize,
-    /// The tiles whose G-buffer is not there.
-    missing: usize,
-    /// Whether the [`Coarse`] picture was asked for, or is not needed.
-    has_coarse: bool,
-    /// Whether the G-buffer of each tile is there.
-    is_exact: Vec<bool>,
+    shown: Vec<Light>,
+    /// Whether it shows nothing but the film.
+    is_own: bool,
+}
+
+impl CarriedTile {
+    /// Finds the pixels of a G-buffer in an earlier picture, if there is one.
+    pub fn find(reprojection: Option<&Reprojection>, gbuffer: TileGBuffer) -> Self {
+        let pixels = pixels_of(gbuffer.tile).zip(&gbuffer.texels);
+        let light: Vec<Light> = match reprojection {
+            Some(reprojection) => pixels.map(|((x, y), texel)| reprojection.find(x, y, texel)).collect(),
+            None => vec![Light::default(); gbuffer.texels.len()],
+        };
+        Self {
+            tile: gbuffer.tile,
+            texels: gbuffer.texels,
+            shown: light.clone(),
+            light,
+            is_own: false,
+        }
+    }
+
+    /// Says that all of it has samples and was painted without anything that is carried over: from now on it shows the film alone.
+    pub fn end(&mut self) {
+        self.is_own = true;
+    }
+
+    /// The number of pixels for which there is light.
+    fn found(&self) -> usize {
+        self.light.iter().filter(|light| light.worth > LEAST_FOUND).count()
+    }
+
+    /// Where nothing is carried over, shows the surfaces in the mean light of the tile's preview, for all normals near the same axis together. Single
+    /// samples of a preview would only be noise.
+    fn take_preview(&mut self, film: &Film) {
+        let Some(preview) = film.preview_of(self.tile) else {
+            return;
+        };
+        let mut means = [(Rgb::ZERO, 0.0); DIRECTIONS];
+        let columns = self.tile.width.div_ceil(preview.step);
+        for (block, pixel) in (0..).zip(&preview.blocks) {
+            // The block is what its middle shows.
+            let middle = preview.step * UVec2::new(block % columns, block / columns) + preview.step / 2;
+            let middle = middle.min(UVec2::new(self.tile.width, self.tile.height) - 1);
+            let mean = &mut means[direction_of(&self.texels[(middle.y * self.tile.width + middle.x) as usize])];
+            *mean = (mean.0 + pixel.radiance / (pixel.albedo + LEAST_ALBEDO), mean.1 + 1.0);
+        }
+        for (light, texel) in self.light.iter_mut().zip(&self.texels) {
+            let (sum, count) = means[direction_of(texel)];
+            if light.worth <= WORTH_OF_MEAN && count > 0.0 {
+                let mean = sum / count;
+                *light = Light {
+                    light: mean,
+                    worth: WORTH_OF_MEAN,
+                    variance: luminance(mean).powi(2),
+                };
+            }
+        }
+    }
+
+    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over. `light` is the whole picture.
+    fn add_coarse(&mut self, size: UVec2, light: &[Rgb]) {
+        self.is_own = false;
+        for ((x, y), own) in pixels_of(self.tile).zip(&mut self.light) {
+            let coarse = light[place_of(size, x, y)];
+            let share = WORTH_OF_COARSE / (own.worth + WORTH_OF_COARSE);
+            *own = Light {
+                light: own.light.lerp(coarse, share),
+                worth: own.worth + WORTH_OF_COARSE,
+                variance: own.variance.max(luminance(coarse).powi(2)),
+            };
+        }
+    }
+
+    /// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where there is none.
+    fn carried(&self, place: usize) -> Option<(Rgb, f32)> {
+        let Light { light, worth, variance } = self.light[place];
+        (worth > 0.0).then(|| (light * divisor(&self.texels[place]), variance))
+    }
+}
+
+/// What pixels are blended with, beside the light of their tiles.
+#[derive(Debug)]
+pub struct Blender {
+    size: UVec2,
+    reprojection: Option<Arc<Reprojection>>,
     trust: Trust,
     /// The share of its worth that all light keeps.
     kept: f32,
+}
+
+/// The light of an earlier picture that is carried over to a new one.
+#[derive(Debug)]
+pub struct Carried {
+    camera: Camera,
+    blender: Blender,
+    /// The tiles whose G-buffer is there, row by row.
+    tiles: Vec<Option<CarriedTile>>,
+    /// The number of those for which it is not.
+    missing: usize,
+    /// The pixels that were found in the earlier picture.
+    found: usize,
+    /// Whether the [`Coarse`] picture was asked for, or is not needed.
+    has_coarse: bool,
 }
 
 /// A denoised picture of the same film.
@@ -103,173 +194,198 @@ pub struct Clean<'a> {
 }
 
 impl Carried {
-    /// Begins a picture of this size in pixels with guesses of where each of its pixels was in the earlier one, if there is one.
+    /// The memory for a pixel in bytes.
+    pub const BYTES_OF_PIXEL: u64 = (size_of::<Texel>() + 2 * size_of::<Light>()) as u64;
+
+    /// Begins a picture of this size in pixels. Until a tile is [added](Self::add), the places of its pixels in the earlier picture are guessed.
     pub fn begin(earlier: Option<Arc<Earlier>>, camera: &Camera, size: UVec2) -> Self {
         let camera = camera.sharp();
-        let pixels = size.x as usize * size.y as usize;
-        let (texels, light) = match &earlier {
-            Some(earlier) => Reprojection::new(earlier, &camera, size).guess(),
-            None => (vec![Texel::nothing(); pixels], vec![Light::default(); pixels]),
-        };
         let tiles = size.x.div_ceil(TILE) * size.y.div_ceil(TILE);
         Self {
-            size,
             camera,
-            texels,
-            light,
-            found: 0,
+            blender: Blender {
+                size,
+                reprojection: earlier.map(|earlier| Arc::new(Reprojection::new(earlier, camera, size))),
+                trust: Trust::new(size),
+                kept: 1.0,
+            },
+            tiles: (0..tiles).map(|_| None).collect(),
             missing: tiles as usize,
+            found: 0,
             has_coarse: false,
-            earlier,
-            is_exact: vec![false; tiles as usize],
-            trust: Trust::new(size),
-            kept: 1.0,
         }
+    }
+
+    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has hardly begun.
+    pub fn into_earlier(self) -> Option<Arc<Earlier>> {
+        let before = self.earlier();
+        let tiles: Option<Vec<CarriedTile>> = self.tiles.into_iter().collect();
+        let own = tiles.map(|tiles| Arc::new(Earlier::new(self.camera, self.blender.size, tiles)));
+        own.or(before)
+    }
+
+    /// The picture before this one.
+    pub fn earlier(&self) -> Option<Arc<Earlier>> {
+        Some(self.blender.reprojection.as_ref()?.earlier())
     }
 
     /// Says that paths are guided: few samples, and those that have taught a guide, do not tell how rare bright ones are.
     pub fn expect_guided_paths(&mut self) {
-        self.trust.least_deviation = DEVIATION_OF_GUIDED;
+        self.blender.trust.least_deviation = DEVIATION_OF_GUIDED;
     }
 
     /// The share of the picture for which there is light of an earlier one, as far as that is known.
     pub fn coverage(&self) -> f32 {
-        self.found as f32 / self.light.len().max(1) as f32
+        self.found as f32 / self.blender.size.element_product().max(1) as f32
     }
 
     /// Whether a film has as many pixels.
     pub fn is_of_size(&self, film: &Film) -> bool {
-        self.size == UVec2::new(film.width(), film.height())
+        self.blender.size == UVec2::new(film.width(), film.height())
     }
 
-    /// Whether there is an earlier picture.
-    pub fn has_earlier(&self) -> bool {
-        self.earlier.is_some()
+    /// Whether it is a picture of this size by this camera, but for what is in focus.
+    pub fn has_view(&self, camera: &Camera, size: UVec2) -> bool {
+        self.blender.size == size && self.camera == camera.sharp()
+    }
+
+    /// The way from the earlier picture; None if there is none.
+    pub fn reprojection(&self) -> Option<&Arc<Reprojection>> {
+        self.blender.reprojection.as_ref()
     }
 
     /// Says how much of the new picture is made: 0 at the beginning, 1 at its last sample. What is carried over goes in the second half, so that the finished
     /// picture has nothing of it.
     pub fn set_progress(&mut self, progress: f32) {
-        self.kept = (2.0 - 2.0 * progress).clamp(0.0, 1.0);
+        self.blender.kept = (2.0 - 2.0 * progress).clamp(0.0, 1.0);
     }
 
-    /// Replaces the guesses for these tiles.
-    pub fn add(&mut self, tiles: &[TileGBuffer]) {
-        let earlier = self.earlier.as_deref();
-        let reprojection = earlier.map(|earlier| Reprojection::new(earlier, &self.camera, self.size));
-        let find = |tile: &TileGBuffer| -> Vec<Light> {
-            let pixels = pixels_of(tile.tile).zip(&tile.texels);
-            let found = |((x, y), texel)| reprojection.as_ref().map(|before| before.find(x, y, texel));
-            pixels.map(|pixel| found(pixel).unwrap_or_default()).collect()
-        };
-        let all: Vec<Vec<Light>> = tiles.par_iter().map(find).collect();
-        for (tile, light) in tiles.iter().zip(all) {
-            for (((x, y), &texel), light) in pixels_of(tile.tile).zip(&tile.texels).zip(light) {
-                let place = place_of(self.size, x, y);
-                (self.texels[place], self.light[place]) = (texel, light);
-                self.found += usize::from(light.worth > LEAST_FOUND);
-            }
-            let index = self.tile_index(tile.tile);
-            self.missing -= usize::from(!std::mem::replace(&mut self.is_exact[index], true));
-        }
+    /// Replaces the guess for a tile. Returns which one it was.
+    pub fn add(&mut self, tile: CarriedTile) -> Tile {
+        let place = tile.tile;
+        self.found += tile.found();
+        let index = self.blender.tile_index(place);
+        self.missing -= usize::from(self.tiles[index].replace(tile).is_none());
+        place
     }
 
     /// Compares tiles with the samples that the film has there now. Tiles that have only a preview take up what that tells.
     pub fn learn(&mut self, tiles: &[Tile], film: &Film) {
-        let is_exact = |tile: &&Tile| self.is_exact[self.tile_index(**tile)];
-        let exact: Vec<Tile> = tiles.iter().filter(is_exact).copied().collect();
-        let (sampled, previews): (Vec<Tile>, Vec<Tile>) =
-            exact.into_iter().partition(|tile| film.samples(tile.x, tile.y) > 0);
-        previews.iter().for_each(|&tile| self.take_preview(tile, film));
-        if sampled.is_empty() || self.found == 0 && !self.has_coarse {
-            return;
+        for &tile in tiles {
+            if let Some(own) = &mut self.tiles[self.blender.tile_index(tile)]
+                && film.samples(tile.x, tile.y) == 0
+            {
+                own.take_preview(film);
+            }
         }
-        let old = carried_at(self.size, &self.texels, &self.light);
-        self.trust.learn(&sampled, film, old);
+        if self.found > 0 || self.has_coarse {
+            let own = tiles
+                .iter()
+                .filter_map(|&tile| self.tiles[self.blender.tile_index(tile)].as_ref());
+            let is_sampled = |own: &&CarriedTile| !own.is_own && film.samples(own.tile.x, own.tile.y) > 0;
+            let sampled: Vec<&CarriedTile> = own.filter(is_sampled).collect();
+            self.blender.trust.learn(&sampled, film);
+        }
     }
 
     /// Compares all that is carried over with a denoised picture of the film.
     pub fn learn_clean(&mut self, film: &Film, clean: Clean) {
-        let old = carried_at(self.size, &self.texels, &self.light);
-        self.trust.learn_clean(film, clean, old);
+        let old = carried_at(self.blender.size, &self.tiles);
+        self.blender.trust.learn_clean(film, clean, old);
     }
 
-    /// Where nothing is carried over, shows the surfaces of a tile in the mean light of its preview, for all normals near the same axis together. Single
-    /// samples of a preview would only be noise.
-    fn take_preview(&mut self, tile: Tile, film: &Film) {
-        let mut means = [(Rgb::ZERO, 0.0); DIRECTIONS];
-        for (x, y) in pixels_of(tile) {
-            let Some(pixel) = film.pixel(x, y) else { continue };
-            let texel = &self.texels[place_of(self.size, x, y)];
-            let mean = &mut means[direction_of(texel)];
-            *mean = (mean.0 + pixel.radiance / (pixel.albedo + LEAST_ALBEDO), mean.1 + 1.0);
-        }
-        for (x, y) in pixels_of(tile) {
-            let place = place_of(self.size, x, y);
-            let (sum, count) = means[direction_of(&self.texels[place])];
-            let light = &mut self.light[place];
-            if light.worth <= WORTH_OF_MEAN && count > 0.0 {
-                let mean = sum / count;
-                *light = Light {
-                    light: mean,
-                    worth: WORTH_OF_MEAN,
-                    variance: luminance(mean).powi(2),
-                };
-            }
-        }
+    /// What tiles are painted with, and the rows of tiles. Tiles that are not there yet are None.
+    pub fn rows(&mut self) -> (&Blender, std::slice::ChunksMut<'_, Option<CarriedTile>>) {
+        let columns = self.blender.size.x.div_ceil(TILE) as usize;
+        (&self.blender, self.tiles.chunks_mut(columns))
     }
 
-    /// Blends a row of pixels of a tile, as the film has it, with what is carried over. `clean` takes the place of the film's pixels. Returns whether
-    /// anything of the row is still carried over.
-    pub fn blend_row(&self, film: &Film, tile: Tile, y: u32, clean: Option<Clean>, row: &mut [Option<Rgb>]) -> bool {
+    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over.
+    pub fn add_coarse(&mut self, light: &[Rgb]) {
+        let size = self.blender.size;
+        self.tiles
+            .par_iter_mut()
+            .flatten()
+            .for_each(|tile| tile.add_coarse(size, light));
+    }
+
+    /// The coarse picture that previews of all tiles make, once they and the G-buffer are there and before there are samples everywhere; None before and
+    /// afterwards.
+    pub fn coarse(&mut self, film: &Film) -> Option<Coarse> {
+        if self.has_coarse || self.missing > 0 {
+            return None;
+        }
+        self.has_coarse = self.coverage() >= NEARLY_ALL;
+        let texels = |x, y| {
+            let (tile, place) = tile_and_place(self.blender.size, UVec2::new(x, y));
+            self.tiles[tile].as_ref().map(|tile| tile.texels[place])
+        };
+        let coarse = (!self.has_coarse).then(|| Coarse::of(film, texels)).flatten();
+        self.has_coarse |= coarse.is_some();
+        coarse
+    }
+}
+
+impl Blender {
+    fn tile_index(&self, tile: Tile) -> usize {
+        (tile.y / TILE * self.size.x.div_ceil(TILE) + tile.x / TILE) as usize
+    }
+
+    /// Blends a row of pixels of a tile with what is carried over, and notes in `own` what is shown then. `row` is what the film has, or the denoised picture
+    /// of so many samples. Returns whether anything of the row is still carried over.
+    pub fn blend_row(
+        &self,
+        mut own: Option<&mut CarriedTile>,
+        film: &Film,
+        (tile, y): (Tile, u32),
+        denoised: Option<u32>,
+        row: &mut [Option<Rgb>],
+    ) -> bool {
         let mut is_carried = false;
-        for (x, pixel) in (tile.x..tile.x + tile.width).zip(row) {
-            let place = place_of(self.size, x, y);
-            let new = match clean {
-                Some(clean) => Some((clean.radiance[place], WORTH_OF_DENOISED * clean.samples as f32)),
-                None => match film.samples(x, y) {
-                    // Previews are taken up tile by tile.
-                    0 => None,
-                    samples => pixel.map(|radiance| (radiance, samples as f32)),
-                },
+        let standings = self.trust.row(tile, y);
+        let mut moments = [Moments::default(); TILE as usize];
+        film.moments_row(tile, y, &mut moments);
+        let places = ((y - tile.y) * tile.width) as usize..;
+        for (((x, place), pixel), moments) in (tile.x..).zip(places).zip(row).zip(&moments) {
+            let (texel, old) = match (&own, &self.reprojection) {
+                (Some(own), _) => (own.texels[place], own.light[place]),
+                (None, Some(reprojection)) => reprojection.guess(x, y),
+                (None, None) => continue,
             };
-            if let Some((mixed, carried)) = self.blend(place, UVec2::new(x, y), new) {
+            let samples = moments.samples as f32;
+            let worth = denoised.map_or(samples, |samples| WORTH_OF_DENOISED * samples as f32);
+            // Previews are taken up tile by tile.
+            let new = pixel.filter(|_| worth > 0.0).map(|radiance| (radiance, worth));
+            let old = if own.as_ref().is_some_and(|own| own.is_own) {
+                Light::default()
+            } else {
+                old
+            };
+            let blended = self.blend(&texel, &old, &standings.at(x), new);
+            if let Some((mixed, carried)) = blended {
                 (*pixel, is_carried) = (Some(mixed), is_carried || carried > 0.0);
+            }
+            if let Some(own) = &mut own {
+                let (light, carried) = blended.unwrap_or_default();
+                // Few samples do not tell how rare bright ones are.
+                let before = if carried > 0.0 { KNOWN_VARIANCE } else { 0.0 };
+                let variances = before * old.variance + samples * moments.variance();
+                let shown = Light {
+                    light,
+                    worth: carried + new.map_or(0.0, |(_, worth)| worth),
+                    variance: variances / (before + samples).max(1.0),
+                };
+                own.shown[place] = shown.on(&texel);
             }
         }
         is_carried
     }
 
-    /// The denoised picture with what is carried over, and the tiles that still have some of that.
-    pub fn blend_picture(&self, film: &Film, clean: Clean) -> (Vec<Rgb>, Vec<Tile>) {
-        let blend_tile = |tile: Tile| {
-            let mut rows = vec![None; (tile.width * tile.height) as usize];
-            let mut is_carried = false;
-            for (y, row) in (tile.y..).zip(rows.chunks_exact_mut(tile.width as usize)) {
-                is_carried |= self.blend_row(film, tile, y, Some(clean), row);
-            }
-            (tile, rows, is_carried)
-        };
-        let blended: Vec<_> = all_tiles(self.size.x, self.size.y)
-            .into_par_iter()
-            .map(blend_tile)
-            .collect();
-        let (mut picture, mut carried) = (vec![Rgb::ZERO; self.light.len()], Vec::new());
-        for (tile, rows, is_carried) in blended {
-            for ((x, y), pixel) in pixels_of(tile).zip(rows) {
-                picture[place_of(self.size, x, y)] = pixel.unwrap_or_default();
-            }
-            carried.extend(is_carried.then_some(tile));
-        }
-        (picture, carried)
-    }
-
     /// The radiance of a pixel, of which `new` is what the film tells, with its worth. The second number is the worth of what is carried over. None if
     /// nothing is known.
-    fn blend(&self, place: usize, pixel: UVec2, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
-        let Light { light, worth, .. } = self.light[place];
-        let standing = self.trust.at(pixel);
-        let old = light * divisor(&self.texels[place]) * standing.correction;
+    fn blend(&self, texel: &Texel, old: &Light, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
+        let &Light { light, worth, .. } = old;
+        let old = light * divisor(texel) * standing.correction;
         let Some((new, samples)) = new else {
             return (light != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
         };
@@ -283,82 +399,13 @@ impl Carried {
         let new = if own > most { new * (most / own) } else { new };
         Some(((old * worth + new * samples) / (worth + samples), worth))
     }
-
-    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over.
-    pub fn add_coarse(&mut self, light: &[Rgb]) {
-        for (own, &coarse) in self.light.iter_mut().zip(light) {
-            let share = WORTH_OF_COARSE / (own.worth + WORTH_OF_COARSE);
-            *own = Light {
-                light: own.light.lerp(coarse, share),
-                worth: own.worth + WORTH_OF_COARSE,
-                variance: own.variance.max(luminance(coarse).powi(2)),
-            };
-        }
-    }
-
-    /// The coarse picture that previews of all tiles make, once they and the G-buffer are there and before there are samples everywhere; None before and
-    /// afterwards.
-    pub fn coarse(&mut self, film: &Film) -> Option<Coarse> {
-        if self.has_coarse || self.missing > 0 {
-            return None;
-        }
-        self.has_coarse = self.coverage() >= NEARLY_ALL;
-        let coarse = (!self.has_coarse).then(|| Coarse::of(film, &self.texels)).flatten();
-        self.has_coarse |= coarse.is_some();
-        coarse
-    }
-
-    /// The picture as it is shown, to be carried over to the next one. It is still the one before while this one has hardly begun.
-    pub fn into_earlier(self, film: &Film, clean: Option<Clean>) -> Option<Arc<Earlier>> {
-        if self.missing > 0 || !self.is_of_size(film) {
-            return self.earlier;
-        }
-        let known = |place: usize| {
-            let (x, y) = (place as u32 % self.size.x, place as u32 / self.size.x);
-            self.known(film, clean, place, UVec2::new(x, y))
-        };
-        let light = (0..self.light.len()).into_par_iter().map(known).collect();
-        Some(Arc::new(Earlier::new(self.camera, self.size, self.texels, light)))
-    }
-
-    /// The picture before this one, without anything of this one.
-    pub fn into_before(self) -> Option<Arc<Earlier>> {
-        self.earlier
-    }
-
-    /// What is known of a pixel.
-    fn known(&self, film: &Film, clean: Option<Clean>, place: usize, pixel: UVec2) -> Light {
-        let own = earlier::radiance_of(film, clean, place, pixel);
-        let new = own.map(|own| (own.light, own.worth));
-        let (radiance, carried) = self.blend(place, pixel, new).unwrap_or_default();
-        let own = own.unwrap_or_default();
-        // Few samples do not tell how rare bright ones are.
-        let samples = film.samples(pixel.x, pixel.y) as f32;
-        let before = if carried > 0.0 { KNOWN_VARIANCE } else { 0.0 };
-        let variances = before * self.light[place].variance + samples * own.variance;
-        Light {
-            light: radiance,
-            worth: carried + own.worth,
-            variance: variances / (before + samples).max(1.0),
-        }
-        .on(&self.texels[place])
-    }
-
-    fn tile_index(&self, tile: Tile) -> usize {
-        (tile.y / TILE * self.size.x.div_ceil(TILE) + tile.x / TILE) as usize
-    }
 }
 
-/// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where there is none.
-fn carried_at<'a>(
-    size: UVec2,
-    texels: &'a [Texel],
-    light: &'a [Light],
-) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync + 'a {
+/// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there; None where there is none.
+fn carried_at(size: UVec2, tiles: &[Option<CarriedTile>]) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync {
     move |x, y| {
-        let place = place_of(size, x, y);
-        let Light { light, worth, variance } = light[place];
-        (worth > 0.0).then(|| (light * divisor(&texels[place]), variance))
+        let (tile, place) = tile_and_place(size, UVec2::new(x, y));
+        tiles[tile].as_ref()?.carried(place)
     }
 }
 
@@ -389,6 +436,16 @@ fn divisor(texel: &Texel) -> Rgb {
 
 fn place_of(size: UVec2, x: u32, y: u32) -> usize {
     (y * size.x + x) as usize
+}
+
+/// The index of the tile of a pixel in a picture of this size, and the place of the pixel in the tile.
+fn tile_and_place(size: UVec2, pixel: UVec2) -> (usize, usize) {
+    let (tile, within) = (pixel / TILE, pixel % TILE);
+    let width = TILE.min(size.x - tile.x * TILE);
+    (
+        place_of(UVec2::splat(size.x.div_ceil(TILE)), tile.x, tile.y),
+        place_of(UVec2::splat(width), within.x, within.y),
+    )
 }
 
 fn pixels_of(tile: Tile) -> impl Iterator<Item = (u32, u32)> {

@@ -1,10 +1,11 @@
 //! Where the pixels of a new picture were in an earlier one.
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec2, Vec3};
-use rayon::prelude::*;
 
 use super::earlier::Earlier;
-use super::{Light, middle, place_of};
+use super::{Light, middle};
 use crate::math::Ray;
 use crate::render::camera::Camera;
 use crate::render::gbuffer::{Texel, middle_ray};
@@ -31,70 +32,78 @@ const SAME_DISTANCE: f32 = 0.004;
 /// The least share of the four pixels around a place that has to show it.
 const LEAST_SHARE: f32 = 0.05;
 
-pub(super) struct Reprojection<'a> {
-    earlier: &'a Earlier,
-    camera: &'a Camera,
+/// The way from an earlier picture to a new one.
+#[derive(Debug)]
+pub struct Reprojection {
+    earlier: Arc<Earlier>,
+    camera: Camera,
     size: UVec2,
     /// Whether the camera is that of the earlier picture.
     is_still: bool,
+    /// How far blocks of pixels were from their places on the film, row by row, by a guess; empty if the camera is still.
+    ways: Vec<Vec2>,
 }
 
-impl<'a> Reprojection<'a> {
-    /// From an earlier picture to one of this size by `camera`, which has everything in focus.
-    pub fn new(earlier: &'a Earlier, camera: &'a Camera, size: UVec2) -> Self {
-        Self {
+impl Reprojection {
+    /// From an earlier picture to one of this size in pixels by `camera`, which has everything in focus.
+    pub(super) fn new(earlier: Arc<Earlier>, camera: Camera, size: UVec2) -> Self {
+        let mut reprojection = Self {
+            is_still: earlier.camera == camera,
             earlier,
             camera,
             size,
-            is_still: earlier.camera == *camera,
+            ways: Vec::new(),
+        };
+        if !reprojection.is_still {
+            let middles = |edge: u32| {
+                (0..edge)
+                    .step_by(GUESSED as usize)
+                    .map(move |at| at.midpoint((at + GUESSED).min(edge)))
+            };
+            let rows = middles(size.y).flat_map(|y| middles(size.x).map(move |x| (x, y)));
+            reprojection.ways = rows.map(|(x, y)| reprojection.guessed_way(x, y)).collect();
         }
+        reprojection
     }
 
-    /// What all pixels show and their light, as far as it can be told without tracing rays.
-    pub fn guess(&self) -> (Vec<Texel>, Vec<Light>) {
-        let pixels = self.size.x as usize * self.size.y as usize;
-        let mut texels = vec![Texel::nothing(); pixels];
-        let mut light = vec![Light::default(); pixels];
-        let in_band = (self.size.x * GUESSED) as usize;
-        let bands = texels.par_chunks_mut(in_band).zip(light.par_chunks_mut(in_band));
-        bands.enumerate().for_each(|(band, (texels, light))| {
-            self.guess_band(band as u32 * GUESSED, texels, light);
-        });
-        (texels, light)
+    /// The earlier picture.
+    pub(super) fn earlier(&self) -> Arc<Earlier> {
+        self.earlier.clone()
     }
 
-    /// The guess for the rows from `top` on.
-    fn guess_band(&self, top: u32, texels: &mut [Texel], light: &mut [Light]) {
-        let bottom = (top + GUESSED).min(self.size.y);
-        for left in (0..self.size.x).step_by(GUESSED as usize) {
-            let right = (left + GUESSED).min(self.size.x);
-            let way = self.guessed_way((left + right) / 2, (top + bottom) / 2);
-            for y in top..bottom {
-                for x in left..right {
-                    let film = middle(self.size, x, y) + way;
-                    let before = self.earlier.pixel_at(film);
-                    let pixel = place_of(self.size, x, y - top);
-                    (texels[pixel], light[pixel]) = (self.earlier.texels[before], self.earlier.light[before]);
-                    if !self.is_still {
-                        let is_inside = film.cmpge(Vec2::ZERO).all() && film.cmple(Vec2::ONE).all();
-                        light[pixel].worth *= if is_inside { GUESS } else { 0.0 };
-                    }
-                }
-            }
+    /// Whether each pixel was at the same place in the earlier picture.
+    fn is_identity(&self) -> bool {
+        self.is_still && self.size == self.earlier.size
+    }
+
+    /// What a pixel shows and its light, as far as it can be told without tracing rays.
+    pub(super) fn guess(&self, x: u32, y: u32) -> (Texel, Light) {
+        if self.is_identity() {
+            let (&texel, &light) = self.earlier.at(UVec2::new(x, y));
+            return (texel, light);
         }
+        let block = y / GUESSED * self.size.x.div_ceil(GUESSED) + x / GUESSED;
+        let way = self.ways.get(block as usize).copied().unwrap_or(Vec2::ZERO);
+        let film = middle(self.size, x, y) + way;
+        let (&texel, &light) = self.earlier.at(self.earlier.pixel_at(film));
+        let is_inside = film.cmpge(Vec2::ZERO).all() && film.cmple(Vec2::ONE).all();
+        let share = match self.is_still {
+            true => 1.0,
+            false if is_inside => GUESS,
+            false => 0.0,
+        };
+        let worth = light.worth * share;
+        (texel, Light { worth, ..light })
     }
 
     /// How far a pixel was from its place on the film: what the earlier picture shows there is seen from the new place, as often as it takes to agree.
     fn guessed_way(&self, x: u32, y: u32) -> Vec2 {
-        if self.is_still {
-            return Vec2::ZERO;
-        }
-        let ray = middle_ray(self.camera, self.size.as_vec2(), x, y);
+        let ray = middle_ray(&self.camera, self.size.as_vec2(), x, y);
         let own = middle(self.size, x, y);
         let mut film = own;
         for _ in 0..ROUNDS {
             let seen = self.earlier.pixel_at(film);
-            let texel = self.earlier.texels[seen];
+            let (texel, _) = self.earlier.at(seen);
             let distance = match texel.is_surface() {
                 true => self.place_of_earlier(seen, texel.distance).distance(ray.origin),
                 false => texel.distance,
@@ -107,9 +116,8 @@ impl<'a> Reprojection<'a> {
         film - own
     }
 
-    fn place_of_earlier(&self, pixel: usize, distance: f32) -> Vec3 {
-        let (x, y) = (pixel as u32 % self.earlier.size.x, pixel as u32 / self.earlier.size.x);
-        let ray = middle_ray(&self.earlier.camera, self.earlier.size.as_vec2(), x, y);
+    fn place_of_earlier(&self, pixel: UVec2, distance: f32) -> Vec3 {
+        let ray = middle_ray(&self.earlier.camera, self.earlier.size.as_vec2(), pixel.x, pixel.y);
         ray.origin + ray.dir * distance
     }
 
@@ -125,8 +133,14 @@ impl<'a> Reprojection<'a> {
     }
 
     /// The light of a pixel that shows `texel`.
-    pub fn find(&self, x: u32, y: u32, texel: &Texel) -> Light {
-        let ray = middle_ray(self.camera, self.size.as_vec2(), x, y);
+    pub(super) fn find(&self, x: u32, y: u32, texel: &Texel) -> Light {
+        if self.is_identity() {
+            let (before, &light) = self.earlier.at(UVec2::new(x, y));
+            if before == texel {
+                return light;
+            }
+        }
+        let ray = middle_ray(&self.camera, self.size.as_vec2(), x, y);
         let before = match self.is_still {
             true => Some((middle(self.size, x, y), texel.distance)),
             false => self.seen_before(&ray, texel.distance),
@@ -174,9 +188,8 @@ impl<'a> Reprojection<'a> {
             }
             let part = |share: f32, step: i32| if step == 0 { 1.0 - share } else { share };
             let weight = part(share.x, dx) * part(share.y, dy);
-            let pixel = (y * size.x + x) as usize;
-            if weight > 0.0 && is_same(&self.earlier.texels[pixel]) {
-                let light = &self.earlier.light[pixel];
+            let (texel, light) = self.earlier.at(UVec2::new(x as u32, y as u32));
+            if weight > 0.0 && is_same(texel) {
                 sum.light += light.light * weight;
                 sum.worth += light.worth * weight;
                 sum.variance += light.variance * weight;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, UVec2, Vec3};
 
-use super::{Carried, Clean, Earlier, WORTH_OF_DENOISED, pixels_of, place_of};
+use super::{Carried, CarriedTile, Clean, Earlier, WORTH_OF_DENOISED, pixels_of, place_of};
 use crate::color::{Rgb, luminance};
 use crate::render::camera::Camera;
 use crate::render::film::Film;
@@ -72,23 +72,45 @@ fn film(samples: u32, of: impl Fn(u32, u32) -> f32) -> Film {
 fn earlier(albedo: f32) -> Arc<Earlier> {
     let camera = camera(0.0);
     let film = film(64, |x, y| pattern(place_on_wall(&camera, x, y).0.x));
-    let earlier = Earlier::of_film(&camera, &film, None, &wall(&camera, albedo));
-    Arc::new(earlier.expect("the G-buffer is whole"))
+    let mut carried = Carried::begin(None, &camera, SIZE);
+    add(&mut carried, wall(&camera, albedo));
+    shown(&mut carried, &film);
+    carried.into_earlier().expect("the G-buffer is whole")
+}
+
+fn add(carried: &mut Carried, gbuffer: Vec<TileGBuffer>) {
+    for tile in gbuffer {
+        carried.add(CarriedTile::find(carried.reprojection().map(Arc::as_ref), tile));
+    }
 }
 
 /// The picture as it is shown.
-fn shown(carried: &Carried, film: &Film) -> Vec<Option<Rgb>> {
-    let mut picture = vec![None; (SIZE.x * SIZE.y) as usize];
-    for tile in tiles(SIZE.x, SIZE.y) {
+fn shown(carried: &mut Carried, film: &Film) -> Vec<Option<Rgb>> {
+    blended(carried, film, None).0
+}
+
+/// The same with the denoised picture in place of the film, if there is one, and the tiles that have something that is carried over.
+fn blended(carried: &mut Carried, film: &Film, clean: Option<Clean>) -> (Vec<Option<Rgb>>, Vec<Tile>) {
+    let (mut picture, mut still_carried) = (vec![None; (SIZE.x * SIZE.y) as usize], Vec::new());
+    let (blender, rows) = carried.rows();
+    let tiles = tiles(SIZE.x, SIZE.y).into_iter().zip(rows.flatten());
+    for (tile, own) in tiles {
+        let mut is_carried = false;
         for y in tile.y..tile.y + tile.height {
+            let places = place_of(SIZE, tile.x, y)..place_of(SIZE, tile.x + tile.width, y);
             let mut row = [None; TILE as usize];
-            film.mixed_row(tile, y, &[], &mut row);
-            carried.blend_row(film, tile, y, None, &mut row[..tile.width as usize]);
-            let start = place_of(SIZE, tile.x, y);
-            picture[start..start + tile.width as usize].copy_from_slice(&row[..tile.width as usize]);
+            match clean {
+                Some(clean) => (row.iter_mut().zip(&clean.radiance[places.clone()]))
+                    .for_each(|(pixel, &light)| *pixel = Some(light)),
+                None => film.mixed_row(tile, y, &[], &mut row),
+            }
+            let row = &mut row[..tile.width as usize];
+            is_carried |= blender.blend_row(own.as_mut(), film, (tile, y), clean.map(|clean| clean.samples), row);
+            picture[places].copy_from_slice(row);
         }
+        still_carried.extend(is_carried.then_some(tile));
     }
-    picture
+    (picture, still_carried)
 }
 
 #[test]
@@ -96,7 +118,7 @@ fn light_stays_on_its_surface_when_the_camera_moves() {
     let moved = camera(0.3);
     let mut carried = Carried::begin(Some(earlier(0.5)), &moved, SIZE);
     let expected = |x, y| pattern(place_on_wall(&moved, x, y).0.x);
-    let errors = |carried: &Carried| {
+    let errors = |carried: &mut Carried| {
         let picture = shown(carried, &Film::new(SIZE.x, SIZE.y));
         let (mut errors, mut unknown) = (Vec::new(), 0);
         for (x, y) in pixels_of(whole()) {
@@ -108,10 +130,10 @@ fn light_stays_on_its_surface_when_the_camera_moves() {
         errors.sort_by(f32::total_cmp);
         (errors[errors.len() * 4 / 5], unknown)
     };
-    let (guessed, _) = errors(&carried);
+    let (guessed, _) = errors(&mut carried);
     assert!(guessed < 0.05, "{guessed}");
-    carried.add(&wall(&moved, 0.5));
-    let (found, unknown) = errors(&carried);
+    add(&mut carried, wall(&moved, 0.5));
+    let (found, unknown) = errors(&mut carried);
     assert!(found < 0.01, "{found}");
     // The camera sees 0.3 of a width of 4.6 that it has not seen before.
     let share = unknown as f32 / (SIZE.x * SIZE.y) as f32;
@@ -131,8 +153,8 @@ fn whole() -> Tile {
 #[test]
 fn a_surface_of_another_colour_is_shown_in_that_at_once() {
     let mut carried = Carried::begin(Some(earlier(0.48)), &camera(0.0), SIZE);
-    carried.add(&wall(&camera(0.0), 0.23));
-    let picture = shown(&carried, &Film::new(SIZE.x, SIZE.y));
+    add(&mut carried, wall(&camera(0.0), 0.23));
+    let picture = shown(&mut carried, &Film::new(SIZE.x, SIZE.y));
     for (x, y) in pixels_of(whole()) {
         let light = picture[place_of(SIZE, x, y)].expect("all of it is known").x;
         let expected = 0.5 * pattern(place_on_wall(&camera(0.0), x, y).0.x);
@@ -150,8 +172,8 @@ fn what_is_new_in_the_picture_takes_over_nothing() {
         let nearer = if is_box(x, y) { 0.8 } else { 1.0 };
         Texel::new(nearer * distance, normal, Rgb::splat(0.5), false)
     };
-    carried.add(&gbuffer(texel));
-    let picture = shown(&carried, &Film::new(SIZE.x, SIZE.y));
+    add(&mut carried, gbuffer(texel));
+    let picture = shown(&mut carried, &Film::new(SIZE.x, SIZE.y));
     for (x, y) in pixels_of(whole()) {
         assert_eq!(picture[place_of(SIZE, x, y)].is_none(), is_box(x, y), "{x} {y}");
     }
@@ -161,26 +183,27 @@ fn what_is_new_in_the_picture_takes_over_nothing() {
 fn the_film_alone_is_shown_once_it_is_worth_more() {
     let still = camera(0.0);
     let mut carried = Carried::begin(Some(earlier(0.5)), &still, SIZE);
-    carried.add(&wall(&still, 0.5));
+    add(&mut carried, wall(&still, 0.5));
     let light = |x, y| 0.9 + 1e-3 * (x + 2 * y) as f32;
     let young = film(4, light);
-    assert_ne!(shown(&carried, &young)[0], Some(Rgb::splat(light(0, 0))));
+    assert_ne!(shown(&mut carried, &young)[0], Some(Rgb::splat(light(0, 0))));
     // The earlier picture has 64 samples.
     let old = film(192, light);
     let expected: Vec<Option<Rgb>> = old.radiance().into_iter().map(Some).collect();
-    assert_eq!(shown(&carried, &old), expected);
+    assert_eq!(shown(&mut carried, &old), expected);
     let denoised = vec![Rgb::ONE; expected.len()];
     let clean = |samples| Clean {
         radiance: &denoised,
         samples,
     };
     let after = (3.0 * 64.0 / WORTH_OF_DENOISED) as u32;
+    let alone: Vec<Option<Rgb>> = denoised.iter().copied().map(Some).collect();
     assert_eq!(
-        carried.blend_picture(&young, clean(after)),
-        (denoised.clone(), Vec::new())
+        blended(&mut carried, &young, Some(clean(after))),
+        (alone.clone(), Vec::new())
     );
-    let (blended, still_carried) = carried.blend_picture(&young, clean(1));
-    assert_ne!(blended, denoised);
+    let (mixed, still_carried) = blended(&mut carried, &young, Some(clean(1)));
+    assert_ne!(mixed, alone);
     assert_eq!(still_carried, tiles(SIZE.x, SIZE.y));
 }
 
@@ -196,10 +219,10 @@ fn noise(x: u32, y: u32) -> f32 {
 fn means_after_a_sample(of: impl Fn(u32, u32) -> f32) -> (f32, f32) {
     let still = camera(0.0);
     let mut carried = Carried::begin(Some(earlier(0.5)), &still, SIZE);
-    carried.add(&wall(&still, 0.5));
+    add(&mut carried, wall(&still, 0.5));
     let film = film(1, |x, y| noise(x, y) * of(x, y));
     carried.learn(&tiles(SIZE.x, SIZE.y), &film);
-    let picture = shown(&carried, &film);
+    let picture = shown(&mut carried, &film);
     let mean = |area: Tile| {
         let light: Vec<f32> = pixels_of(area)
             .map(|(x, y)| picture[place_of(SIZE, x, y)].unwrap_or_default().x)

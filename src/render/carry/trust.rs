@@ -7,16 +7,18 @@
 
 use std::ops::Range;
 
-use glam::{UVec2, Vec2};
+use glam::UVec2;
 use rayon::prelude::*;
 
-use super::{Clean, WORTH_OF_DENOISED, pixels_of};
+use super::{CarriedTile, Clean, WORTH_OF_DENOISED, pixels_of};
 use crate::color::{Rgb, luminance};
-use crate::render::film::Film;
+use crate::render::film::{Film, Moments};
 use crate::render::tile::{TILE, Tile};
 
 /// The edge of the smallest blocks in pixels.
 const BLOCK: u32 = 8;
+/// So many tiles are compared by several threads.
+const MANY: usize = 64;
 /// The blocks along the edge of a tile.
 const BLOCKS: usize = (TILE / BLOCK) as usize;
 /// Squared differences count as far as they exceed this many times what noise brings about.
@@ -138,18 +140,26 @@ impl Trust {
         }
     }
 
-    /// Compares tiles of the film with earlier light: `old` gives the radiance of a pixel and the variance of one sample's luminance, where there is any.
-    pub fn learn(&mut self, tiles: &[Tile], film: &Film, old: impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync) {
-        let all: Vec<TileSums> = tiles.par_iter().map(|&tile| sums_of(tile, film, &old)).collect();
-        for (tile, sums) in tiles.iter().zip(&all) {
-            let index = tile.y / TILE * self.tiles_in_row + tile.x / TILE;
+    /// Compares tiles with the samples that the film has of them.
+    pub fn learn(&mut self, tiles: &[&CarriedTile], film: &Film) {
+        if tiles.is_empty() {
+            return;
+        }
+        let sums = |own: &&CarriedTile| sums_of(own, film);
+        let all: Vec<TileSums> = match tiles.len() {
+            // Waiting for other threads would take longer.
+            0..MANY => tiles.iter().map(sums).collect(),
+            _ => tiles.par_iter().map(sums).collect(),
+        };
+        for (own, sums) in tiles.iter().zip(&all) {
+            let index = own.tile.y / TILE * self.tiles_in_row + own.tile.x / TILE;
             self.tiles[index as usize] = part_of(sums, 0..BLOCKS, 0..BLOCKS);
         }
         let mut picture = Sums::default();
         self.tiles.iter().for_each(|tile| picture.add(tile));
         let of_picture = picture.refine((Rgb::ONE, 1.0), LEFT[0], self.least_deviation);
-        for (tile, sums) in tiles.iter().zip(&all) {
-            self.refine_tile(*tile, sums, of_picture);
+        for (own, sums) in tiles.iter().zip(&all) {
+            self.refine_tile(own.tile, sums, of_picture);
         }
     }
 
@@ -201,41 +211,65 @@ impl Trust {
         });
     }
 
-    /// What is known between the middles of the blocks around a pixel.
-    pub fn at(&self, pixel: UVec2) -> Standing {
-        let last = (self.size - 1).as_vec2();
-        let place = ((pixel.as_vec2() + 0.5) / BLOCK as f32 - 0.5).clamp(Vec2::ZERO, last);
-        let corner = place.floor();
-        let share = place - corner;
-        let (x, y) = (corner.x as u32, corner.y as u32);
-        let (right, below) = ((x + 1).min(self.size.x - 1), (y + 1).min(self.size.y - 1));
-        let block = |x: u32, y: u32| &self.blocks[(y * self.size.x + x) as usize];
-        let upper = block(x, y).lerp(block(right, y), share.x);
-        let lower = block(x, below).lerp(block(right, below), share.x);
-        upper.lerp(&lower, share.y)
+    /// What is known of the pixels of a row of a tile.
+    pub fn row(&self, tile: Tile, y: u32) -> TrustRow {
+        let last = self.size - 1;
+        let place = ((y as f32 + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, last.y as f32);
+        let (upper, share) = (place as u32, place.fract());
+        let lower = (upper + 1).min(last.y);
+        // The block to the left of the tile.
+        let first = (tile.x / BLOCK) as i32 - 1;
+        let between = |column: usize| {
+            let x = (first + column as i32).clamp(0, last.x as i32) as u32;
+            let block = |y: u32| &self.blocks[(y * self.size.x + x) as usize];
+            block(upper).lerp(block(lower), share)
+        };
+        TrustRow {
+            first,
+            blocks: std::array::from_fn(between),
+        }
+    }
+}
+
+/// What is known of a row of pixels: of the blocks of a tile and of one on either side.
+pub(super) struct TrustRow {
+    first: i32,
+    blocks: [Standing; BLOCKS + 2],
+}
+
+impl TrustRow {
+    /// What is known between the middles of the blocks beside a pixel of the row.
+    pub fn at(&self, x: u32) -> Standing {
+        let place = (x as f32 + 0.5) / BLOCK as f32 - 0.5 - self.first as f32;
+        let left = place as usize;
+        self.blocks[left].lerp(&self.blocks[left + 1], place.fract())
     }
 }
 
 /// The sums of the blocks of a tile.
 type TileSums = [[Sums; BLOCKS]; BLOCKS];
 
-fn sums_of(tile: Tile, film: &Film, old: impl Fn(u32, u32) -> Option<(Rgb, f32)>) -> TileSums {
+fn sums_of(own: &CarriedTile, film: &Film) -> TileSums {
     let mut sums = [[Sums::default(); BLOCKS]; BLOCKS];
-    for (x, y) in pixels_of(tile) {
-        let samples = film.samples(x, y) as f32;
-        let (Some((old, variance)), Some(pixel)) = (old(x, y), film.pixel(x, y)) else {
-            continue;
-        };
-        if samples > 0.0 {
-            let block = &mut sums[((y - tile.y) / BLOCK) as usize][((x - tile.x) / BLOCK) as usize];
-            block.add(&Sums {
-                pixels: 1.0,
-                new: pixel.radiance,
-                old,
-                squares: luminance(pixel.radiance - old).powi(2),
-                variances: variance / samples,
-                samples,
-            });
+    let tile = own.tile;
+    for (row, y) in (tile.y..tile.y + tile.height).enumerate() {
+        let mut moments = [Moments::default(); TILE as usize];
+        film.moments_row(tile, y, &mut moments);
+        for (column, new) in moments[..tile.width as usize].iter().enumerate() {
+            let Some((old, variance)) = own.carried(row * tile.width as usize + column) else {
+                continue;
+            };
+            if new.samples > 0 {
+                let samples = new.samples as f32;
+                sums[row / BLOCK as usize][column / BLOCK as usize].add(&Sums {
+                    pixels: 1.0,
+                    new: new.radiance,
+                    old,
+                    squares: luminance(new.radiance - old).powi(2),
+                    variances: variance / samples,
+                    samples,
+                });
+            }
         }
     }
     sums

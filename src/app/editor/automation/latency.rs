@@ -33,8 +33,8 @@ pub struct LatencyProbe {
     all_unhindered: Vec<f32>,
     /// The folder that the scene is saved in.
     folder: Option<TempDir>,
-    /// The other value is next.
-    skipped: bool,
+    /// The edits of this kind that have changed nothing.
+    skipped: usize,
     pub done: bool,
 }
 
@@ -53,6 +53,9 @@ enum Phase {
 
 /// The longest wait for an edit to show. After it the edit is taken to have changed nothing.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// After so many edits of a kind that have changed nothing the next kind is measured.
+const MOST_SKIPPED: usize = 2;
 
 /// The rest between two edits that are independent.
 const REST: Duration = Duration::from_millis(400);
@@ -131,13 +134,14 @@ impl LatencyProbe {
             unhindered: 0.0,
             all_unhindered: Vec::new(),
             folder: None,
-            skipped: false,
+            skipped: 0,
             done: count == 0,
         }
     }
 
     fn next_kind(&mut self) {
         self.results.clear();
+        self.skipped = 0;
         self.frames.clear();
         self.all_unhindered.clear();
         self.kind += 1;
@@ -169,7 +173,7 @@ pub fn act_for_probe(world: &mut World) {
         && since.elapsed() >= KINDS[probe.kind].2
     {
         let (name, act, _) = &KINDS[probe.kind];
-        let time = probe.results.len() + usize::from(probe.skipped);
+        let time = probe.results.len() + probe.skipped;
         if act.begin(world, time, &mut probe.folder) {
             probe.phase = Phase::Waiting {
                 since: Instant::now(),
@@ -215,9 +219,13 @@ pub fn watch_probe(
     };
     *ended += 1;
     if since.elapsed() > PATIENCE && !history.is_saving() {
-        // The value was there already: nothing has changed.
+        // The value was there already, or the thing is hidden: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
-        probe.skipped = !probe.skipped;
+        probe.skipped += 1;
+        if probe.skipped > MOST_SKIPPED {
+            say(format_args!("{}: nothing changes", KINDS[probe.kind].0));
+            probe.next_kind();
+        }
         return;
     }
     if !is_shown {

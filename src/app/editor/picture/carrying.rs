@@ -1,16 +1,13 @@
 //! Shows what an earlier picture still tells about the present one, until that has samples of its own: see [`crate::render::carry`].
 
 use std::collections::HashSet;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use crossbeam_channel::TryRecvError;
+use crossbeam_channel::{Receiver, Sender, TryRecvError, unbounded};
 
 use super::compare::Comparison;
-use super::denoised::Denoised;
-use super::denoiser::Denoiser;
 use super::filter_work::FilterWork;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::display::DisplayMode;
@@ -20,44 +17,54 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{DeferredDrop, Gate, RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
 use crate::memory::{self, Reservation};
-use crate::render::carry::{Carried, Clean, Earlier};
+use crate::render::carry::{Carried, CarriedTile, Clean};
 use crate::render::denoise::DenoiseError;
+use crate::render::gbuffer::TileGBuffer;
 use crate::render::tile::{Tile, tiles};
 use crate::render::view::{Shown, View};
 
-/// The part of a frame in which pixels are found in the earlier picture; the rest waits for the next frame.
-const LONGEST: Duration = Duration::from_millis(6);
-/// The tiles whose pixels are found at once.
+/// The part of a frame in which tiles are taken up; the rest waits for the next frame.
+const LONGEST: Duration = Duration::from_millis(4);
+/// The tiles whose pixels are found in one piece of work.
 const TOGETHER: usize = 16;
 /// A picture of low resolution is not carried over while there is a better one for this share of it.
 const ENOUGH: f32 = 0.7;
-/// The pictures of [`Earlier::bytes`] that are in memory at once: the earlier one, what is carried over, what is made of both for the next one, and the
+/// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier picture and in this one; and the
 /// coarse picture.
-const COPIES: u64 = 4;
+const BYTES_OF_PIXEL: u64 = 2 * Carried::BYTES_OF_PIXEL + 48;
 
 /// The picture before, and what of it is carried over.
 #[derive(Resource, Default)]
 pub(crate) struct Carrying {
     /// Whether the window has a user, or stands for one in a measurement.
     is_watched: bool,
-    /// The picture that was shown when the job began whose film has not begun yet.
-    earlier: Option<Arc<Earlier>>,
     carried: Option<Carried>,
     /// The film's job that was seen last.
     job: u64,
+    /// Whether its resolution is lower than asked for.
+    is_coarse: bool,
     last_restart: Option<Instant>,
-    /// The number of tiles of the film's G-buffer that were taken.
-    taken: usize,
-    has_backlog: bool,
+    /// Tiles that come from the threads that find their pixels in the earlier picture.
+    found: Option<Found>,
     /// Whether this picture or one before it had guided paths.
     is_guided: bool,
     /// The tiles that show something that is not of the film.
     tiles: HashSet<Tile>,
     /// Whether all has to be painted because nothing is carried over any more.
     has_ended: bool,
+    /// Whether the texture still shows the earlier picture, which is right for all pixels of this one that are not known yet.
+    is_unchanged: bool,
     /// The filter of the coarse picture, while it is at work.
     coarse: Option<FilterWork<Result<Vec<Rgb>, DenoiseError>>>,
     memory: Option<Reservation>,
+}
+
+/// The way of tiles from the threads that find their pixels.
+struct Found {
+    sender: Sender<CarriedTile>,
+    receiver: Receiver<CarriedTile>,
+    /// The tiles that have not arrived.
+    awaited: usize,
 }
 
 impl Carrying {
@@ -68,19 +75,19 @@ impl Carrying {
         }
     }
 
-    /// What is carried over to the present film.
-    pub fn picture(&self) -> Option<&Carried> {
-        self.carried.as_ref()
+    /// What is carried over to this film.
+    pub(super) fn picture_mut(&mut self, film: &RenderFilm) -> Option<&mut Carried> {
+        self.carried.as_mut().filter(|carried| carried.is_of_size(&film.film))
     }
 
     /// Whether some of the picture is still carried over from another.
     pub fn is_seen(&self) -> bool {
-        self.carried.as_ref().is_some_and(Carried::has_earlier) && !self.tiles.is_empty()
+        self.carried.as_ref().is_some_and(|carried| carried.earlier().is_some()) && !self.tiles.is_empty()
     }
 
     /// Whether the next frame has something to do for it.
     pub fn has_backlog(&self) -> bool {
-        self.has_backlog
+        self.found.as_ref().is_some_and(|found| found.awaited > 0)
     }
 
     /// Compares what is carried over with the samples of these tiles.
@@ -92,28 +99,18 @@ impl Carrying {
 
     /// Compares it with a denoised picture.
     pub(super) fn learn_clean(&mut self, film: &RenderFilm, clean: Clean) {
-        if let Some(carried) = self.carried.as_mut().filter(|carried| carried.is_of_size(&film.film)) {
+        let has_some = !self.tiles.is_empty();
+        if let Some(carried) = self.picture_mut(film).filter(|_| has_some) {
             carried.learn_clean(&film.film, clean);
         }
     }
 
-    /// Notes which of the painted tiles still show something that is not of the film. Carrying over ends when there are none.
-    pub(super) fn note_painted(
-        &mut self,
-        film: &RenderFilm,
-        painted: &[Tile],
-        still: Vec<Tile>,
-        garbage: &DeferredDrop,
-    ) {
+    /// Notes which of the painted tiles still show something that is not of the film.
+    pub(super) fn note_painted(&mut self, painted: &[Tile], still: Vec<Tile>) {
         for tile in painted {
             self.tiles.remove(tile);
         }
         self.tiles.extend(still);
-        if self.tiles.is_empty() && film.samples > 0 {
-            self.end(garbage);
-            // The texture already shows the film alone.
-            self.has_ended = false;
-        }
     }
 
     /// Whether all has to be painted because nothing is carried over any more, once for each end.
@@ -121,20 +118,25 @@ impl Carrying {
         std::mem::take(&mut self.has_ended)
     }
 
-    /// Shows the present film alone from now on.
+    /// Whether the texture shows a new picture rightly without being painted, once for each picture.
+    pub(super) fn take_unchanged(&mut self) -> bool {
+        std::mem::take(&mut self.is_unchanged)
+    }
+
+    /// Carries nothing over from now on.
     fn end(&mut self, garbage: &DeferredDrop) {
         if let Some(carried) = self.carried.take() {
             self.has_ended = true;
             garbage.drop_later(carried);
         }
-        self.coarse = None;
+        (self.coarse, self.found) = (None, None);
         self.tiles.clear();
-        self.has_backlog = false;
+        self.is_unchanged = false;
     }
 
     /// Reserves the memory for pictures of this view. False if there is too little.
     fn reserve(&mut self, view: &View) -> bool {
-        let bytes = COPIES * Earlier::bytes(u64::from(view.width) * u64::from(view.height));
+        let bytes = BYTES_OF_PIXEL * u64::from(view.width) * u64::from(view.height);
         let reserved = match &mut self.memory {
             Some(memory) => memory.resize(bytes),
             None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
@@ -142,53 +144,81 @@ impl Carrying {
         reserved.is_ok()
     }
 
-    /// Keeps the picture as it is shown, for the next one.
-    fn keep(&mut self, film: &RenderFilm, clean: Option<Clean>) {
+    /// Carries the picture as it was painted last over to a new film.
+    fn begin(&mut self, film: &mut RenderFilm, garbage: &DeferredDrop) {
+        let was_coarse = std::mem::replace(&mut self.is_coarse, film.is_coarse);
+        let old = self.carried.take();
+        self.end(garbage);
+        self.job = film.job;
         let view = film.view.as_ref().filter(|view| view.shown == Shown::Radiance);
+        // A picture that fills the memory is shown without the one before.
         let Some(view) = view.filter(|view| self.reserve(view)) else {
             return;
         };
-        self.earlier = match self.carried.take() {
-            Some(carried) if film.is_coarse && carried.has_earlier() && carried.coverage() > ENOUGH => {
-                carried.into_before()
+        let size = UVec2::new(view.width, view.height);
+        self.is_unchanged = old.as_ref().is_some_and(|old| old.has_view(&view.camera, size));
+        let earlier = old.and_then(|old| match old.earlier() {
+            Some(before) if was_coarse && old.coverage() > ENOUGH => Some(before),
+            before => {
+                let earlier = old.into_earlier();
+                garbage.drop_later(before);
+                earlier
             }
-            Some(carried) => carried.into_earlier(&film.film, clean),
-            None => Earlier::of_film(&view.camera, &film.film, clean, &film.gbuffer).map(Arc::new),
-        };
-    }
-
-    /// Begins to carry the kept picture over to a new film.
-    fn begin(&mut self, film: &mut RenderFilm, garbage: &DeferredDrop) {
-        self.end(garbage);
-        (self.job, self.taken) = (film.job, 0);
-        let earlier = self.earlier.take();
-        let view = film.view.as_ref().filter(|view| view.shown == Shown::Radiance);
-        // A picture that fills the memory is shown without the one before.
-        if let Some(view) = view.filter(|view| self.reserve(view)) {
-            let mut carried = Carried::begin(earlier, &view.camera, UVec2::new(view.width, view.height));
-            self.is_guided |= view.guide.is_some();
-            if self.is_guided {
-                carried.expect_guided_paths();
-            }
-            self.carried = Some(carried);
-            self.tiles = tiles(view.width, view.height).into_iter().collect();
+        });
+        let has_to_be_painted = earlier.is_some() && !self.is_unchanged;
+        let mut carried = Carried::begin(earlier, &view.camera, size);
+        self.is_guided |= view.guide.is_some();
+        if self.is_guided {
+            carried.expect_guided_paths();
+        }
+        self.tiles = tiles(view.width, view.height).into_iter().collect();
+        let (sender, receiver) = unbounded();
+        self.found = Some(Found {
+            sender,
+            receiver,
+            awaited: 0,
+        });
+        self.carried = Some(carried);
+        if has_to_be_painted {
             film.mark_all();
         }
     }
 
-    /// Finds the pixels of tiles whose G-buffer has come, for as long as a frame may take.
-    fn take_gbuffer(&mut self, film: &mut RenderFilm) {
-        let Some(carried) = &mut self.carried else { return };
-        let begun = Instant::now();
-        while self.taken < film.gbuffer.len() && begun.elapsed() < LONGEST {
-            let next = (self.taken + TOGETHER).min(film.gbuffer.len());
-            let new = &film.gbuffer[self.taken..next];
-            carried.add(new);
-            let new: Vec<Tile> = new.iter().map(|tile| tile.tile).collect();
-            new.into_iter().for_each(|tile| film.mark(tile));
-            self.taken = next;
+    /// Has the pixels of tiles found whose G-buffer has come, and takes up those that were found, for as long as a frame may take.
+    fn take_gbuffer(&mut self, film: &mut RenderFilm, wake_up: &WakeUp) {
+        let (Some(carried), Some(found)) = (&mut self.carried, &mut self.found) else {
+            film.gbuffer.clear();
+            return;
+        };
+        found.awaited += film.gbuffer.len();
+        while !film.gbuffer.is_empty() {
+            let new: Vec<TileGBuffer> = film.gbuffer.drain(..TOGETHER.min(film.gbuffer.len())).collect();
+            let (sender, wake_up) = (found.sender.clone(), wake_up.clone());
+            let reprojection = carried.reprojection().cloned();
+            rayon::spawn(move || {
+                for tile in new {
+                    // Nobody waits for it if another picture has begun.
+                    if sender.send(CarriedTile::find(reprojection.as_deref(), tile)).is_err() {
+                        return;
+                    }
+                }
+                if let Some(wake) = &wake_up.0 {
+                    wake();
+                }
+            });
         }
-        self.has_backlog = self.taken < film.gbuffer.len();
+        let begun = Instant::now();
+        while begun.elapsed() < LONGEST
+            && let Ok(tile) = found.receiver.try_recv()
+        {
+            film.mark(carried.add(tile));
+            found.awaited -= 1;
+        }
+        if !found.receiver.is_empty()
+            && let Some(wake) = &wake_up.0
+        {
+            wake();
+        }
     }
 
     /// Takes up the coarse picture once it is there.
@@ -238,54 +268,45 @@ pub(crate) fn follow_carrying(
     mut film: ResMut<RenderFilm>,
     control: Res<RenderControl>,
     status: Res<RenderStatus>,
-    denoiser: Res<Denoiser>,
     wake_up: Res<WakeUp>,
     gate: Res<Gate>,
     garbage: Res<DeferredDrop>,
 ) {
     let carrying = carrying.bypass_change_detection();
     let film = film.bypass_change_detection();
-    let is_new = carrying.job != film.job;
-    let restarts = carrying.last_restart.replace(status.last_restart) != Some(status.last_restart);
     if !control.gbuffer || film.is_empty() {
         carrying.end(&garbage);
-        (carrying.earlier, carrying.memory, carrying.job) = (None, None, film.job);
-        carrying.is_guided = false;
+        (carrying.memory, carrying.job, carrying.is_guided) = (None, film.job, false);
+        film.gbuffer.clear();
         return;
     }
-    let is_relit = is_new && film.relit.is_some() && carrying.job + 1 == film.job;
-    if is_relit {
-        // What is carried over is corrected by the samples, which have the new light.
-        carrying.job = film.job;
-    } else if is_new {
-        carrying.begin(film, &garbage);
-    }
-    if restarts {
+    if carrying.last_restart.replace(status.last_restart) != Some(status.last_restart) {
         // The cores are needed for the next picture.
         carrying.coarse = None;
-        if carrying.earlier.is_none() {
-            let clean = denoiser.picture();
-            let clean = clean.filter(|picture| picture.job == film.job && picture.mix.is_empty());
-            carrying.keep(film, clean.map(Denoised::clean));
-        }
     }
-    if status.state == RenderState::Done && status.is_up_to_date {
-        return carrying.end(&garbage);
+    let is_relit = film.relit.is_some() && carrying.job + 1 == film.job;
+    if carrying.job != film.job && !is_relit {
+        carrying.begin(film, &garbage);
     }
-    carrying.take_gbuffer(film);
+    // What is carried over is corrected by the samples, which have the new light.
+    carrying.job = film.job;
+    carrying.take_gbuffer(film, &wake_up);
     carrying.take_coarse(film);
     let Some(carried) = &mut carrying.carried else { return };
-    carried.set_progress(film.samples as f32 / status.target.max(1) as f32);
+    let is_finished = status.state == RenderState::Done && status.is_up_to_date;
+    carried.set_progress(match is_finished {
+        true => 1.0,
+        false => film.samples as f32 / status.target.max(1) as f32,
+    });
+    if is_finished && !carrying.tiles.is_empty() {
+        carrying.tiles.clear();
+        carrying.has_ended = true;
+    }
     if film.samples == 0
         && let Some(coarse) = carried.coarse(&film.film)
     {
         let threads = control.threads.get();
         let filter = move |cancel: &AtomicBool| coarse.enlarge(threads, cancel);
         carrying.coarse = FilterWork::begin("coarse", Some(&gate), &wake_up, filter).ok();
-    }
-    if carrying.has_backlog
-        && let Some(wake) = &wake_up.0
-    {
-        wake();
     }
 }

@@ -1,11 +1,13 @@
 //! Paints the film as bytes of the screen, in every display mode. It knows neither rendering nor Bevy.
 
+use rayon::prelude::*;
+
 use super::compare::PixelComparison;
 use crate::app::editor::command::display::{
     DisplayMode, DisplaySettings, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat,
 };
 use crate::color::{Rgb, luminance};
-use crate::render::carry::Carried;
+use crate::render::carry::{Blender, Carried, CarriedTile, Clean};
 use crate::render::film::Film;
 use crate::render::noise::DARK;
 use crate::render::tile::{PixelSum, TILE, Tile};
@@ -76,6 +78,16 @@ fn depth_range(film: &Film) -> [f32; 2] {
     }
 }
 
+/// So many tiles are painted by several threads.
+const MANY: usize = 64;
+
+/// A row of tiles of the picture, and which of them are to be painted.
+struct Band<'a> {
+    rgba: &'a mut [u8],
+    tiles: Vec<Tile>,
+    carried: &'a mut [Option<CarriedTile>],
+}
+
 /// Makes colours of the film's pixels.
 pub struct Painter<'a> {
     film: &'a Film,
@@ -87,8 +99,8 @@ pub struct Painter<'a> {
     brightness: f32,
     /// The comparison of light.
     comparison: Option<PixelComparison<'a>>,
-    /// What an earlier picture tells.
-    carried: Option<&'a Carried>,
+    /// The picture without its noise.
+    denoised: Option<Clean<'a>>,
 }
 
 impl<'a> Painter<'a> {
@@ -106,7 +118,7 @@ impl<'a> Painter<'a> {
             plain: Display::default().encoder(),
             brightness,
             comparison: None,
-            carried: None,
+            denoised: None,
         }
     }
 
@@ -115,44 +127,95 @@ impl<'a> Painter<'a> {
         Self { comparison, ..self }
     }
 
-    /// Light is shown with what is carried over from an earlier picture, which is as large.
-    pub(crate) fn carried(self, carried: Option<&'a Carried>) -> Self {
-        Self { carried, ..self }
+    /// Light is shown as in this picture of the film.
+    pub(crate) fn denoised(self, denoised: Option<Clean<'a>>) -> Self {
+        Self { denoised, ..self }
     }
 
     /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
-    /// are. Returns the tiles that show something that is carried over.
-    pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) -> Vec<Tile> {
-        let width = self.film.width() as usize;
-        let mut carried = Vec::new();
+    /// are.
+    pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
+        self.paint_carried(tiles, rgba, None);
+    }
+
+    /// The same with what is carried over from an earlier picture, which is as large. Returns the tiles that show something of it.
+    pub(crate) fn paint_carried(&self, tiles: &[Tile], rgba: &mut [u8], carried: Option<&mut Carried>) -> Vec<Tile> {
+        let (blender, mut rows) = carried.map(Carried::rows).unzip();
+        let bands = rgba
+            .chunks_mut(4 * (self.film.width() * TILE) as usize)
+            .map(|rgba| Band {
+                rgba,
+                tiles: Vec::new(),
+                carried: rows.as_mut().and_then(Iterator::next).unwrap_or_default(),
+            });
+        let mut bands: Vec<Band> = bands.collect();
         for &tile in tiles {
+            if let Some(band) = bands.get_mut((tile.y / TILE) as usize) {
+                band.tiles.push(tile);
+            }
+        }
+        let paint = |band: &mut Band| self.paint_band(band, blender);
+        let carried: Vec<Vec<Tile>> = match tiles.len() {
+            // Waiting for other threads would take longer.
+            0..MANY => bands.iter_mut().map(paint).collect(),
+            _ => bands.par_iter_mut().map(paint).collect(),
+        };
+        carried.concat()
+    }
+
+    /// Paints the tiles of a band. Returns those that show something that is carried over.
+    fn paint_band(&self, band: &mut Band, blender: Option<&Blender>) -> Vec<Tile> {
+        let mut carried = Vec::new();
+        for &tile in &band.tiles {
+            let mut own = band.carried.get_mut((tile.x / TILE) as usize).and_then(Option::as_mut);
             let mut is_carried = false;
             for y in tile.y..tile.y + tile.height {
-                let start = y as usize * width + tile.x as usize;
-                let Some(row) = rgba.get_mut(4 * start..4 * (start + tile.width as usize)) else {
+                let start = ((y - tile.y) * self.film.width() + tile.x) as usize;
+                let Some(row) = band.rgba.get_mut(4 * start..4 * (start + tile.width as usize)) else {
                     continue;
                 };
-                match self.mode.is_light() {
-                    true => is_carried |= self.paint_light(tile, y, row),
-                    false => self.paint_other(tile, y, row),
+                if !self.mode.is_light() {
+                    self.paint_other(tile, y, row);
+                    continue;
                 }
+                let mut pixels = [None; TILE as usize];
+                self.row_of_light(tile, y, &mut pixels);
+                let pixels = &mut pixels[..tile.width as usize];
+                if let Some(blender) = blender {
+                    let samples = self.denoised.map(|denoised| denoised.samples);
+                    is_carried |= blender.blend_row(own.as_deref_mut(), self.film, (tile, y), samples, pixels);
+                }
+                self.paint_light(tile, y, pixels, row);
             }
             if is_carried {
                 carried.push(tile);
+            } else if let Some(own) = own.filter(|_| self.film.samples(tile.x, tile.y) > 0) {
+                own.end();
             }
         }
         carried
     }
 
-    /// Paints a row of a tile in modes that show light. Returns whether some of that is carried over.
-    fn paint_light(&self, tile: Tile, y: u32, rgba: &mut [u8]) -> bool {
-        let mut pixels = [None; TILE as usize];
-        self.film.mixed_row(tile, y, &self.scales.mix, &mut pixels);
-        let pixels = &mut pixels[..tile.width as usize];
-        let blend = |carried: &Carried| carried.blend_row(self.film, tile, y, None, pixels);
-        let is_carried = self.carried.is_some_and(blend);
+    /// The light of a row of a tile, without what is carried over.
+    fn row_of_light(&self, tile: Tile, y: u32, row: &mut [Option<Rgb>; TILE as usize]) {
+        match self.denoised {
+            Some(denoised) => {
+                let start = (y * self.film.width() + tile.x) as usize;
+                for (pixel, &light) in row
+                    .iter_mut()
+                    .zip(&denoised.radiance[start..start + tile.width as usize])
+                {
+                    *pixel = Some(light);
+                }
+            }
+            None => self.film.mixed_row(tile, y, &self.scales.mix, row),
+        }
+    }
+
+    /// Paints a row of a tile in modes that show light.
+    fn paint_light(&self, tile: Tile, y: u32, pixels: &[Option<Rgb>], rgba: &mut [u8]) {
         let mut light = [Rgb::ZERO; TILE as usize];
-        for ((x, light), pixel) in (tile.x..).zip(&mut light).zip(&*pixels) {
+        for ((x, light), pixel) in (tile.x..).zip(&mut light).zip(pixels) {
             let radiance = pixel.unwrap_or_default();
             let comparison = self.comparison.as_ref();
             *light = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
@@ -163,7 +226,6 @@ impl<'a> Painter<'a> {
                 target.copy_from_slice(&[r, g, b, u8::MAX]);
             }
         });
-        is_carried
     }
 
     /// Paints a row of a tile in modes that show no light.

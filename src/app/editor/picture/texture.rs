@@ -18,7 +18,7 @@ use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{DeferredDrop, PackedScene, RenderFilm, fit};
+use crate::engine::{PackedScene, RenderFilm, fit};
 use crate::render::tile::tiles;
 
 /// The longest side of a texture that every driver of WebGPU takes, in pixels.
@@ -133,7 +133,6 @@ pub fn update_picture(
     comparison: Res<Comparison>,
     packed: Res<PackedScene>,
     mut carrying: ResMut<Carrying>,
-    garbage: Res<DeferredDrop>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
@@ -163,6 +162,10 @@ pub fn update_picture(
     let carrying = carrying.bypass_change_detection();
     let has_ended = carrying.take_end();
     let shows_other = picture.denoised() != shown.denoised;
+    if carrying.take_unchanged() && denoised.is_none() {
+        // What was denoised is carried over.
+        picture.shown.iter_mut().for_each(|shown| shown.denoised = None);
+    }
     let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || picture.size != size;
     if !film.has_dirty() && !asked_anew {
         return;
@@ -189,7 +192,6 @@ pub fn update_picture(
     if old_size != size {
         pixels = painter::resized(&pixels, old_size.to_array(), size.to_array());
     }
-    let tone = settings.tone();
     let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
     let beside_noisy =
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
@@ -198,29 +200,14 @@ pub fn update_picture(
     if let Some(clean) = denoised.map(Denoised::clean).filter(|_| shows_other) {
         carrying.learn_clean(&film, clean);
     }
-    let carried = carrying
-        .picture()
-        .filter(|carried| is_shaded && carried.is_of_size(&film.film));
-    let still_carried = match (denoised.filter(|_| noisy_left.is_none()), compared) {
-        (Some(denoised), compared) => {
-            let blended = carried.map(|carried| carried.blend_picture(&film.film, denoised.clean()));
-            let (blended, still_carried) = blended.unzip();
-            let shown = blended.as_deref().unwrap_or(&denoised.radiance);
-            match compared {
-                Some(compared) => tone.encode_rgba(&compared.picture(shown), &mut pixels),
-                None => tone.encode_rgba(shown, &mut pixels),
-            }
-            still_carried.unwrap_or_default()
-        }
-        (None, compared) => {
-            let painter = Painter::new(&film.film, &settings, &scales)
-                .compared(compared)
-                .carried(carried);
-            painter.paint(&dirty, &mut pixels)
-        }
-    };
-    if carried.is_some() {
-        carrying.note_painted(&film, &dirty, still_carried, &garbage);
+    let painter = Painter::new(&film.film, &settings, &scales)
+        .denoised(denoised.filter(|_| noisy_left.is_none()).map(Denoised::clean))
+        .compared(compared);
+    let carried = carrying.picture_mut(&film).filter(|_| is_shaded);
+    let is_carried = carried.is_some();
+    let still_carried = painter.paint_carried(&dirty, &mut pixels, carried);
+    if is_carried {
+        carrying.note_painted(&dirty, still_carried);
     }
     image.sampler = sampler(view.enlarging);
     let shown_size = texture_size(size);
