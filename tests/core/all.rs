@@ -54,6 +54,7 @@ mod far_from_origin;
 mod film;
 mod fuzz_corpus;
 mod generated_meshes;
+mod ghosts;
 mod gltf;
 mod gltf_animation;
 mod gltf_limits;

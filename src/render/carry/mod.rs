@@ -22,7 +22,7 @@ use rayon::prelude::*;
 pub use self::coarse::Coarse;
 pub use self::earlier::Earlier;
 pub use self::reproject::Reprojection;
-use self::trust::{Standing, Trust};
+use self::trust::{Standing, Trust, doubt_of_pixel, pooled};
 use super::camera::Camera;
 use super::film::{Film, Moments};
 use super::gbuffer::{Texel, TileGBuffer};
@@ -41,8 +41,10 @@ const WORTH_OF_MEAN: f32 = 2.0;
 const DEVIATION_OF_GUIDED: f32 = 3.0;
 /// The samples that a filtered preview is worth.
 const WORTH_OF_COARSE: f32 = 16.0;
+/// What light is worth at most beside pixels for which none was found.
+const WORTH_OF_RIM: f32 = 4.0;
 /// Light of no more worth counts as not found: a filtered preview is better.
-const LEAST_FOUND: f32 = 4.0;
+const LEAST_FOUND: f32 = 3.0;
 /// Where earlier light covers so much of the picture, previews are not filtered.
 const NEARLY_ALL: f32 = 0.9995;
 /// New light that is brighter than carried light by more than this factor is shown darker, as long as it is worth less.
@@ -88,7 +90,10 @@ impl CarriedTile {
     pub fn find(reprojection: Option<&Reprojection>, gbuffer: TileGBuffer) -> Self {
         let pixels = pixels_of(gbuffer.tile).zip(&gbuffer.texels);
         let light: Vec<Light> = match reprojection {
-            Some(reprojection) => pixels.map(|((x, y), texel)| reprojection.find(x, y, texel)).collect(),
+            Some(reprojection) => {
+                let found = pixels.map(|((x, y), texel)| reprojection.find(x, y, texel));
+                without_rims(found.collect(), gbuffer.tile.width as usize)
+            }
             None => vec![Light::default(); gbuffer.texels.len()],
         };
         Self {
@@ -361,19 +366,25 @@ impl Blender {
             } else {
                 old
             };
-            let blended = self.blend(&texel, &old, &standings.at(x), new);
+            let mut standing = standings.at(x);
+            let radiance = old.light * divisor(&texel) * standing.correction;
+            standing.doubt = standing.doubt.max(doubt_of_pixel(moments, radiance, old.variance));
+            let blended = self.blend(radiance, &old, &standing, new);
             if let Some((mixed, carried)) = blended {
                 (*pixel, is_carried) = (Some(mixed), is_carried || carried > 0.0);
             }
             if let Some(own) = &mut own {
                 let (light, carried) = blended.unwrap_or_default();
                 // Few samples do not tell how rare bright ones are.
-                let before = if carried > 0.0 { KNOWN_VARIANCE } else { 0.0 };
-                let variances = before * old.variance + samples * moments.variance();
+                let variance = moments.variance();
                 let shown = Light {
                     light,
                     worth: carried + new.map_or(0.0, |(_, worth)| worth),
-                    variance: variances / (before + samples).max(1.0),
+                    variance: if carried > 0.0 {
+                        pooled(old.variance, variance, samples)
+                    } else {
+                        variance
+                    },
                 };
                 own.shown[place] = shown.on(&texel);
             }
@@ -381,11 +392,10 @@ impl Blender {
         is_carried
     }
 
-    /// The radiance of a pixel, of which `new` is what the film tells, with its worth. The second number is the worth of what is carried over. None if
+    /// The radiance of a pixel, of which `old` is carried over, as radiance and as light, and `new` is what the film tells, with its worth. The second number is the worth of what is carried over. None if
     /// nothing is known.
-    fn blend(&self, texel: &Texel, old: &Light, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
-        let &Light { light, worth, .. } = old;
-        let old = light * divisor(texel) * standing.correction;
+    fn blend(&self, old: Rgb, light: &Light, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
+        let &Light { light, worth, .. } = light;
         let Some((new, samples)) = new else {
             return (light != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
         };
@@ -399,6 +409,21 @@ impl Blender {
         let new = if own > most { new * (most / own) } else { new };
         Some(((old * worth + new * samples) / (worth + samples), worth))
     }
+}
+
+/// The light of the rows of a tile with less worth beside pixels for which none was found: a part of these pixels may have shown the thing that is gone.
+fn without_rims(mut light: Vec<Light>, width: usize) -> Vec<Light> {
+    let is_lost: Vec<bool> = light.iter().map(|light| light.worth <= 0.0).collect();
+    let rows = is_lost.len() / width;
+    for (place, _) in is_lost.iter().enumerate().filter(|(_, is_lost)| **is_lost) {
+        let (row, column) = (place / width, place % width);
+        for y in row.saturating_sub(1)..(row + 2).min(rows) {
+            for beside in &mut light[y * width..][column.saturating_sub(1)..(column + 2).min(width)] {
+                beside.worth = beside.worth.min(WORTH_OF_RIM);
+            }
+        }
+    }
+    light
 }
 
 /// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there; None where there is none.

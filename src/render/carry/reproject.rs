@@ -172,10 +172,14 @@ impl Reprojection {
         light
     }
 
-    /// The light between the four pixels around a place of the film, of which those count that show the same.
-    fn between(&self, film: Vec2, is_same: impl Fn(&Texel) -> bool) -> Light {
+    /// The light between the four pixels around a place of the film, of which those count that show the same; no light far outside of it.
+    pub(super) fn between(&self, film: Vec2, is_same: impl Fn(&Texel) -> bool) -> Light {
         let size = self.earlier.size.as_ivec2();
         let place = film * self.earlier.size.as_vec2() - 0.5;
+        // Numbers that are none, too.
+        if !(place.cmpge(Vec2::NEG_ONE).all() && place.cmple(self.earlier.size.as_vec2()).all()) {
+            return Light::default();
+        }
         let corner = place.floor();
         let share = place - corner;
         // A pixel in the very middle is itself.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, UVec2, Vec3};
+use glam::{Affine3A, UVec2, Vec2, Vec3};
 
-use super::{Carried, CarriedTile, Clean, Earlier, WORTH_OF_DENOISED, pixels_of, place_of};
+use super::{Carried, CarriedTile, Clean, Earlier, Light, Reprojection, WORTH_OF_DENOISED, pixels_of, place_of};
 use crate::color::{Rgb, luminance};
 use crate::render::camera::Camera;
 use crate::render::film::Film;
@@ -50,7 +50,7 @@ fn wall(camera: &Camera, albedo: f32) -> Vec<TileGBuffer> {
     gbuffer(|x, y| Texel::new(place_on_wall(camera, x, y).1, -Vec3::Z, Rgb::splat(albedo), false))
 }
 
-/// A film of so many samples, whose pixels have this radiance in the mean.
+/// A film of so many samples, whose pixels have this radiance in the mean, and the square of it as variance.
 fn film(samples: u32, of: impl Fn(u32, u32) -> f32) -> Film {
     let mut film = Film::new(SIZE.x, SIZE.y);
     for tile in tiles(SIZE.x, SIZE.y) {
@@ -58,7 +58,7 @@ fn film(samples: u32, of: impl Fn(u32, u32) -> f32) -> Film {
             let radiance = Rgb::splat(of(x, y));
             PixelSum {
                 radiance: radiance * samples as f32,
-                luminance_squared: luminance(radiance).powi(2) * samples as f32,
+                luminance_squared: 2.0 * luminance(radiance).powi(2) * samples as f32,
                 ..PixelSum::default()
             }
         };
@@ -139,6 +139,17 @@ fn light_stays_on_its_surface_when_the_camera_moves() {
     let share = unknown as f32 / (SIZE.x * SIZE.y) as f32;
     assert!((0.05..0.08).contains(&share), "{share}");
     assert!((carried.coverage() - (1.0 - share)).abs() < 1e-3);
+}
+
+#[test]
+fn there_is_no_light_far_outside_of_the_film() {
+    let reprojection = Reprojection::new(earlier(0.5), camera(0.0), SIZE);
+    let found = |x: f32, y: f32| reprojection.between(Vec2::new(x, y), |_| true);
+    assert!(found(0.5, 0.5).worth > 0.0);
+    for far in [-1e30, 2.0, 1e9, 1e30, f32::INFINITY, f32::NAN] {
+        assert_eq!(found(far, 0.5), Light::default(), "{far}");
+        assert_eq!(found(0.5, far), Light::default(), "{far}");
+    }
 }
 
 fn whole() -> Tile {

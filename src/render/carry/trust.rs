@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::UVec2;
 use rayon::prelude::*;
 
-use super::{CarriedTile, Clean, WORTH_OF_DENOISED, pixels_of};
+use super::{CarriedTile, Clean, KNOWN_VARIANCE, WORTH_OF_DENOISED, pixels_of};
 use crate::color::{Rgb, luminance};
 use crate::render::film::{Film, Moments};
 use crate::render::tile::{TILE, Tile};
@@ -25,6 +25,16 @@ const BLOCKS: usize = (TILE / BLOCK) as usize;
 const SIGNIFICANT: f32 = 9.0;
 /// The least variance of a sample that is believed.
 const LEAST_VARIANCE: f32 = 1e-9;
+/// The relative standard deviation of a denoised picture of one sample is at most this, as `edit --measure-settling` has measured it in rooms.
+const DEVIATION_OF_DENOISED: f32 = 0.1;
+/// The median of the square of a number that is normally distributed around 0 with variance 1.
+const MEDIAN_OF_SQUARES: f32 = 0.455;
+/// Blocks darker than this are compared as if they had this luminance.
+const DARKEST: f32 = 1e-6;
+/// The samples of a block from which as much is known of its variance as from one of a pixel.
+const SAMPLES_IN_ONE: f32 = 8.0;
+/// The least samples by which a single pixel is judged.
+const LEAST_SAMPLES: u32 = 4;
 /// The largest factor by which light is corrected.
 const MOST_CORRECTION: f32 = 16.0;
 /// What is left of the trust in a block that has certainly changed, by the size of the block: the picture, tiles, and halves and quarters of their edge.
@@ -36,8 +46,8 @@ struct Sums {
     pixels: f32,
     new: Rgb,
     old: Rgb,
-    /// The squared differences of luminance.
-    squares: f32,
+    /// The variances of the new pixels' luminances by their own samples.
+    own_variances: f32,
     /// The variances of the new pixels' luminances that are expected of the earlier picture.
     variances: f32,
     samples: f32,
@@ -48,7 +58,7 @@ impl Sums {
         self.pixels += other.pixels;
         self.new += other.new;
         self.old += other.old;
-        self.squares += other.squares;
+        self.own_variances += other.own_variances;
         self.variances += other.variances;
         self.samples += other.samples;
     }
@@ -62,12 +72,11 @@ impl Sums {
         let scale = 1.0 / self.pixels;
         let (new, old) = (self.new * scale, self.old * scale * ratio);
         let difference = luminance(new - old);
-        let plain_difference = luminance(self.new - self.old) * scale;
-        let spread = (self.squares * scale - plain_difference * plain_difference).max(0.0) * scale;
-        let expected = self.variances * scale * scale;
+        let [own, expected] = [self.own_variances, self.variances].map(|variances| variances * scale * scale);
         let brightness = luminance(old).max(luminance(new));
         let least = (least_deviation * brightness).powi(2) / self.samples;
-        let noise = spread.max(expected).max(least);
+        // All pixels of the block tell of one variance, but rare bright samples are not in all of them.
+        let noise = pooled(expected, own, self.samples / SAMPLES_IN_ONE).max(least);
         let share = 1.0 - SIGNIFICANT * noise / (difference * difference).max(f32::MIN_POSITIVE);
         if share.is_nan() || share <= 0.0 {
             return before;
@@ -78,6 +87,11 @@ impl Sums {
         let refined = ratio * (1.0 + share * (possible - 1.0));
         (refined, trust * (1.0 - share * (1.0 - left)))
     }
+}
+
+/// A variance by what the earlier picture says, and by so many new samples of a pixel.
+pub(super) fn pooled(before: f32, own: f32, samples: f32) -> f32 {
+    (KNOWN_VARIANCE * before + samples * own) / (KNOWN_VARIANCE + samples)
 }
 
 /// What is known of the earlier light of a block.
@@ -106,6 +120,19 @@ impl Standing {
         let kept = before * self.share;
         kept / (1.0 + kept * self.doubt)
     }
+}
+
+/// What the samples of a pixel alone tell of its earlier radiance, as [`Standing::doubt`]. `variance` is that of a sample's luminance by the earlier picture. At
+/// lamps that are seen, and in mirrors, pixels change that their blocks say nothing of.
+pub(super) fn doubt_of_pixel(new: &Moments, old: Rgb, variance: f32) -> f32 {
+    if new.samples < LEAST_SAMPLES {
+        return 0.0;
+    }
+    let difference = luminance(new.radiance - old);
+    let samples = new.samples as f32;
+    let variance = pooled(variance, new.variance(), samples);
+    let beyond_noise = difference * difference - SIGNIFICANT * variance / samples;
+    beyond_noise.max(0.0) / variance.max(LEAST_VARIANCE)
 }
 
 /// What new samples tell of earlier light.
@@ -180,35 +207,40 @@ impl Trust {
         }
     }
 
-    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is no better than that many samples.
+    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is no better than that many samples. Most blocks
+    /// have not changed as a rule, so that the median of the differences tells how much of them is noise.
     pub fn learn_clean(&mut self, film: &Film, clean: Clean, old: impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync) {
-        let worth = WORTH_OF_DENOISED * clean.samples.max(1) as f32;
-        let (columns, width) = (self.size.x, film.width());
-        self.blocks.par_iter_mut().enumerate().for_each(|(index, standing)| {
+        let samples = clean.samples.max(1) as f32;
+        let worth = WORTH_OF_DENOISED * samples;
+        let (columns, blocks) = (self.size.x, self.blocks.par_iter().enumerate());
+        let compare = |(index, standing): (usize, &Standing)| {
             let (left, top) = (index as u32 % columns * BLOCK, index as u32 / columns * BLOCK);
             let block = Tile {
                 x: left,
                 y: top,
-                width: BLOCK.min(width - left),
+                width: BLOCK.min(film.width() - left),
                 height: BLOCK.min(film.height() - top),
             };
-            let (mut pixels, mut difference, mut variance) = (0.0, 0.0, 0.0);
-            for (x, y) in pixels_of(block) {
-                let (Some((old, expected)), Some(own)) = (old(x, y), film.pixel(x, y)) else {
-                    continue;
-                };
-                let new = clean.radiance[(y * width + x) as usize];
-                pixels += 1.0;
-                difference += luminance(new - old * standing.correction);
-                let spread = (own.luminance_squared - luminance(new).powi(2)).max(0.0);
-                variance += spread.max(expected);
+            compare_clean(block, standing.correction, film, clean, &old)
+        };
+        let compared: Vec<Option<[f32; 3]>> = blocks.map(compare).collect();
+        let known = compared.iter().flatten();
+        let relative = known.map(|[difference, _, brightness]| (difference / brightness.max(DARKEST)).powi(2));
+        let mut relative: Vec<f32> = relative.collect();
+        if relative.is_empty() {
+            return;
+        }
+        let middle = relative.len() / 2;
+        let (_, median, _) = relative.select_nth_unstable_by(middle, f32::total_cmp);
+        let usual = (*median / MEDIAN_OF_SQUARES).min(DEVIATION_OF_DENOISED.powi(2) / samples);
+        for (standing, compared) in self.blocks.iter_mut().zip(compared) {
+            if let Some([difference, variance, brightness]) = compared {
+                // Two standard deviations.
+                let noise = (4.0 * usual * brightness * brightness).min(variance / worth);
+                let beyond_noise = (difference * difference - noise).max(0.0);
+                standing.doubt = beyond_noise / (noise * worth).max(LEAST_VARIANCE);
             }
-            if pixels > 0.0 {
-                let (difference, variance) = (difference / pixels, variance / pixels);
-                let beyond_noise = (difference * difference - variance / worth).max(0.0);
-                standing.doubt = beyond_noise / variance.max(LEAST_VARIANCE);
-            }
-        });
+        }
     }
 
     /// What is known of the pixels of a row of a tile.
@@ -246,6 +278,30 @@ impl TrustRow {
     }
 }
 
+/// The means over a block of the difference of luminance between a denoised picture and earlier light, of the variance of a sample, and of the luminance of the
+/// denoised picture. None where there is no earlier light.
+fn compare_clean(
+    block: Tile,
+    correction: Rgb,
+    film: &Film,
+    clean: Clean,
+    old: impl Fn(u32, u32) -> Option<(Rgb, f32)>,
+) -> Option<[f32; 3]> {
+    let (mut pixels, mut difference, mut variance, mut brightness) = (0.0, 0.0, 0.0, 0.0);
+    for (x, y) in pixels_of(block) {
+        let (Some((old, expected)), Some(own)) = (old(x, y), film.pixel(x, y)) else {
+            continue;
+        };
+        let new = clean.radiance[(y * film.width() + x) as usize];
+        pixels += 1.0;
+        difference += luminance(new - old * correction);
+        let spread = (own.luminance_squared - luminance(new).powi(2)).max(0.0);
+        variance += spread.max(expected);
+        brightness += luminance(new);
+    }
+    (pixels > 0.0).then(|| [difference, variance, brightness].map(|sum| sum / pixels))
+}
+
 /// The sums of the blocks of a tile.
 type TileSums = [[Sums; BLOCKS]; BLOCKS];
 
@@ -265,7 +321,7 @@ fn sums_of(own: &CarriedTile, film: &Film) -> TileSums {
                     pixels: 1.0,
                     new: new.radiance,
                     old,
-                    squares: luminance(new.radiance - old).powi(2),
+                    own_variances: new.variance() / samples,
                     variances: variance / samples,
                     samples,
                 });
