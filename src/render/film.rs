@@ -65,19 +65,8 @@ pub struct Moments {
     pub samples: u32,
     /// Their mean.
     pub radiance: Rgb,
-    /// The mean of their squared luminances.
-    pub luminance_squared: f32,
-}
-
-impl Moments {
-    /// The variance of the luminance of a sample. A single one may be anything.
-    pub fn variance(&self) -> f32 {
-        let mean = luminance(self.radiance);
-        match self.samples {
-            1 => mean * mean,
-            _ => (self.luminance_squared - mean * mean).max(0.0),
-        }
-    }
+    /// The variance of the luminance of a sample, but for the light that came from the lights to the camera. That of a single sample may be anything.
+    pub variance: f32,
 }
 
 impl Film {
@@ -369,10 +358,14 @@ impl Film {
             } else {
                 Rgb::ZERO
             };
+            let mean = luminance(radiance * scale);
             row[place] = Moments {
                 samples,
                 radiance: radiance * scale + splats,
-                luminance_squared: luminance_squared * scale,
+                variance: match samples {
+                    1 => mean * mean,
+                    _ => (luminance_squared * scale - mean * mean).max(0.0),
+                },
             };
         });
     }

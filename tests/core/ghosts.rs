@@ -185,7 +185,7 @@ fn block(film: &Film, place: UVec2) -> (f32, f32) {
         film.moments_row(tile, y, &mut row);
         for pixel in &row[(place.x - tile.x) as usize..][..BLOCK as usize] {
             mean += luminance(pixel.radiance);
-            variance += pixel.variance() / pixel.samples as f32;
+            variance += pixel.variance / pixel.samples as f32;
         }
     }
     let pixels = (BLOCK * BLOCK) as f32;

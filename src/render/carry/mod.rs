@@ -221,9 +221,10 @@ impl Carried {
         }
     }
 
-    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has hardly begun.
+    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has hardly begun, and none if it ended without
+    /// a G-buffer.
     pub fn into_earlier(self) -> Option<Arc<Earlier>> {
-        let before = self.earlier();
+        let before = self.earlier().filter(|_| self.blender.kept > 0.0);
         let tiles: Option<Vec<CarriedTile>> = self.tiles.into_iter().collect();
         let own = tiles.map(|tiles| Arc::new(Earlier::new(self.camera, self.blender.size, tiles)));
         own.or(before)
@@ -361,11 +362,8 @@ impl Blender {
             let worth = denoised.map_or(samples, |samples| WORTH_OF_DENOISED * samples as f32);
             // Previews are taken up tile by tile.
             let new = pixel.filter(|_| worth > 0.0).map(|radiance| (radiance, worth));
-            let old = if own.as_ref().is_some_and(|own| own.is_own) {
-                Light::default()
-            } else {
-                old
-            };
+            let is_over = self.kept <= 0.0 || own.as_ref().is_some_and(|own| own.is_own);
+            let old = if is_over { Light::default() } else { old };
             let mut standing = standings.at(x);
             let radiance = old.light * divisor(&texel) * standing.correction;
             standing.doubt = standing.doubt.max(doubt_of_pixel(moments, radiance, old.variance));
@@ -376,7 +374,7 @@ impl Blender {
             if let Some(own) = &mut own {
                 let (light, carried) = blended.unwrap_or_default();
                 // Few samples do not tell how rare bright ones are.
-                let variance = moments.variance();
+                let variance = moments.variance;
                 let shown = Light {
                     light,
                     worth: carried + new.map_or(0.0, |(_, worth)| worth),

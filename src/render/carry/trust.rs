@@ -130,7 +130,7 @@ pub(super) fn doubt_of_pixel(new: &Moments, old: Rgb, variance: f32) -> f32 {
     }
     let difference = luminance(new.radiance - old);
     let samples = new.samples as f32;
-    let variance = pooled(variance, new.variance(), samples);
+    let variance = pooled(variance, new.variance, samples);
     let beyond_noise = difference * difference - SIGNIFICANT * variance / samples;
     beyond_noise.max(0.0) / variance.max(LEAST_VARIANCE)
 }
@@ -321,7 +321,7 @@ fn sums_of(own: &CarriedTile, film: &Film) -> TileSums {
                     pixels: 1.0,
                     new: new.radiance,
                     old,
-                    own_variances: new.variance() / samples,
+                    own_variances: new.variance / samples,
                     variances: variance / samples,
                     samples,
                 });

@@ -92,7 +92,7 @@ impl Carrying {
 
     /// Compares what is carried over with the samples of these tiles.
     pub(super) fn learn(&mut self, film: &RenderFilm, changed: &[Tile]) {
-        if let Some(carried) = &mut self.carried {
+        if let Some(carried) = self.picture_mut(film) {
             carried.learn(changed, &film.film);
         }
     }
@@ -153,6 +153,8 @@ impl Carrying {
         let view = film.view.as_ref().filter(|view| view.shown == Shown::Radiance);
         // A picture that fills the memory is shown without the one before.
         let Some(view) = view.filter(|view| self.reserve(view)) else {
+            (self.has_ended, self.memory) = (true, None);
+            garbage.drop_later(old);
             return;
         };
         let size = UVec2::new(view.width, view.height);

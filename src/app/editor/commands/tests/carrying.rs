@@ -93,6 +93,24 @@ fn the_picture_before_is_shown_until_the_new_one_is_finished_and_not_longer() {
 }
 
 #[test]
+fn a_finished_region_is_not_painted_again() {
+    let (mut app, _) = watched();
+    app.world_mut().resource_mut::<RenderControl>().region = Some(Rect::new(0.0, 0.0, 0.5, 0.5));
+    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.02))).expect("applied");
+    let before = app.world().resource::<RenderFilm>().job;
+    update_until(&mut app, |world| {
+        is_done(world) && world.resource::<RenderFilm>().job > before
+    });
+    app.update();
+    app.update();
+    let revision = |app: &App| app.world().resource::<Picture>().revision;
+    let at_rest = revision(&app);
+    (0..5).for_each(|_| app.update());
+    assert_eq!(revision(&app), at_rest);
+    assert!(!app.world().resource::<Carrying>().is_seen());
+}
+
+#[test]
 fn a_preference_switches_it_off() {
     let (mut app, _) = watched();
     app.world_mut().resource_mut::<Preferences>().carries_over = false;
