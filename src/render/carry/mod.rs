@@ -334,7 +334,7 @@ impl Carried {
 
 impl Blender {
     fn tile_index(&self, tile: Tile) -> usize {
-        (tile.y / TILE * self.size.x.div_ceil(TILE) + tile.x / TILE) as usize
+        tile_and_place(self.size, UVec2::new(tile.x, tile.y)).0
     }
 
     /// Blends a row of pixels of a tile with what is carried over, and notes in `own` what is shown then. `row` is what the film has, or the denoised picture
@@ -367,21 +367,19 @@ impl Blender {
             let mut standing = standings.at(x);
             let radiance = old.light * divisor(&texel) * standing.correction;
             standing.doubt = standing.doubt.max(doubt_of_pixel(moments, radiance, old.variance));
-            let blended = self.blend(radiance, &old, &standing, new);
+            let blended = self.blend(radiance, old.worth, &standing, new);
             if let Some((mixed, carried)) = blended {
                 (*pixel, is_carried) = (Some(mixed), is_carried || carried > 0.0);
             }
             if let Some(own) = &mut own {
                 let (light, carried) = blended.unwrap_or_default();
-                // Few samples do not tell how rare bright ones are.
-                let variance = moments.variance;
                 let shown = Light {
                     light,
                     worth: carried + new.map_or(0.0, |(_, worth)| worth),
-                    variance: if carried > 0.0 {
-                        pooled(old.variance, variance, samples)
-                    } else {
-                        variance
+                    // Few samples do not tell how rare bright ones are.
+                    variance: match carried > 0.0 {
+                        true => pooled(old.variance, moments.variance, samples),
+                        false => moments.variance,
                     },
                 };
                 own.shown[place] = shown.on(&texel);
@@ -390,12 +388,11 @@ impl Blender {
         is_carried
     }
 
-    /// The radiance of a pixel, of which `old` is carried over, as radiance and as light, and `new` is what the film tells, with its worth. The second number is the worth of what is carried over. None if
-    /// nothing is known.
-    fn blend(&self, old: Rgb, light: &Light, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
-        let &Light { light, worth, .. } = light;
+    /// The radiance of a pixel and the worth of what is carried over in it. `old` is carried over and worth so many samples, `new` is what the film tells, with its
+    /// worth. None if nothing is known.
+    fn blend(&self, old: Rgb, worth: f32, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
         let Some((new, samples)) = new else {
-            return (light != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
+            return (old != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
         };
         let worth = faded(standing.worth(worth) * self.kept, samples);
         if worth <= 0.0 {

@@ -145,7 +145,9 @@ pub fn update_picture(
     }
     let mix = mix.factors(&film.light_groups, &lights);
     let is_shaded = settings.mode == DisplayMode::Shaded;
-    let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
+    let is_of_film =
+        |picture: &&Denoised| picture.mix == mix && picture.radiance.len() == size.element_product() as usize;
+    let denoised = denoiser.picture().filter(|_| is_shaded).filter(is_of_film);
     let camera = packed.view.as_ref().map(|view| &view.camera);
     let snapshot = comparison.other(camera).filter(|_| is_shaded);
     let noisy_left = match comparison.view {
