@@ -79,7 +79,7 @@ pub(super) fn dispatch_job(
     let relit = job
         .as_mut()
         .filter(|_| can_relight)
-        .is_some_and(|job| job.relight(&mut demand.extracted, &view, &stop, film.bypass_change_detection()));
+        .is_some_and(|job| job.relight(&demand.extracted, &view, &stop, film.bypass_change_detection()));
     if relit {
         film.set_changed();
     }
@@ -93,7 +93,6 @@ pub(super) fn dispatch_job(
             control.restart_requested = false;
         }
         let since = demand.extracted.since.take();
-        demand.extracted.gains = Some(Vec::new());
         let begins = match (control.interactive, &*job) {
             (false, _) => Beginning::Whole,
             // The picture from there stays until there are pixels of the other size, if it is not carried over.
@@ -114,6 +113,7 @@ pub(super) fn dispatch_job(
             demand.extracted.scene.clone(),
             view,
             demand.shutter.shutter.clone(),
+            demand.extracted.lamps.clone(),
             demand.extracted.light_groups.clone(),
             begins,
             control.motion_scale < 1.0,

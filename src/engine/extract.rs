@@ -18,7 +18,7 @@ use super::blas_cache::{BlasCache, BuildPolicy};
 use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::detect::{Dirty, Touched};
-use super::light_groups::{LightGroup, group_lights};
+use super::light_groups::{Lamps, LightGroup, group_lights};
 use super::pack::environment::Environments;
 use super::pack::group::Layout;
 use super::pack::light::LightContext;
@@ -38,7 +38,7 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::color::Rgb;
 use crate::layer::Layer;
 use crate::light::emission::Reach;
-use crate::light::{LightSource, LightTable, WeightedSource, gain};
+use crate::light::{LightSource, LightTable};
 use crate::material::{MaterialId, MaterialTable};
 use crate::medium::{MediumId, Volume};
 use crate::render::guide::Guide;
@@ -82,12 +82,10 @@ pub(super) struct Extracted {
     /// See [`PackedSurfaces::special`](super::pack::surface::PackedSurfaces::special).
     pub(super) special: Vec<u32>,
     pub(super) method: SplitMethod,
-    light_sources: Vec<WeightedSource>,
-    /// The factors by which lights have become stronger since the last job began, by [`LightId`](crate::light::LightId); none at all if they are as they were. None if more has
-    /// changed than their strength.
-    pub gains: Option<Vec<Rgb>>,
+    /// The lights of the scene.
+    pub lamps: Arc<Lamps>,
     packed_media: PackedMedia,
-    /// The entities that lights belong to, and below the groups as layers of a film.
+    /// The groups of lights, and below which light is in which.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
     environments: Environments,
@@ -168,8 +166,7 @@ impl Default for Extracted {
             material_of_entity: Arc::default(),
             special: Vec::new(),
             method: SplitMethod::default(),
-            light_sources: Vec::new(),
-            gains: None,
+            lamps: Arc::default(),
             packed_media: PackedMedia::default(),
             owners: Arc::default(),
             layers: LightGroups::default(),
@@ -424,30 +421,32 @@ impl Extracted {
         if repainted {
             self.scene.textures = Arc::new(textures);
         }
-        let (owners, sources): (Vec<Entity>, _) = sources.into_iter().unzip();
-        (self.owners, self.layers) = group_lights(&owners);
-        self.update_lights(sources, repainted, &news.moved);
+        let (owners, sources) = sources.into_iter().unzip();
+        let lamps = Lamps { owners, sources };
+        (self.owners, self.layers) = group_lights(&lamps.owners);
+        self.update_lights(lamps, repainted, &news.moved);
     }
 
     /// Updates the lights. `repainted` says that textures have changed.
-    fn update_lights(&mut self, sources: Vec<WeightedSource>, repainted: bool, moved: &[bool]) {
+    fn update_lights(&mut self, lamps: Lamps, repainted: bool, moved: &[bool]) {
+        let sources = &lamps.sources;
+        let is_same = *self.lamps == lamps;
         let is_textured = sources.iter().any(|weighted| weighted.source.is_textured());
         let has_moved = sources.iter().any(|weighted| match &weighted.source {
             LightSource::Surface { instance, .. } => moved.get(*instance as usize) == Some(&true),
             _ => false,
         });
-        if has_moved || (is_textured && repainted) || self.light_sources != sources {
+        if has_moved || (is_textured && repainted) || !is_same {
             // Lights without textures do not keep old ones alive.
             let textures = if is_textured {
                 self.scene.textures.clone()
             } else {
                 Arc::default()
             };
-            let is_other = has_moved || is_textured && repainted;
-            let gains = self.gains.take().filter(|_| !is_other);
-            self.gains = gains.and_then(|gains| gain::compose(gains, &self.light_sources, &sources));
-            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
-            self.light_sources = sources;
+            self.scene.lights = Arc::new(LightTable::build(sources, &self.scene.geometry, &textures));
+        }
+        if !is_same {
+            self.lamps = Arc::new(lamps);
         }
         // Other shapes may have moved as well.
         self.scene.reach = self.scene.lights.reach(&self.scene.geometry);

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use crate::color::Rgb;
 use crate::memory::{self, Reservation, Shortage};
-use crate::render::film::Film;
+use crate::render::film::{Film, NewLayer};
 use crate::render::gbuffer::TileGBuffer;
 use crate::render::tile::{Tile, TilePreview, tiles};
 use crate::render::view::View;
@@ -36,7 +36,7 @@ pub struct RenderFilm {
     pub gbuffer: Vec<TileGBuffer>,
     /// Whether there is light of this picture: a preview or samples.
     pub is_lit: bool,
-    /// The factors on the layers by which this picture differs from the one of the job before, of which it has the samples.
+    /// The light of the picture of the job before, row by row, if this one has its samples with other light.
     pub relit: Option<Arc<[Rgb]>>,
     /// The view of the picture; None if there is no picture.
     pub view: Option<View>,
@@ -75,15 +75,24 @@ impl RenderFilm {
             Film::chunk_bytes(tiles.len(), first..samples, kept)
         });
         let bytes = Film::memory_bytes(view.width, view.height, kept).saturating_add(chunks);
-        let result = match &mut self.memory {
-            Some(memory) => memory.resize(bytes),
-            None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
-        };
-        result.map_err(|shortage| FilmShortage {
+        self.reserve_bytes(bytes).map_err(|shortage| FilmShortage {
             width: view.width,
             height: view.height,
             shortage,
         })
+    }
+
+    fn reserve_bytes(&mut self, bytes: u64) -> Result<(), Shortage> {
+        match &mut self.memory {
+            Some(memory) => memory.resize(bytes),
+            None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
+        }
+    }
+
+    /// Reserves the memory for the film of this view, which is no share, in place of the former reservation. False if there is too little.
+    pub(super) fn has_room_for(&mut self, view: &View) -> bool {
+        self.reserve_bytes(Film::memory_bytes(view.width, view.height, view.film_layers()))
+            .is_ok()
     }
 
     /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the previews of the picture
@@ -126,10 +135,11 @@ impl RenderFilm {
         self.dirty.clear();
     }
 
-    /// Multiplies the light of each layer by a factor. It counts as another picture, which has the samples of this one.
-    pub(super) fn relight(&mut self, factors: Arc<[Rgb]>) {
-        self.film.relight(&factors);
-        self.relit = Some(factors);
+    /// Gives the picture these layers of light, see [`Film::relight`]. It counts as another picture, which has the samples of this one.
+    pub(super) fn relight(&mut self, layers: &[NewLayer], view: &View, light_groups: &Arc<[LightGroup]>) {
+        self.relit = Some(self.film.radiance().into());
+        self.film.relight(view.light_groups.count(), layers);
+        (self.view, self.light_groups) = (Some(view.clone()), light_groups.clone());
         self.job += 1;
         self.mark_all();
     }

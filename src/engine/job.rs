@@ -14,19 +14,19 @@ use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
 pub(super) use self::beginning::Beginning;
+use self::relight::Relighting;
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::control::Gate;
 use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::film::RenderFilm;
-use super::light_groups::LightGroup;
+use super::light_groups::{Lamps, LightGroup};
 use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::status::Outdated;
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
-use crate::color::Rgb;
 use crate::render::clamp::BrightnessLimit;
 use crate::render::guide::Guide;
 use crate::render::noise::PictureNoise;
@@ -89,8 +89,9 @@ pub(super) struct Job {
     stops: BTreeSet<u32>,
     /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
-    /// For each layer of light, how many times as strong it is as at the beginning, and the least that it was; empty while all is as it was.
-    strengths: Vec<[Rgb; 2]>,
+    /// The lights of the scene.
+    lamps: Arc<Lamps>,
+    relighting: Relighting,
     beginning: Beginning,
     /// Whether it goes on with an older picture, of which only previews around the region are missing.
     is_resumed: bool,
@@ -108,6 +109,7 @@ impl Job {
         scene: RenderScene,
         view: View,
         shutter: Option<Shutter>,
+        lamps: Arc<Lamps>,
         light_groups: Arc<[LightGroup]>,
         beginning: Beginning,
         is_coarse: bool,
@@ -142,7 +144,8 @@ impl Job {
             cuts: BTreeSet::new(),
             stops: BTreeSet::new(),
             early: BTreeMap::new(),
-            strengths: Vec::new(),
+            lamps,
+            relighting: Relighting::default(),
             is_resumed: false,
             gbuffer_left: BTreeSet::new(),
             preview_left: order.len(),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use crate::light::{LightId, WeightedSource};
 use crate::render::light_layers::LightGroups;
 
 /// The lights that share a layer.
@@ -12,6 +13,34 @@ use crate::render::light_layers::LightGroups;
 pub struct LightGroup {
     /// The entities: one, except for the last group if there are very many lights.
     pub entities: Vec<Entity>,
+}
+
+/// The lights of a scene by [`LightId`], and the entities that they belong to.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Lamps {
+    pub owners: Vec<Entity>,
+    pub sources: Vec<WeightedSource>,
+}
+
+/// The lights of which a layer has the light, with the entity that each belongs to.
+#[derive(Default)]
+pub(super) struct LayerLamps<'a> {
+    pub owners: Vec<Entity>,
+    pub sources: Vec<&'a WeightedSource>,
+}
+
+impl Lamps {
+    /// The lights of each layer of a film. Without groups all light is in one.
+    pub fn by_layer(&self, groups: &LightGroups) -> Vec<LayerLamps<'_>> {
+        let mut layers: Vec<LayerLamps> = Vec::new();
+        layers.resize_with(groups.count().max(1), LayerLamps::default);
+        for (light, (&owner, source)) in (0..).zip(self.owners.iter().zip(&self.sources)) {
+            let layer = &mut layers[groups.group(LightId(light)).unwrap_or(0)];
+            layer.owners.push(owner);
+            layer.sources.push(source);
+        }
+        layers
+    }
 }
 
 /// Groups the lights. `owners` has the entity that each light belongs to. Groups come in the order of their first lights.

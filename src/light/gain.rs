@@ -124,21 +124,18 @@ impl LightSource {
     }
 }
 
-/// The factors by which `new` lights differ from lights of which `old` differ by `gains`, light by light; lights without a gain have not changed. None if more
-/// than their strength has changed, or a factor is not finite.
-pub fn compose(gains: Vec<Rgb>, old: &[WeightedSource], new: &[WeightedSource]) -> Option<Vec<Rgb>> {
-    if old.len() != new.len() {
-        return None;
-    }
-    let before = gains.into_iter().chain(std::iter::repeat(Rgb::ONE));
-    let lights = new.iter().zip(old).zip(before);
-    lights
-        .map(|((new, old), gain)| Some(gain * new.gain_since(old)?).filter(|gain| gain.is_finite()))
-        .collect()
+/// The factor by which all of the `new` lights are as strong as the `old` ones, light by light. None if they differ in anything else, or by several factors.
+pub fn common(old: &[&WeightedSource], new: &[&WeightedSource]) -> Option<Rgb> {
+    let is_same_number = old.len() == new.len();
+    let mut gains = new.iter().zip(old).map(|(new, old)| new.gain_since(old));
+    let first = gains.next().unwrap_or(Some(Rgb::ONE)).filter(|_| is_same_number)?;
+    gains
+        .all(|gain| gain.is_some_and(|gain| is_about(gain, first)))
+        .then_some(first)
 }
 
 /// Whether two gains differ by no more than rounding.
-pub fn is_about(one: Rgb, other: Rgb) -> bool {
+fn is_about(one: Rgb, other: Rgb) -> bool {
     (one - other).abs().cmple(1e-5 * one.abs().max(other.abs())).all()
 }
 

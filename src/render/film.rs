@@ -11,8 +11,10 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use self::chunks::{is_whole, without_splats};
+pub use self::relight::{LightFrom, NewLayer, SetAside};
 use super::blocks::{BLOCK, BLOCKS};
 use super::layers::{FilmLayers, LayerSums, Matte};
 use super::mean_error::{BlockError, Efficiency};
@@ -418,9 +420,9 @@ impl Film {
         self.means(|mean| mean.depth)
     }
 
-    fn means<T>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
-        (0..self.height)
-            .flat_map(|y| (0..self.width).map(move |x| (x, y)))
+    fn means<T: Send>(&self, of: impl Fn(PixelSum) -> T + Sync) -> Vec<T> {
+        let rows = (0..self.height).into_par_iter();
+        rows.flat_map_iter(|y| (0..self.width).map(move |x| (x, y)))
             .map(|(x, y)| of(self.pixel(x, y).unwrap_or_default()))
             .collect()
     }

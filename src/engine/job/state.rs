@@ -196,7 +196,16 @@ mod tests {
         fn new(scene: &RenderScene, view: &View) -> Self {
             let (scene, view) = (scene.clone(), view.clone());
             let backend = Backend::cpu(1, false).expect("a thread can be started");
-            let job = Job::new(scene, view, None, Default::default(), Beginning::Whole, false, None);
+            let job = Job::new(
+                scene,
+                view,
+                None,
+                Default::default(),
+                Default::default(),
+                Beginning::Whole,
+                false,
+                None,
+            );
             Self {
                 work: backend.work(job.scene.clone(), job.view.clone(), None, job.tiles.clone()),
                 job,

@@ -34,21 +34,16 @@ impl Denoised {
         }
     }
 
-    /// The same picture after the light of each group of the film was multiplied by its factor: each pixel by what that has made of the pixel of the film. None if
-    /// that cannot be told, because the light of a group is gone or the lights are mixed.
-    pub fn relit(mut self, film: &RenderFilm, factors: &[Rgb], number: u64) -> Option<Self> {
-        let back: Vec<Rgb> = factors.iter().map(|&factor| 1.0 / factor).collect();
-        let can_be_told = self.mix.is_empty() && back.iter().all(|factor| factor.is_finite());
-        if !can_be_told {
+    /// The same picture after lamps have changed: each pixel by what that has made of the pixel of the film, of which `before` is the light before, row by row.
+    /// None if the lights are mixed.
+    pub fn relit(mut self, film: &RenderFilm, before: &[Rgb], number: u64) -> Option<Self> {
+        if !self.mix.is_empty() || before.len() != self.radiance.len() {
             return None;
         }
-        self.radiance.par_iter_mut().enumerate().for_each(|(place, light)| {
+        let pixels = self.radiance.par_iter_mut().zip(before).enumerate();
+        pixels.for_each(|(place, (light, &before))| {
             let (x, y) = (place as u32 % film.film.width(), place as u32 / film.film.width());
             let after = film.film.mixed_pixel(x, y, &[]).unwrap_or_default();
-            let before = match film.film.layers().groups {
-                0 => after * back.first().copied().unwrap_or(Rgb::ONE),
-                _ => film.film.mixed_pixel(x, y, &back).unwrap_or_default(),
-            };
             // Filters of pixels may have made a little of it negative.
             let [before, after] = [before, after].map(|light| light.max(Rgb::ZERO) + LEAST_LIGHT);
             *light *= after / before;

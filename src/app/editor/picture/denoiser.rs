@@ -192,13 +192,13 @@ impl Denoiser {
         (now.samples >= next || now.samples > before && has_rested).then_some(Care::Quick)
     }
 
-    /// Goes on with the shown picture if lights have become stronger and the samples have stayed. A fresh one is due soon.
+    /// Goes on with the shown picture if lamps have changed and the samples have stayed. A fresh one is due soon.
     fn relight(&mut self, film: &RenderFilm) {
-        if let Some(factors) = film.relit.as_deref().filter(|_| self.job + 1 == film.job)
+        if let Some(before) = film.relit.as_deref().filter(|_| self.job + 1 == film.job)
             && let Some(shown) = self.shown.take_if(|shown| shown.job == self.job)
         {
             self.started += 1;
-            self.shown = shown.relit(film, factors, self.started);
+            self.shown = shown.relit(film, before, self.started);
         }
     }
 
