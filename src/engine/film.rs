@@ -34,6 +34,8 @@ pub struct RenderFilm {
     pub is_coarse: bool,
     /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked for](RenderControl::gbuffer).
     pub gbuffer: Vec<TileGBuffer>,
+    /// The tiles of which nothing is known yet, where that is so of some: they get their first samples before the others. Whoever shows the film sets them.
+    pub urgent: Vec<Tile>,
     /// Whether there is light of this picture: a preview or samples.
     pub is_lit: bool,
     /// The light of the picture of the job before, row by row, if this one has its samples with other light.
@@ -132,6 +134,7 @@ impl RenderFilm {
         self.is_lit = false;
         self.relit = None;
         self.gbuffer.clear();
+        self.urgent.clear();
         self.dirty.clear();
     }
 

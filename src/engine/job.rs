@@ -2,6 +2,7 @@
 //! done by ending the [`Run`] and starting another; the samples stay.
 
 mod beginning;
+mod guides;
 mod relight;
 mod rounds;
 mod state;
@@ -28,7 +29,6 @@ use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::status::Outdated;
 use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
 use crate::render::clamp::BrightnessLimit;
-use crate::render::guide::Guide;
 use crate::render::noise::PictureNoise;
 use crate::render::passes::pass_end;
 use crate::render::replicas::Replicas;
@@ -102,6 +102,8 @@ pub(super) struct Job {
     run: Option<Run>,
     running_since: Option<Instant>,
     ran: Duration,
+    /// The processor time that the workers of earlier runs have had.
+    worked: Duration,
 }
 
 impl Job {
@@ -154,6 +156,7 @@ impl Job {
             run: None,
             running_since: None,
             ran: Duration::ZERO,
+            worked: Duration::ZERO,
         }
     }
 
@@ -261,6 +264,11 @@ impl Job {
         (self.ran + now).as_secs_f64()
     }
 
+    /// The processor time that was spent on its items by all workers together.
+    pub fn worked(&self) -> Duration {
+        self.worked + self.run.as_ref().map_or(Duration::ZERO, Run::worked)
+    }
+
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
     pub fn run(
         &mut self,
@@ -282,6 +290,9 @@ impl Job {
         let is_adaptive = stop.is_adaptive && !matches!(self.view.integrator, Integrator::Merging(..));
         let asked = (stop.noise, is_adaptive);
         if let Some(run) = &self.run {
+            if film.is_of(self.begun) {
+                run.queue.set_urgent(self.indices_of(&film.urgent));
+            }
             if self.round.0 != asked {
                 // A round begins as soon as all pixels have the same number of samples.
                 let is_divided = asked != Rounds::default() || self.adaptation.has_differences(&self.active);
@@ -320,6 +331,15 @@ impl Job {
         self.run = Some(Run::start(backend, queue, first, work, waker, gate.clone()));
     }
 
+    /// The places of some tiles of the picture in its order.
+    fn indices_of(&self, some: &[Tile]) -> Vec<usize> {
+        let indices = 0..self.tiles.len();
+        match some.is_empty() {
+            true => Vec::new(),
+            false => indices.filter(|&index| some.contains(&self.tiles[index])).collect(),
+        }
+    }
+
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
     /// picture begins.
     fn previews(&self) -> Vec<usize> {
@@ -337,6 +357,7 @@ impl Job {
 
     /// Stops the workers; results that they have not delivered are lost and will be made again.
     pub fn pause(&mut self) {
+        self.worked = self.worked();
         self.run = None;
         self.early.clear();
         if let Some(since) = self.running_since.take() {
@@ -448,29 +469,6 @@ impl Job {
         film.samples = samples;
         self.judge(film);
         self.note_noise();
-    }
-
-    /// Counts what guides were learnt with since the last call, which may be that of another picture of the same scene. The rays of pilots are not among them.
-    fn count_rays_of_guides(&mut self) {
-        let rays = self.guides().map(Guide::take_rays).sum::<u64>();
-        self.rays += rays;
-        self.guide_rays += rays;
-    }
-
-    /// The memory of the guides of the picture, in bytes.
-    pub fn guide_bytes(&self) -> u64 {
-        let mut guides: Vec<&Guide> = Vec::new();
-        for guide in self.guides() {
-            if !guides.iter().any(|known| known.is_same(guide)) {
-                guides.push(guide);
-            }
-        }
-        guides.into_iter().map(Guide::bytes).sum()
-    }
-
-    fn guides(&self) -> impl Iterator<Item = &Guide> {
-        let of_moments = self.shutter.iter().flat_map(Shutter::guides);
-        self.view.guide.iter().chain(of_moments)
     }
 
     fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {

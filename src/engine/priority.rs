@@ -1,4 +1,6 @@
-//! Makes threads give way to the window, and to each other.
+//! The share of the processors that threads have: how they give way to the window and to each other, and how much they have had.
+
+use std::time::Duration;
 
 /// Lowers the priority of the calling thread, so that a window that wants to answer a key gets its core at once: the more so where a
 /// software driver draws the window on the same cores. Where the system has no such thing per thread, nothing happens.
@@ -28,3 +30,19 @@ fn set_niceness(niceness: i32) {
 
 #[cfg(not(target_os = "linux"))]
 fn set_niceness(_niceness: i32) {}
+
+/// The processor time that the calling thread has had; the time since some moment where the system does not tell.
+#[cfg(target_os = "linux")]
+pub(super) fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(super) fn processor_time() -> Duration {
+    use std::sync::LazyLock;
+    use std::time::Instant;
+
+    static BEGINNING: LazyLock<Instant> = LazyLock::new(Instant::now);
+    BEGINNING.elapsed()
+}

@@ -82,6 +82,11 @@ pub(super) fn report_status(
         bytes: job.guide_bytes(),
     });
     status.mrays_per_s = per_second(status.rays);
+    let worked = job.map_or(0.0, |job| job.worked().as_secs_f64());
+    status.undisturbed_mrays_per_s = match worked > 0.0 {
+        true => status.rays as f64 / worked / 1e6 * control.threads.get() as f64,
+        false => 0.0,
+    };
     status.msamples_per_s = per_second(job.map_or(0, |job| job.samples));
     status.invalid_samples = job.map_or(0, |job| job.invalid);
     status.clamped = job.and_then(|job| job.clamped());

@@ -5,7 +5,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -14,6 +14,7 @@ use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
 use super::backend::{Backend, TileResult, Work};
 use super::control::Gate;
 use super::event_loop_waker::EventLoopWaker;
+use super::priority::processor_time;
 use super::schedule::{WorkItem, WorkQueue};
 
 /// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so that workers do not wait for
@@ -33,12 +34,15 @@ pub(super) struct Run {
     pub results: Receiver<TileResult>,
     /// The time of the first result, collected or not.
     pub first_result: Arc<OnceLock<Instant>>,
+    worked: Arc<AtomicU64>,
 }
 
 struct Shared {
     cancel: Arc<AtomicBool>,
     queue: Arc<WorkQueue>,
     first_result: Arc<OnceLock<Instant>>,
+    /// The processor time that all workers have had, in nanoseconds.
+    worked: Arc<AtomicU64>,
     work: Box<Work>,
     waker: EventLoopWaker,
     gate: Gate,
@@ -67,6 +71,7 @@ impl Run {
             cancel: Arc::new(AtomicBool::new(false)),
             queue: Arc::new(queue),
             first_result: Arc::default(),
+            worked: Arc::default(),
             work,
             waker,
             gate,
@@ -82,8 +87,14 @@ impl Run {
             cancel: shared.cancel.clone(),
             queue: shared.queue.clone(),
             first_result: shared.first_result.clone(),
+            worked: shared.worked.clone(),
             results,
         }
+    }
+
+    /// The processor time that its workers have had for finished items, all together.
+    pub fn worked(&self) -> Duration {
+        Duration::from_nanos(self.worked.load(Ordering::Relaxed))
     }
 
     /// Asks the workers to stop, without waiting for them.
@@ -123,9 +134,12 @@ impl Shared {
             let Some(item) = self.queue.claim() else {
                 break;
             };
+            let begun = processor_time();
             let Some(result) = (self.work)(&item, &self.cancel) else {
                 break;
             };
+            let worked = processor_time().saturating_sub(begun);
+            self.worked.fetch_add(worked.as_nanos() as u64, Ordering::Relaxed);
             self.first_result.get_or_init(Instant::now);
             if !self.deliver(results, result) {
                 break;

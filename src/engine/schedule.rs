@@ -66,6 +66,17 @@ pub(super) enum WorkItem {
 /// The number of replicas in a piece of work.
 const REPLICAS_AT_ONCE: usize = 16;
 
+/// The samples that urgent tiles get before all others.
+const HEAD_START: u32 = 4;
+
+/// The turn of a tile: after that of urgent tiles, by least samples first, then by the order of tiles.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Turn {
+    is_late: bool,
+    done: u32,
+    index: usize,
+}
+
 /// Deals out a job's work, pass after pass. Each worker claims its next item, so that none waits while there is work.
 pub(super) struct WorkQueue {
     state: Mutex<QueueState>,
@@ -80,8 +91,10 @@ struct QueueState {
     previews: Vec<usize>,
     /// The edge of its blocks in pixels.
     step: u32,
-    /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
-    waiting: BinaryHeap<Reverse<(u32, usize)>>,
+    /// The tiles that are not claimed in this pass yet.
+    waiting: BinaryHeap<Reverse<Turn>>,
+    /// The tiles that have a head start, in rising order.
+    urgent: Vec<usize>,
     target: u32,
     /// The replicas that are not claimed yet, the next ones last.
     replicas: Vec<Arc<[Missing]>>,
@@ -99,7 +112,11 @@ impl WorkQueue {
                 step,
                 gbuffer: Vec::new(),
                 previews: previews.iter().rev().copied().collect(),
-                waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
+                waiting: tiles
+                    .iter()
+                    .map(|&(index, done)| Reverse(turn(&[], index, done)))
+                    .collect(),
+                urgent: Vec::new(),
                 target,
                 replicas: Vec::new(),
                 rounds: BTreeMap::new(),
@@ -118,6 +135,11 @@ impl WorkQueue {
     /// Has the G-buffers of these tiles made before all samples, in turn with the previews.
     pub fn begin_with_gbuffer(&self, tiles: impl DoubleEndedIterator<Item = usize>) {
         self.state().gbuffer = tiles.rev().collect();
+    }
+
+    /// Gives these tiles, in rising order, their first samples before all others.
+    pub fn set_urgent(&self, urgent: Vec<usize>) {
+        self.state().set_urgent(urgent);
     }
 
     /// Has the blocks of these tiles differ in their samples.
@@ -142,10 +164,7 @@ impl WorkQueue {
         if let Some(replicas) = state.replicas.pop() {
             return Some(WorkItem::Replicas(replicas));
         }
-        let &Reverse((done, index)) = state.waiting.peek()?;
-        if done >= state.target {
-            return None;
-        }
+        let Turn { done, index, .. } = state.next_turn()?;
         let target = state.target;
         let round = state.rounds.get_mut(&index).filter(|round| round.covers(done));
         let (end, blocks) = match round {
@@ -158,7 +177,8 @@ impl WorkQueue {
             None => (pass_end(done).min(target), None),
         };
         state.waiting.pop();
-        state.waiting.push(Reverse((end, index)));
+        let next = turn(&state.urgent, index, end);
+        state.waiting.push(Reverse(next));
         state.begun = state.begun.max(end);
         Some(WorkItem::Samples {
             index,
@@ -182,6 +202,32 @@ impl WorkQueue {
     fn state(&self) -> MutexGuard<'_, QueueState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+impl QueueState {
+    /// The turn that comes next and is not at the target.
+    fn next_turn(&mut self) -> Option<Turn> {
+        let Reverse(next) = *self.waiting.peek()?;
+        if next.done >= self.target && !next.is_late {
+            // All urgent tiles are where they should be before the others are.
+            self.set_urgent(Vec::new());
+            return self.next_turn();
+        }
+        (next.done < self.target).then_some(next)
+    }
+
+    fn set_urgent(&mut self, urgent: Vec<usize>) {
+        if self.urgent != urgent {
+            let waiting = std::mem::take(&mut self.waiting).into_iter();
+            let turns = waiting.map(|Reverse(old)| Reverse(turn(&urgent, old.index, old.done)));
+            (self.waiting, self.urgent) = (turns.collect(), urgent);
+        }
+    }
+}
+
+fn turn(urgent: &[usize], index: usize, done: u32) -> Turn {
+    let is_late = done >= HEAD_START || urgent.binary_search(&index).is_err();
+    Turn { is_late, done, index }
 }
 
 #[cfg(test)]
@@ -212,6 +258,27 @@ mod tests {
             (1, 2, 3),
         ];
         assert_eq!(all(&queue), expected);
+    }
+
+    #[test]
+    fn urgent_tiles_have_a_head_start() {
+        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 4, &[], 1);
+        assert!(matches!(queue.claim(), Some(WorkItem::Samples { index: 0, .. })));
+        queue.set_urgent(vec![2]);
+        let expected = [
+            (2, 0, 1),
+            (2, 1, 2),
+            (2, 2, 4),
+            (1, 0, 1),
+            (0, 1, 2),
+            (1, 1, 2),
+            (0, 2, 4),
+            (1, 2, 4),
+        ];
+        assert_eq!(all(&queue), expected);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 2, &[], 1);
+        queue.set_urgent(vec![1]);
+        assert_eq!(all(&queue), [(1, 0, 1), (1, 1, 2), (0, 0, 1), (0, 1, 2)]);
     }
 
     #[test]

@@ -46,6 +46,8 @@ pub struct RenderStatus {
     pub guide: Option<GuideStatus>,
     /// The rays per second, in millions.
     pub mrays_per_s: f64,
+    /// The rays per second, in millions, that all threads would trace if the processors did nothing else; 0 while that is not known.
+    pub undisturbed_mrays_per_s: f64,
     /// The camera samples per second, in millions.
     pub msamples_per_s: f64,
     /// The number of samples that were not finite and therefore dropped.
@@ -92,6 +94,7 @@ impl Default for RenderStatus {
             rays: 0,
             guide: None,
             mrays_per_s: 0.0,
+            undisturbed_mrays_per_s: 0.0,
             msamples_per_s: 0.0,
             invalid_samples: 0,
             clamped: None,

@@ -12,20 +12,22 @@ mod earlier;
 mod reproject;
 #[cfg(test)]
 mod tests;
+mod tile;
 mod trust;
 
 use std::sync::Arc;
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 pub use self::coarse::Coarse;
 pub use self::earlier::Earlier;
 pub use self::reproject::Reprojection;
+pub use self::tile::CarriedTile;
 use self::trust::{Standing, Trust, doubt_of_pixel, pooled};
 use super::camera::Camera;
 use super::film::{Film, Moments};
-use super::gbuffer::{Texel, TileGBuffer};
+use super::gbuffer::Texel;
 use super::tile::{TILE, Tile};
 use crate::color::{Rgb, luminance};
 
@@ -35,20 +37,14 @@ const LEAST_ALBEDO: f32 = 0.02;
 pub const WORTH_OF_DENOISED: f32 = 64.0;
 /// The samples that the variance of a sample is known from, where light is carried over.
 const KNOWN_VARIANCE: f32 = 16.0;
-/// The samples that the mean light of a tile's preview is worth.
-const WORTH_OF_MEAN: f32 = 2.0;
 /// The least relative standard deviation that is believed of guided paths.
 const DEVIATION_OF_GUIDED: f32 = 3.0;
-/// The samples that a filtered preview is worth.
-const WORTH_OF_COARSE: f32 = 16.0;
-/// What light is worth at most beside pixels for which none was found.
-const WORTH_OF_RIM: f32 = 4.0;
-/// Light of no more worth counts as not found: a filtered preview is better.
-const LEAST_FOUND: f32 = 3.0;
 /// Where earlier light covers so much of the picture, previews are not filtered.
 const NEARLY_ALL: f32 = 0.9995;
 /// New light that is brighter than carried light by more than this factor is shown darker, as long as it is worth less.
 const OUTLIER: f32 = 3.0;
+/// The share of the tiles that are few.
+const FEW: f32 = 0.25;
 /// The most samples that earlier light is worth.
 const MOST_WORTH: f32 = 512.0;
 
@@ -71,96 +67,6 @@ impl Light {
             worth: self.worth.min(MOST_WORTH),
             ..self
         }
-    }
-}
-
-/// A tile of a picture: what its pixels show, the light that is carried over to them, and the light that they were painted with, row by row.
-#[derive(Debug)]
-pub struct CarriedTile {
-    tile: Tile,
-    texels: Vec<Texel>,
-    light: Vec<Light>,
-    shown: Vec<Light>,
-    /// Whether it shows nothing but the film.
-    is_own: bool,
-}
-
-impl CarriedTile {
-    /// Finds the pixels of a G-buffer in an earlier picture, if there is one.
-    pub fn find(reprojection: Option<&Reprojection>, gbuffer: TileGBuffer) -> Self {
-        let pixels = pixels_of(gbuffer.tile).zip(&gbuffer.texels);
-        let light: Vec<Light> = match reprojection {
-            Some(reprojection) => {
-                let found = pixels.map(|((x, y), texel)| reprojection.find(x, y, texel));
-                without_rims(found.collect(), gbuffer.tile.width as usize)
-            }
-            None => vec![Light::default(); gbuffer.texels.len()],
-        };
-        Self {
-            tile: gbuffer.tile,
-            texels: gbuffer.texels,
-            shown: light.clone(),
-            light,
-            is_own: false,
-        }
-    }
-
-    /// Says that all of it has samples and was painted without anything that is carried over: from now on it shows the film alone.
-    pub fn end(&mut self) {
-        self.is_own = true;
-    }
-
-    /// The number of pixels for which there is light.
-    fn found(&self) -> usize {
-        self.light.iter().filter(|light| light.worth > LEAST_FOUND).count()
-    }
-
-    /// Where nothing is carried over, shows the surfaces in the mean light of the tile's preview, for all normals near the same axis together. Single
-    /// samples of a preview would only be noise.
-    fn take_preview(&mut self, film: &Film) {
-        let Some(preview) = film.preview_of(self.tile) else {
-            return;
-        };
-        let mut means = [(Rgb::ZERO, 0.0); DIRECTIONS];
-        let columns = self.tile.width.div_ceil(preview.step);
-        for (block, pixel) in (0..).zip(&preview.blocks) {
-            // The block is what its middle shows.
-            let middle = preview.step * UVec2::new(block % columns, block / columns) + preview.step / 2;
-            let middle = middle.min(UVec2::new(self.tile.width, self.tile.height) - 1);
-            let mean = &mut means[direction_of(&self.texels[(middle.y * self.tile.width + middle.x) as usize])];
-            *mean = (mean.0 + pixel.radiance / (pixel.albedo + LEAST_ALBEDO), mean.1 + 1.0);
-        }
-        for (light, texel) in self.light.iter_mut().zip(&self.texels) {
-            let (sum, count) = means[direction_of(texel)];
-            if light.worth <= WORTH_OF_MEAN && count > 0.0 {
-                let mean = sum / count;
-                *light = Light {
-                    light: mean,
-                    worth: WORTH_OF_MEAN,
-                    variance: luminance(mean).powi(2),
-                };
-            }
-        }
-    }
-
-    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over. `light` is the whole picture.
-    fn add_coarse(&mut self, size: UVec2, light: &[Rgb]) {
-        self.is_own = false;
-        for ((x, y), own) in pixels_of(self.tile).zip(&mut self.light) {
-            let coarse = light[place_of(size, x, y)];
-            let share = WORTH_OF_COARSE / (own.worth + WORTH_OF_COARSE);
-            *own = Light {
-                light: own.light.lerp(coarse, share),
-                worth: own.worth + WORTH_OF_COARSE,
-                variance: own.variance.max(luminance(coarse).powi(2)),
-            };
-        }
-    }
-
-    /// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where there is none.
-    fn carried(&self, place: usize) -> Option<(Rgb, f32)> {
-        let Light { light, worth, variance } = self.light[place];
-        (worth > 0.0).then(|| (light * divisor(&self.texels[place]), variance))
     }
 }
 
@@ -300,6 +206,14 @@ impl Carried {
         self.blender.trust.learn_clean(film, clean, old);
     }
 
+    /// The tiles of which much is shown that is hardly known, if they are few.
+    pub fn hardly_known(&self) -> Vec<Tile> {
+        let all = self.tiles.iter().flatten().filter(|own| own.is_hardly_known);
+        let tiles: Vec<Tile> = all.map(|own| own.tile).collect();
+        let are_few = (tiles.len() as f32) <= FEW * self.tiles.len() as f32;
+        if are_few { tiles } else { Vec::new() }
+    }
+
     /// What tiles are painted with, and the rows of tiles. Tiles that are not there yet are None.
     pub fn rows(&mut self) -> (&Blender, std::slice::ChunksMut<'_, Option<CarriedTile>>) {
         let columns = self.blender.size.x.div_ceil(TILE) as usize;
@@ -406,21 +320,6 @@ impl Blender {
     }
 }
 
-/// The light of the rows of a tile with less worth beside pixels for which none was found: a part of these pixels may have shown the thing that is gone.
-fn without_rims(mut light: Vec<Light>, width: usize) -> Vec<Light> {
-    let is_lost: Vec<bool> = light.iter().map(|light| light.worth <= 0.0).collect();
-    let rows = is_lost.len() / width;
-    for (place, _) in is_lost.iter().enumerate().filter(|(_, is_lost)| **is_lost) {
-        let (row, column) = (place / width, place % width);
-        for y in row.saturating_sub(1)..(row + 2).min(rows) {
-            for beside in &mut light[y * width..][column.saturating_sub(1)..(column + 2).min(width)] {
-                beside.worth = beside.worth.min(WORTH_OF_RIM);
-            }
-        }
-    }
-    light
-}
-
 /// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there; None where there is none.
 fn carried_at(size: UVec2, tiles: &[Option<CarriedTile>]) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync {
     move |x, y| {
@@ -435,18 +334,6 @@ fn faded(worth: f32, samples: f32) -> f32 {
         return 0.0;
     }
     worth * (1.5 - 0.5 * samples / worth).clamp(0.0, 1.0)
-}
-
-/// The groups of directions that surfaces face: both ways along each axis, and nowhere.
-const DIRECTIONS: usize = 7;
-
-fn direction_of(texel: &Texel) -> usize {
-    let normal = texel.normal();
-    if normal == Vec3::ZERO {
-        return DIRECTIONS - 1;
-    }
-    let axis = normal.abs().max_position();
-    2 * axis + usize::from(normal[axis] < 0.0)
 }
 
 /// Light is radiance divided by this.

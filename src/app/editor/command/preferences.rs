@@ -101,6 +101,8 @@ pub struct Preferences {
     pub moving_scale: f32,
     /// Whether a picture that begins anew shows what is still known from the picture before it.
     pub carries_over: bool,
+    /// Whether the picture is in headlight while something is dragged.
+    pub headlight_drags: bool,
     /// The pixels of the film that are traced.
     #[serde(deserialize_with = "or_default")]
     pub resolution: Resolution,
@@ -151,6 +153,7 @@ impl Default for Preferences {
             dimensions: false,
             moving_scale: 0.5,
             carries_over: true,
+            headlight_drags: false,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),
             developer_figures: false,

@@ -195,6 +195,13 @@ fn view_rows(ui: &mut Ui, edited: &mut Preferences) {
     );
     switch(
         ui,
+        "While dragging",
+        "Show the picture in headlight",
+        "So that things are seen in dark rooms while the gizmo moves them. The light comes back at the end",
+        &mut edited.headlight_drags,
+    );
+    switch(
+        ui,
         "Opened scenes",
         "Begin with the last view",
         "Otherwise a scene begins with the view of its first camera",

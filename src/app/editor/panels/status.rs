@@ -14,6 +14,8 @@ use crate::render::auto::{Choice, Method};
 
 /// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
+/// Rays are said to be traced more slowly than they could be from this factor on.
+const SLOWED: f64 = 1.05;
 /// The size of the curve of the noise in points, and the number of its points.
 const CURVE: egui::Vec2 = egui::vec2(40.0, 12.0);
 const CURVE_POINTS: usize = 21;
@@ -80,10 +82,7 @@ fn parts(model: &StatusModel) -> Vec<Part> {
     ];
     parts.extend(noise(model));
     parts.extend(status.auto.as_ref().map(auto));
-    parts.push(Part::new(
-        format!("{:.2} Mrays/s", status.mrays_per_s),
-        "Millions of rays traced in a second",
-    ));
+    parts.push(rays_per_second(status));
     if status.invalid_samples > 0 {
         parts.push(Part::new(
             counted(status.invalid_samples, "invalid sample"),
@@ -129,6 +128,18 @@ fn developer_parts(model: &StatusModel, parts: &mut Vec<Part>) {
             format!("{}, {:.1} ms", counted(status.bvh.nodes, "node"), status.bvh.build_ms),
             "Of the bounding volume hierarchy, and how long it took to build",
         ));
+    }
+}
+
+/// How fast rays are traced, and how fast they would be if the window took nothing of the processors.
+fn rays_per_second(status: &RenderStatus) -> Part {
+    let [now, undisturbed] = [status.mrays_per_s, status.undisturbed_mrays_per_s];
+    match undisturbed > SLOWED * now {
+        true => Part::new(
+            format!("{now:.2} of {undisturbed:.2} Mrays/s"),
+            "Millions of rays traced in a second, and how many it would be if the window, the denoiser and other programs took nothing of the processors",
+        ),
+        false => Part::new(format!("{now:.2} Mrays/s"), "Millions of rays traced in a second"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Shows what an earlier picture still tells about the present one, until that has samples of its own: see [`crate::render::carry`].
 
 use std::collections::HashSet;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{DeferredDrop, Gate, RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
 use crate::memory::{self, Reservation};
-use crate::render::carry::{Carried, CarriedTile, Clean};
+use crate::render::carry::{Carried, CarriedTile, Clean, Earlier};
 use crate::render::denoise::DenoiseError;
 use crate::render::gbuffer::TileGBuffer;
 use crate::render::tile::{Tile, tiles};
@@ -27,6 +28,8 @@ use crate::render::view::{Shown, View};
 const LONGEST: Duration = Duration::from_millis(4);
 /// The tiles whose pixels are found in one piece of work.
 const TOGETHER: usize = 16;
+/// The samples up to which tiles that are hardly known come first.
+const FIRST_SAMPLES: u32 = 4;
 /// A picture of low resolution is not carried over while there is a better one for this share of it.
 const ENOUGH: f32 = 0.7;
 /// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier picture and in this one; and the
@@ -39,6 +42,8 @@ pub(crate) struct Carrying {
     /// Whether the window has a user, or stands for one in a measurement.
     is_watched: bool,
     carried: Option<Carried>,
+    /// The picture that was shown before something else than light was, for the next picture of light.
+    kept: Option<Arc<Earlier>>,
     /// The film's job that was seen last.
     job: u64,
     /// Whether its resolution is lower than asked for.
@@ -123,6 +128,15 @@ impl Carrying {
         std::mem::take(&mut self.is_unchanged)
     }
 
+    /// Carries nothing over while something else than light is shown, or light is mixed or compared. What is known of the picture is kept.
+    fn rest(&mut self, garbage: &DeferredDrop) {
+        if let Some(earlier) = self.carried.take().and_then(Carried::into_earlier) {
+            self.kept = Some(earlier);
+            self.has_ended = true;
+        }
+        self.end(garbage);
+    }
+
     /// Carries nothing over from now on.
     fn end(&mut self, garbage: &DeferredDrop) {
         if let Some(carried) = self.carried.take() {
@@ -150,13 +164,18 @@ impl Carrying {
         let old = self.carried.take();
         self.end(garbage);
         self.job = film.job;
-        let view = film.view.as_ref().filter(|view| view.shown == Shown::Radiance);
+        let Some(view) = film.view.as_ref() else { return };
+        if view.shown != Shown::Radiance {
+            self.carried = old;
+            self.rest(garbage);
+            return;
+        }
         // A picture that fills the memory is shown without the one before.
-        let Some(view) = view.filter(|view| self.reserve(view)) else {
-            (self.has_ended, self.memory) = (true, None);
+        if !self.reserve(view) {
+            (self.has_ended, self.memory, self.kept) = (true, None, None);
             garbage.drop_later(old);
             return;
-        };
+        }
         let size = UVec2::new(view.width, view.height);
         self.is_unchanged = old.as_ref().is_some_and(|old| old.has_view(&view.camera, size));
         let earlier = old.and_then(|old| match old.earlier() {
@@ -167,6 +186,7 @@ impl Carrying {
                 earlier
             }
         });
+        let earlier = earlier.or(self.kept.take());
         let has_to_be_painted = earlier.is_some() && !self.is_unchanged;
         let mut carried = Carried::begin(earlier, &view.camera, size);
         self.is_guided |= view.guide.is_some();
@@ -269,6 +289,7 @@ pub(crate) fn follow_carrying(
     mut carrying: ResMut<Carrying>,
     mut film: ResMut<RenderFilm>,
     control: Res<RenderControl>,
+    preferences: Res<Preferences>,
     status: Res<RenderStatus>,
     wake_up: Res<WakeUp>,
     gate: Res<Gate>,
@@ -277,9 +298,12 @@ pub(crate) fn follow_carrying(
     let carrying = carrying.bypass_change_detection();
     let film = film.bypass_change_detection();
     if !control.gbuffer || film.is_empty() {
-        carrying.end(&garbage);
-        (carrying.memory, carrying.job, carrying.is_guided) = (None, film.job, false);
+        carrying.rest(&garbage);
         film.gbuffer.clear();
+        carrying.job = film.job;
+        if film.is_empty() || !preferences.carries_over {
+            (carrying.memory, carrying.kept, carrying.is_guided) = (None, None, false);
+        }
         return;
     }
     if carrying.last_restart.replace(status.last_restart) != Some(status.last_restart) {
@@ -304,6 +328,10 @@ pub(crate) fn follow_carrying(
         carrying.tiles.clear();
         carrying.has_ended = true;
     }
+    film.urgent = match film.samples < FIRST_SAMPLES && carried.earlier().is_some() {
+        true => carried.hardly_known(),
+        false => Vec::new(),
+    };
     if film.samples == 0
         && let Some(coarse) = carried.coarse(&film.film)
     {

@@ -189,6 +189,7 @@ impl<'a> Painter<'a> {
             }
             if is_carried {
                 carried.push(tile);
+                own.into_iter().for_each(CarriedTile::judge);
             } else if let Some(own) = own.filter(|_| self.film.samples(tile.x, tile.y) > 0) {
                 own.end();
             }

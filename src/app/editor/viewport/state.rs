@@ -11,6 +11,8 @@ use super::blocking::BlockingState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 use super::texturing::TexturingState;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 
 /// The state that the viewport keeps between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -30,6 +32,8 @@ pub struct ViewportState {
     pub picture: Option<ScreenPixels>,
     /// The place of the bar over a paused picture, if there is one.
     pub bar: Option<Rect>,
+    /// Whether the picture is in headlight because something is dragged.
+    is_in_headlight: bool,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
 }
@@ -40,6 +44,20 @@ impl ViewportState {
         let mut state = Self::default();
         state.pointer.is_unattended = !is_attended;
         state
+    }
+
+    /// Shows the picture in headlight while something is dragged, if that is wanted.
+    pub fn light_drags(&mut self, is_wanted: bool, display: DisplaySettings, commands: &mut Vec<Command>) {
+        let (from, to) = match self.gizmo.is_dragging() {
+            true if is_wanted && !self.is_in_headlight => (DisplayMode::Shaded, DisplayMode::Headlight),
+            false if self.is_in_headlight => (DisplayMode::Headlight, DisplayMode::Shaded),
+            _ => return,
+        };
+        // Whoever changes the display meanwhile keeps what was chosen.
+        if display.mode == from {
+            commands.push(Command::SetDisplay(DisplaySettings { mode: to, ..display }));
+        }
+        self.is_in_headlight = from == DisplayMode::Shaded && display.mode == from;
     }
 }
 

@@ -273,6 +273,7 @@ pub fn show_window(
     if state.gizmo.take_begun() {
         requests.interaction += 1;
     }
+    state.light_drags(shell.preferences.headlight_drags, settings.display, commands);
     use_clipboard(&context, &presses, &mut shell.clipboard, commands);
     dialogs.show(
         &context,

@@ -93,6 +93,27 @@ fn the_picture_before_is_shown_until_the_new_one_is_finished_and_not_longer() {
 }
 
 #[test]
+fn another_display_in_between_loses_nothing() {
+    let (mut app, _) = watched();
+    for (mode, turn) in [(DisplayMode::Headlight, 0.02), (DisplayMode::Normal, 0.04)] {
+        let shown = |mode| {
+            Command::SetDisplay(DisplaySettings {
+                mode,
+                ..DisplaySettings::default()
+            })
+        };
+        apply(app.world_mut(), shown(mode)).expect("applied");
+        (0..3).for_each(|_| app.update());
+        assert!(!app.world().resource::<Carrying>().is_seen());
+        update_until(&mut app, is_done);
+        apply(app.world_mut(), shown(DisplayMode::Shaded)).expect("applied");
+        app.update();
+        let pose = Affine3A::from_rotation_y(turn);
+        assert!(is_carried_after(&mut app, Command::MoveView(pose)), "{mode:?}");
+    }
+}
+
+#[test]
 fn a_finished_region_is_not_painted_again() {
     let (mut app, _) = watched();
     app.world_mut().resource_mut::<RenderControl>().region = Some(Rect::new(0.0, 0.0, 0.5, 0.5));
