@@ -402,7 +402,25 @@ impl Film {
 
     /// Mean radiance; black where there is none yet.
     pub fn radiance(&self) -> Vec<Rgb> {
-        self.means(|mean| mean.radiance)
+        let mut radiance = vec![Rgb::ZERO; self.width as usize * self.height as usize];
+        let rows = radiance.par_chunks_mut(self.width.max(1) as usize).enumerate();
+        rows.for_each(|(y, row)| {
+            let y = y as u32;
+            for (tile, part) in (0..).zip(row.chunks_mut(TILE as usize)) {
+                let tile = Tile {
+                    x: tile * TILE,
+                    y: y / TILE * TILE,
+                    width: part.len() as u32,
+                    height: TILE.min(self.height - y / TILE * TILE),
+                };
+                let mut light = [None; TILE as usize];
+                self.mixed_row(tile, y, &[], &mut light);
+                part.iter_mut()
+                    .zip(light)
+                    .for_each(|(to, light)| *to = light.unwrap_or_default());
+            }
+        });
+        radiance
     }
 
     /// Mean albedo guide, in [0, 1].

@@ -5,6 +5,8 @@
 //! the squared contrast there (empirical Bayes: Efron and Morris, Stein's estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and at
 //! edges, it stays what it is.
 
+use rayon::prelude::*;
+
 use super::film::Film;
 use super::tile::Tile;
 
@@ -62,6 +64,50 @@ struct TileNoise {
     by_splats: f64,
 }
 
+/// The pixels of a tile, with the noise of which only light and number are known.
+struct LitTile {
+    tile: Tile,
+    /// The mean luminances and their squared errors.
+    pixels: Vec<(f32, f32)>,
+    noise: TileNoise,
+}
+
+impl LitTile {
+    fn of(film: &Film, tile: Tile) -> Self {
+        let pixels: Vec<(f32, f32)> = film.mean_errors(tile).collect();
+        let noise = TileNoise {
+            pixels: pixels.len() as u64,
+            light: pixels.iter().map(|(mean, _)| f64::from(mean.abs())).sum(),
+            ..TileNoise::default()
+        };
+        Self { tile, pixels, noise }
+    }
+
+    /// All of its noise, if pixels with less than this luminance are dark.
+    fn measured(&self, film: &Film, dark: f32) -> TileNoise {
+        let (tile, pixels) = (self.tile, &self.pixels);
+        let is_whole = pixels.len() == (tile.width * tile.height) as usize;
+        let scale = |place: usize| {
+            let own = pixels[place];
+            let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
+            let around = around(x, y, tile.width, tile.height).map(|(x, y)| pixels[(y * tile.width + x) as usize]);
+            let likely = if is_whole { likely_luminance(own, around) } else { own.0 };
+            likely.abs().max(dark)
+        };
+        let scales: Vec<f32> = (0..pixels.len()).map(scale).collect();
+        let relative = |(squared_error, scale): (f32, &f32)| f64::from(squared_error / scale.powi(2));
+        let by_splats = match film.has_splats() {
+            true => film.splat_variances(tile).zip(&scales).map(relative).sum(),
+            false => 0.0,
+        };
+        TileNoise {
+            squares: pixels.iter().map(|pixel| pixel.1).zip(&scales).map(relative).sum(),
+            by_splats,
+            ..self.noise
+        }
+    }
+}
+
 impl PictureNoise {
     /// The noise of a picture of this many tiles, which have no samples yet.
     pub fn new(tiles: usize) -> Self {
@@ -75,12 +121,15 @@ impl PictureNoise {
     /// The noise of these tiles of a film alone: the same bits in whatever order their samples came.
     pub fn of(film: &Film, tiles: &[Tile]) -> Self {
         let mut noise = Self::new(tiles.len());
-        // The first round finds the mean luminance, by which the second one knows what is dark.
-        for _ in 0..2 {
-            tiles
-                .iter()
-                .enumerate()
-                .for_each(|(index, &tile)| noise.update(index, film, tile));
+        let lit: Vec<LitTile> = tiles.par_iter().map(|&tile| LitTile::of(film, tile)).collect();
+        lit.iter()
+            .enumerate()
+            .for_each(|(index, tile)| noise.replace(index, tile.noise));
+        // What is dark is known once all have been looked at.
+        if noise.whole.light > 0.0 {
+            let dark = noise.dark();
+            let measured = lit.par_iter().map(|tile| tile.measured(film, dark));
+            noise.tiles = measured.collect();
         }
         noise
     }
@@ -111,33 +160,17 @@ impl PictureNoise {
     /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
     /// dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
-        let pixels: Vec<(f32, f32)> = film.mean_errors(tile).collect();
-        let mut new = TileNoise {
-            pixels: pixels.len() as u64,
-            light: pixels.iter().map(|(mean, _)| f64::from(mean.abs())).sum(),
-            ..TileNoise::default()
-        };
-        let old = self.tiles[index];
+        let lit = LitTile::of(film, tile);
+        self.replace(index, lit.noise);
+        if self.whole.light > 0.0 {
+            self.tiles[index] = lit.measured(film, self.dark());
+        }
+    }
+
+    fn replace(&mut self, index: usize, new: TileNoise) {
+        let old = std::mem::replace(&mut self.tiles[index], new);
         self.whole.pixels += new.pixels - old.pixels;
         self.whole.light += new.light - old.light;
-        if self.whole.light > 0.0 {
-            let least = self.dark();
-            let is_whole = pixels.len() == (tile.width * tile.height) as usize;
-            let scale = |place: usize| {
-                let own = pixels[place];
-                let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
-                let around = around(x, y, tile.width, tile.height).map(|(x, y)| pixels[(y * tile.width + x) as usize]);
-                let likely = if is_whole { likely_luminance(own, around) } else { own.0 };
-                likely.abs().max(least)
-            };
-            let scales: Vec<f32> = (0..pixels.len()).map(scale).collect();
-            let relative = |(squared_error, scale): (f32, &f32)| f64::from(squared_error / scale.powi(2));
-            new.squares = pixels.iter().map(|pixel| pixel.1).zip(&scales).map(relative).sum();
-            if film.has_splats() {
-                new.by_splats = film.splat_variances(tile).zip(&scales).map(relative).sum();
-            }
-        }
-        self.tiles[index] = new;
     }
 
     /// The root mean square over the pixels of the estimated standard error of a pixel's luminance relative to that luminance; 0.01 is

@@ -126,10 +126,7 @@ impl Job {
         (self.lamps, self.light_groups) = (extracted.lamps.clone(), extracted.light_groups.clone());
         // What was known of the noise is of the other light.
         (self.replicas, self.judged, self.round) = (None, None, (Rounds::default(), 0));
-        self.noise_of_tiles = PictureNoise::new(self.tiles.len());
-        for (index, &tile) in self.tiles.iter().enumerate() {
-            self.noise_of_tiles.update(index, &film.film, tile);
-        }
+        self.noise_of_tiles = PictureNoise::of(&film.film, &self.tiles);
         self.note_noise();
         // The same samples would not have been chosen for this light: an exact picture begins anew.
         self.cuts.insert(0);
