@@ -60,8 +60,8 @@ pub struct RenderControl {
     pub light_layers: bool,
     /// Whether pictures begin with their G-buffer, see [`RenderFilm::gbuffer`](super::RenderFilm::gbuffer).
     pub gbuffer: bool,
-    /// Whether pictures keep their samples when nothing but the strength of lights changes. Where memory allows, the film keeps the light of each group of
-    /// lights in a layer for that.
+    /// Whether pictures keep their samples when nothing changes but the strength of lights and which emitters there are. Where memory allows, the film keeps the
+    /// light of each group of lights in a layer for that.
     pub lights_are_free: bool,
     /// The number of worker threads that trace rays; `app::threads` decides it.
     pub threads: NonZeroUsize,

@@ -1,5 +1,7 @@
 //! Begins, pauses and continues the job that makes the picture of what was extracted.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
 use super::blas_cache::BlasCache;
@@ -8,7 +10,7 @@ use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::extract::Extracted;
 use super::film::RenderFilm;
-use super::job::{Beginning, Job};
+use super::job::{Beginning, Job, Wanted};
 use super::renderer::Renderer;
 use super::saved::Resumed;
 use super::shutter::OpenShutter;
@@ -36,6 +38,9 @@ pub(super) fn dispatch_job(
     mut demand: Demand,
 ) {
     status.outdated = None;
+    if film.relit.as_ref().is_some_and(|before| !before.is_empty()) {
+        film.bypass_change_detection().relit = Some(Arc::default());
+    }
     let Some(mut view) = demand.extracted.view.clone() else {
         return;
     };
@@ -75,11 +80,18 @@ pub(super) fn dispatch_job(
             && job.has_shutter(demand.shutter.shutter.as_ref())
     });
     let stop = StopCondition::new(&control, demand.extracted.film_limits());
-    let can_relight = !current && control.lights_are_free && !control.restart_requested;
+    let can_relight =
+        !current && control.lights_are_free && !control.restart_requested && !demand.extracted.has_glowing_media();
+    let wanted = Wanted {
+        scene: &demand.extracted.scene,
+        view: &view,
+        lamps: &demand.extracted.lamps,
+        light_groups: &demand.extracted.light_groups,
+    };
     let relit = job
         .as_mut()
         .filter(|_| can_relight)
-        .is_some_and(|job| job.relight(&demand.extracted, &view, &stop, film.bypass_change_detection()));
+        .is_some_and(|job| job.relight(&wanted, &stop, film.bypass_change_detection()));
     if relit {
         film.set_changed();
     }
@@ -104,8 +116,9 @@ pub(super) fn dispatch_job(
             (true, _) => Beginning::preview(control.motion_scale),
         };
         // The old job goes first, so that its workers stop while the new one is being set up.
-        if let Some(old) = job.take() {
+        if let Some(mut old) = job.take() {
             old.cancel();
+            old.forget_all_lamps();
             demand.deferred.drop_later(old);
         }
         let reserved = film.bypass_change_detection().reserve(&view, &control, stop.samples);

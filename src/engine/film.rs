@@ -34,11 +34,11 @@ pub struct RenderFilm {
     pub is_coarse: bool,
     /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked for](RenderControl::gbuffer).
     pub gbuffer: Vec<TileGBuffer>,
-    /// The tiles of which nothing is known yet, where that is so of some: they get their first samples before the others. Whoever shows the film sets them.
-    pub urgent: Vec<Tile>,
+    urgent: HashSet<Tile>,
+    urgent_changed: bool,
     /// Whether there is light of this picture: a preview or samples.
     pub is_lit: bool,
-    /// The light of the picture of the job before, row by row, if this one has its samples with other light.
+    /// The light of the picture of the job before, row by row, if this one has its samples with other light. It is empty after the frame in which that changed.
     pub relit: Option<Arc<[Rgb]>>,
     /// The view of the picture; None if there is no picture.
     pub view: Option<View>,
@@ -135,6 +135,7 @@ impl RenderFilm {
         self.relit = None;
         self.gbuffer.clear();
         self.urgent.clear();
+        self.urgent_changed = false;
         self.dirty.clear();
     }
 
@@ -168,6 +169,18 @@ impl RenderFilm {
     /// Notes that all tiles have changed.
     pub fn mark_all(&mut self) {
         self.dirty.extend(tiles(self.film.width(), self.film.height()));
+    }
+
+    /// Says which tiles get their first samples before the others.
+    pub fn set_urgent(&mut self, urgent: HashSet<Tile>) {
+        if self.urgent != urgent {
+            (self.urgent, self.urgent_changed) = (urgent, true);
+        }
+    }
+
+    /// The tiles that get their first samples before the others, if they are not the same as at the last call.
+    pub(super) fn take_urgent(&mut self) -> Option<&HashSet<Tile>> {
+        std::mem::take(&mut self.urgent_changed).then_some(&self.urgent)
     }
 
     /// Notes that a tile has changed.

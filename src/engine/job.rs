@@ -3,11 +3,12 @@
 
 mod beginning;
 mod guides;
+mod lamps;
 mod relight;
 mod rounds;
 mod state;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,7 +16,8 @@ use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 
 pub(super) use self::beginning::Beginning;
-use self::relight::Relighting;
+use self::lamps::Relighting;
+pub(super) use self::lamps::Wanted;
 use super::adaptation::Adaptation;
 use super::backend::{Backend, TileResult};
 use super::control::Gate;
@@ -290,8 +292,10 @@ impl Job {
         let is_adaptive = stop.is_adaptive && !matches!(self.view.integrator, Integrator::Merging(..));
         let asked = (stop.noise, is_adaptive);
         if let Some(run) = &self.run {
-            if film.is_of(self.begun) {
-                run.queue.set_urgent(self.indices_of(&film.urgent));
+            if film.is_of(self.begun)
+                && let Some(urgent) = film.take_urgent()
+            {
+                run.queue.set_urgent(self.indices_of(urgent));
             }
             if self.round.0 != asked {
                 // A round begins as soon as all pixels have the same number of samples.
@@ -332,12 +336,9 @@ impl Job {
     }
 
     /// The places of some tiles of the picture in its order.
-    fn indices_of(&self, some: &[Tile]) -> Vec<usize> {
+    fn indices_of(&self, some: &HashSet<Tile>) -> Vec<usize> {
         let indices = 0..self.tiles.len();
-        match some.is_empty() {
-            true => Vec::new(),
-            false => indices.filter(|&index| some.contains(&self.tiles[index])).collect(),
-        }
+        indices.filter(|&index| some.contains(&self.tiles[index])).collect()
     }
 
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
@@ -467,6 +468,7 @@ impl Job {
             self.tiles.iter().for_each(|&tile| film.mark(tile));
         }
         film.samples = samples;
+        self.forget_lamps(samples);
         self.judge(film);
         self.note_noise();
     }

@@ -69,7 +69,7 @@ const REPLICAS_AT_ONCE: usize = 16;
 /// The samples that urgent tiles get before all others.
 const HEAD_START: u32 = 4;
 
-/// The turn of a tile: after that of urgent tiles, by least samples first, then by the order of tiles.
+/// When a tile has its turn: urgent tiles come first, then those with fewer samples, then by their order.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Turn {
     is_late: bool,
@@ -209,7 +209,7 @@ impl QueueState {
     fn next_turn(&mut self) -> Option<Turn> {
         let Reverse(next) = *self.waiting.peek()?;
         if next.done >= self.target && !next.is_late {
-            // All urgent tiles are where they should be before the others are.
+            // The urgent tiles have reached the target; the others go on.
             self.set_urgent(Vec::new());
             return self.next_turn();
         }

@@ -141,6 +141,9 @@ fn is_about(one: Rgb, other: Rgb) -> bool {
 
 /// The factor from one strength to another, by colour.
 fn ratio(before: Rgb, now: Rgb) -> Option<Rgb> {
+    if now == Rgb::ZERO && before != Rgb::ZERO {
+        return Some(Rgb::ZERO);
+    }
     let mut ratio = Rgb::ONE;
     for channel in 0..3 {
         if before[channel] != now[channel] {
@@ -171,10 +174,7 @@ mod tests {
             gain(point(now, 0.0), point(before, 0.0)),
             Some(Rgb::new(1.5, 1.0, 0.25))
         );
-        assert_eq!(
-            gain(point(Rgb::ZERO, 0.0), point(before, 0.0)),
-            Some(Rgb::new(0.0, 1.0, 0.0))
-        );
+        assert_eq!(gain(point(Rgb::ZERO, 0.0), point(before, 0.0)), Some(Rgb::ZERO));
         assert_eq!(gain(point(now, 1.0), point(before, 0.0)), None);
         // There is no light that could be multiplied.
         assert_eq!(gain(point(before, 0.0), point(Rgb::ZERO, 0.0)), None);

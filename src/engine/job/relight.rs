@@ -3,65 +3,17 @@
 use bevy::prelude::*;
 
 use super::Job;
+use super::lamps::{Aside, MOST_ASIDE, MOST_RISE, Strength, Wanted};
 use crate::color::Rgb;
-use crate::engine::extract::Extracted;
 use crate::engine::film::RenderFilm;
 use crate::engine::light_groups::LayerLamps;
 use crate::engine::stop_condition::{Rounds, StopCondition};
 use crate::light::{WeightedSource, gain};
-use crate::memory::{self, Reservation};
+use crate::memory;
 use crate::render::film::{LightFrom, NewLayer, SetAside};
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
 use crate::render::view::{Integrator, View};
-
-/// The light of a layer may be so many times as strong as it was for some of its samples, and may have so many times fewer samples than there are: a weak
-/// lamp gets few samples, whose noise grows with it.
-const MOST_RISE: f32 = 4.0;
-
-/// The most layers of light that are set aside.
-const MOST_ASIDE: usize = 4;
-
-/// How many times as strong the light of a layer is as at the beginning, and the least that it was.
-#[derive(Clone, Copy, Debug)]
-struct Strength {
-    now: Rgb,
-    least: Rgb,
-}
-
-impl Strength {
-    const UNCHANGED: Self = Self {
-        now: Rgb::ONE,
-        least: Rgb::ONE,
-    };
-
-    fn changed(self, factor: Rgb) -> Self {
-        let now = self.now * factor;
-        let least = self.least.min(now);
-        Self { now, least }
-    }
-
-    fn is_near_enough(self) -> bool {
-        self.now.cmple(MOST_RISE * self.least).all()
-    }
-}
-
-/// The light of lamps that do not shine.
-struct Aside {
-    sources: Vec<WeightedSource>,
-    strength: Strength,
-    light: SetAside,
-    _memory: Reservation,
-}
-
-/// What has become of the lamps of a job since it began.
-#[derive(Default)]
-pub(super) struct Relighting {
-    /// By layer of light; empty while all is as it was.
-    strengths: Vec<Strength>,
-    /// The latest is the last.
-    aside: Vec<Aside>,
-}
 
 /// Where light is that a film had or has.
 #[derive(Clone, Copy)]
@@ -70,6 +22,8 @@ enum Place {
     Layer(usize),
     /// The place among what is set aside.
     Aside(usize),
+    /// There is none.
+    Nowhere,
 }
 
 /// The layers of light that a film is to have.
@@ -83,16 +37,13 @@ struct Plan {
 impl Job {
     /// Goes on with the samples that it has if nothing has changed in the scene but how strong lights are and which emitters there are, and gives the film the
     /// light of these. False if that is not possible.
-    pub fn relight(&mut self, extracted: &Extracted, view: &View, stop: &StopCondition, film: &mut RenderFilm) -> bool {
+    pub fn relight(&mut self, wanted: &Wanted, stop: &StopCondition, film: &mut RenderFilm) -> bool {
+        let view = wanted.view;
         // Exact pictures are what they would be without any change, and noise that decides where samples go is of the old light.
-        if stop.is_exact
-            || stop.is_adaptive
-            || extracted.has_glowing_media()
-            || !self.can_be_relit(&extracted.scene, view, film)
-        {
+        if stop.is_exact || stop.is_adaptive || !self.can_be_relit(wanted.scene, view, film) {
             return false;
         }
-        let Some(plan) = self.plan(extracted, view) else {
+        let Some(plan) = self.plan(wanted) else {
             return false;
         };
         let strengths = plan
@@ -110,9 +61,10 @@ impl Job {
         let layers = plan.layers.iter().map(|&(from, factor)| match from {
             Place::Layer(layer) => (LightFrom::Layer(layer), factor),
             Place::Aside(place) => (LightFrom::Aside(&aside[place].light), factor),
+            Place::Nowhere => (LightFrom::Nowhere, factor),
         });
         let layers: Vec<NewLayer> = layers.collect();
-        film.relight(&layers, view, &extracted.light_groups);
+        film.relight(&layers, view, wanted.light_groups);
         self.relighting.strengths = strengths;
         let mut is_back = (0..).map(|own| {
             plan.layers
@@ -122,8 +74,8 @@ impl Job {
         self.relighting.aside.retain(|_| !is_back.next().unwrap_or_default());
         let too_many = self.relighting.aside.len().saturating_sub(MOST_ASIDE);
         self.relighting.aside.drain(..too_many);
-        (self.scene, self.view) = (extracted.scene.clone(), view.clone());
-        (self.lamps, self.light_groups) = (extracted.lamps.clone(), extracted.light_groups.clone());
+        (self.scene, self.view) = (wanted.scene.clone(), view.clone());
+        (self.lamps, self.light_groups) = (wanted.lamps.clone(), wanted.light_groups.clone());
         // What was known of the noise is of the other light.
         (self.replicas, self.judged, self.round) = (None, None, (Rounds::default(), 0));
         self.noise_of_tiles = PictureNoise::of(&film.film, &self.tiles);
@@ -157,14 +109,14 @@ impl Job {
     }
 
     /// How the film becomes that of the lamps that there are now; None if it does not know the light of one of them.
-    fn plan(&self, extracted: &Extracted, view: &View) -> Option<Plan> {
+    fn plan(&self, wanted: &Wanted) -> Option<Plan> {
         let old = self.lamps.by_layer(&self.view.light_groups);
-        let new = extracted.lamps.by_layer(&view.light_groups);
+        let new = wanted.lamps.by_layer(&wanted.view.light_groups);
         let mut is_gone = vec![true; old.len()];
         let mut layers = Vec::new();
         for lamps in &new {
             layers.push(match lamps.sources.is_empty() {
-                true => (Place::Layer(0), Rgb::ZERO),
+                true => (Place::Nowhere, Rgb::ZERO),
                 false => self.known_light(lamps, &old, &mut is_gone)?,
             });
         }
@@ -192,13 +144,26 @@ impl Job {
             is_gone[layer] = false;
             return Some((Place::Layer(layer), factor));
         }
-        let has_enough =
-            |aside: &(usize, &Aside)| aside.1.light.samples as f32 * MOST_RISE >= self.least_samples() as f32;
-        let mut aside = self.relighting.aside.iter().enumerate().filter(has_enough);
+        let mut aside = self.relighting.aside.iter().enumerate();
         aside.find_map(|(place, aside)| {
             let sources: Vec<&WeightedSource> = aside.sources.iter().collect();
-            Some((Place::Aside(place), gain::common(&sources, &lamps.sources)?))
+            match gain::common(&sources, &lamps.sources)? {
+                // It stays where it is.
+                Rgb::ZERO => Some((Place::Nowhere, Rgb::ZERO)),
+                factor => Some((Place::Aside(place), factor)),
+            }
         })
+    }
+
+    /// Lets go of light that is of too few samples to be taken up again.
+    pub(super) fn forget_lamps(&mut self, samples: u32) {
+        let has_enough = |aside: &Aside| aside.light.samples as f32 * MOST_RISE >= samples as f32;
+        self.relighting.aside.retain(has_enough);
+    }
+
+    /// Lets go of all light of lamps that do not shine.
+    pub fn forget_all_lamps(&mut self) {
+        self.relighting.aside.clear();
     }
 
     fn strength(&self, from: Place) -> Strength {
@@ -209,26 +174,36 @@ impl Job {
                 .get(layer)
                 .copied()
                 .unwrap_or(Strength::UNCHANGED),
-            Place::Aside(place) => self.relighting.aside[place].strength,
+            Place::Aside(place) => Strength {
+                missed: self
+                    .least_samples()
+                    .saturating_sub(self.relighting.aside[place].light.samples),
+                ..self.relighting.aside[place].strength
+            },
+            Place::Nowhere => Strength {
+                now: Rgb::ZERO,
+                least: Rgb::ZERO,
+                missed: 0,
+            },
         }
     }
 
     /// Keeps the light of layers that the film will not have any more, as far as there is memory.
-    fn set_aside(&mut self, gone: Vec<(usize, Vec<WeightedSource>)>, film: &RenderFilm) {
+    fn set_aside(&mut self, mut gone: Vec<(usize, Vec<WeightedSource>)>, film: &RenderFilm) {
         let pixels = u64::from(film.film.width()) * u64::from(film.film.height());
-        for (layer, sources) in gone {
-            let strength = self.strength(Place::Layer(layer));
-            // It was out before.
-            if strength.now == Rgb::ZERO {
-                continue;
-            }
+        // Those that were out before are kept already.
+        gone.retain(|(layer, _)| self.strength(Place::Layer(*layer)).now != Rgb::ZERO);
+        let too_many = gone.len().saturating_sub(MOST_ASIDE);
+        for (layer, sources) in gone.drain(too_many..) {
             let Ok(memory) = memory::reserve(pixels * SetAside::BYTES_OF_PIXEL) else {
                 return;
             };
+            let strength = self.strength(Place::Layer(layer));
+            let samples = self.least_samples().saturating_sub(strength.missed);
             self.relighting.aside.push(Aside {
                 sources,
                 strength,
-                light: film.film.set_aside(layer),
+                light: film.film.set_aside(layer, samples),
                 _memory: memory,
             });
         }

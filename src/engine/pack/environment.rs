@@ -42,9 +42,9 @@ impl Environments {
         Ok(map)
     }
 
-    /// Removes the environments that were not asked for since [`Self::begin_use`].
+    /// Removes the environments that were not asked for since [`Self::begin_use`], but for those that somebody still has.
     pub fn end_use(&mut self) {
-        self.0.retain(|known| known.in_use);
+        self.0.retain(|known| known.in_use || Arc::strong_count(&known.map) > 1);
     }
 }
 

@@ -15,6 +15,7 @@ mod tests;
 mod tile;
 mod trust;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
@@ -206,12 +207,15 @@ impl Carried {
         self.blender.trust.learn_clean(film, clean, old);
     }
 
-    /// The tiles of which much is shown that is hardly known, if they are few.
-    pub fn hardly_known(&self) -> Vec<Tile> {
+    /// The tiles of which much is shown that is hardly known, if they are few. None until the G-buffer is there.
+    pub fn hardly_known(&self) -> HashSet<Tile> {
+        if self.missing > 0 {
+            return HashSet::new();
+        }
         let all = self.tiles.iter().flatten().filter(|own| own.is_hardly_known);
-        let tiles: Vec<Tile> = all.map(|own| own.tile).collect();
+        let tiles: HashSet<Tile> = all.map(|own| own.tile).collect();
         let are_few = (tiles.len() as f32) <= FEW * self.tiles.len() as f32;
-        if are_few { tiles } else { Vec::new() }
+        if are_few { tiles } else { HashSet::new() }
     }
 
     /// What tiles are painted with, and the rows of tiles. Tiles that are not there yet are None.

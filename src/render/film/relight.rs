@@ -3,10 +3,11 @@
 use glam::UVec2;
 use rayon::prelude::*;
 
-use super::Film;
+use super::{Film, Moments};
 use crate::color::{Rgb, luminance};
 use crate::render::layers::{FilmLayers, Layer, LayerSums, Layers};
-use crate::render::tile::{PixelSum, TILE};
+use crate::render::mean_error::{BlockError, Efficiency};
+use crate::render::tile::{PixelSum, TILE, tiles};
 
 /// The pixels of a tile in the film.
 const PIXELS: usize = (TILE * TILE) as usize;
@@ -14,8 +15,8 @@ const PIXELS: usize = (TILE * TILE) as usize;
 /// The light of a layer that is not in the film any more: that of a lamp that does not shine for a while.
 #[derive(Clone, Debug)]
 pub struct SetAside {
-    /// The mean of each pixel's samples, and the mean of the squared luminance of all their light, by index of the film.
-    means: Vec<(Rgb, f32)>,
+    /// The mean of each pixel's samples, and the variance of the luminance of all light of a sample, by index of the film.
+    pixels: Vec<(Rgb, f32)>,
     /// The number of samples that every pixel had.
     pub samples: u32,
 }
@@ -27,6 +28,8 @@ pub enum LightFrom<'a> {
     Layer(usize),
     /// Beside the film, from which it was taken with [`Film::set_aside`].
     Aside(&'a SetAside),
+    /// There is none.
+    Nowhere,
 }
 
 /// The light of a layer: where it is now, and the factor by which it is multiplied.
@@ -45,27 +48,30 @@ impl Film {
         has_begun && !self.has_splats() && !self.kept.layers.has_any_of(other) && self.chunks.is_none()
     }
 
-    /// A copy of the light of a layer, or of all light if the film keeps no groups.
-    pub fn set_aside(&self, layer: usize) -> SetAside {
-        let mut means = vec![(Rgb::ZERO, 0.0); self.sums.len()];
-        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
-        for (x, y) in pixels.filter(|&(x, y)| self.samples(x, y) > 0) {
-            let sum = self.sum(x, y);
-            let light = match self.kept.groups {
-                0 => sum.radiance,
-                _ => Rgb::from_slice(&self.layer_values(x, y)[3 * layer..]),
-            };
-            let scale = 1.0 / self.samples(x, y) as f32;
-            means[self.index(x, y)] = (light * scale, sum.luminance_squared * scale);
-        }
-        SetAside {
-            means,
-            samples: self.sample_count(),
-        }
+    /// A copy of the light of a layer, or of all light if the film keeps no groups. It is of so many samples for each pixel.
+    pub fn set_aside(&self, layer: usize, samples: u32) -> SetAside {
+        let mut pixels = vec![(Rgb::ZERO, 0.0); self.sums.len()];
+        let tiles = pixels.par_chunks_mut(PIXELS).zip(tiles(self.width, self.height));
+        tiles.for_each(|(pixels, tile)| {
+            for y in tile.y..tile.y + tile.height {
+                let mut moments = [Moments::default(); TILE as usize];
+                self.moments_row(tile, y, &mut moments);
+                for (x, moments) in (tile.x..tile.x + tile.width).zip(moments) {
+                    let light = match self.kept.groups {
+                        0 => moments.radiance,
+                        _ if moments.samples == 0 => Rgb::ZERO,
+                        _ => Rgb::from_slice(&self.layer_values(x, y)[3 * layer..]) / moments.samples as f32,
+                    };
+                    pixels[(y % TILE * TILE + x % TILE) as usize] = (light, moments.variance);
+                }
+            }
+        });
+        SetAside { pixels, samples }
     }
 
     /// Makes these the layers of light, as if all had been sampled so: `groups` layers, or all light together if that is 0 and `new` has one. What the film had
-    /// of other layers is gone. The spread of samples, from which noise is estimated, is taken to be the largest that it can be.
+    /// of other layers is gone. The spread of samples, from which noise is estimated, is taken to be the largest that it can be. What comes back counts with the
+    /// errors of the samples that it has.
     pub fn relight(&mut self, groups: usize, new: &[NewLayer]) {
         let before = std::mem::replace(&mut self.kept.groups, groups);
         let kept = self.kept;
@@ -82,6 +88,12 @@ impl Film {
         let counts = self.counts.par_chunks(PIXELS);
         let sums = self.sums.par_chunks_mut(PIXELS).zip(self.noted.par_chunks_mut(PIXELS));
         let tiles = sums.zip(values).zip(&mut self.begun).zip(counts).enumerate();
+        let is_back = new.iter().any(|(from, _)| matches!(from, LightFrom::Aside(_)));
+        if is_back {
+            // Halves of the samples say nothing of light that is in none of them.
+            self.errors.fill(BlockError::default());
+            self.efficiencies.fill(Efficiency::default());
+        }
         tiles.for_each(|(tile, ((((sums, noted), values), begun), counts))| {
             let first = tile * PIXELS;
             let mut in_chunk = [0; PIXELS];
@@ -118,18 +130,16 @@ fn regroup(pixels: &mut [PixelSum], layers: &mut LayerSums, before: usize, kept:
         let light = |&(from, _): &NewLayer| match from {
             LightFrom::Layer(_) if before == 0 => pixel.radiance,
             LightFrom::Layer(layer) => Rgb::from_slice(&old[3 * layer..]),
-            LightFrom::Aside(_) => Rgb::ZERO,
+            LightFrom::Aside(_) | LightFrom::Nowhere => Rgb::ZERO,
         };
-        let mut lights = new.iter().map(light);
+        let values = &mut layers.values[place * kept.values()..][..kept.values()];
+        let (groups, sums) = values.split_at_mut(3 * kept.groups);
+        for (target, new) in groups.chunks_exact_mut(3).zip(new) {
+            light(new).write_to_slice(target);
+        }
+        sums.copy_from_slice(&old[3 * before..]);
         if kept.groups == 0 {
-            pixel.radiance = lights.next().unwrap_or_default();
-        } else {
-            let values = &mut layers.values[place * kept.values()..][..kept.values()];
-            let (groups, sums) = values.split_at_mut(3 * kept.groups);
-            for (target, light) in groups.chunks_exact_mut(3).zip(lights) {
-                light.write_to_slice(target);
-            }
-            sums.copy_from_slice(&old[3 * before..]);
+            pixel.radiance = new.first().map(light).unwrap_or_default();
         }
     }
 }
@@ -142,29 +152,39 @@ fn groups_of(values: &mut [f32], pixel: usize, kept: FilmLayers) -> &mut [f32] {
 
 /// Multiplies the light of each group of a pixel with so many samples, and adds what has been set aside. `index` is that of the film.
 fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index: usize, count: u32) {
-    let (mut radiance, mut squared) = (Rgb::ZERO, 0.0_f32);
+    let count = count as f32;
+    // No sample that the film has has become brighter by more than this.
+    let (mut stayed, mut back, mut most, mut variance) = (Rgb::ZERO, Rgb::ZERO, 0.0_f32, 0.0);
     for (layer, &(from, factor)) in new.iter().enumerate() {
         let own = groups.get_mut(3 * layer..3 * layer + 3);
-        let (light, most) = match from {
+        let rise = factor.max_element();
+        let light = match from {
             LightFrom::Layer(_) => {
-                let light = own.as_deref().map_or(sum.radiance, Rgb::from_slice);
-                (light, sum.luminance_squared)
+                let light = own.as_deref().map_or(sum.radiance, Rgb::from_slice) * factor;
+                if light != Rgb::ZERO {
+                    most = most.max(rise);
+                }
+                stayed += light;
+                light
             }
             LightFrom::Aside(aside) => {
-                let (light, squared) = aside.means[index];
-                (light * count as f32, squared * count as f32)
+                let (mean, of_sample) = aside.pixels[index];
+                // Its mean is as far off as that of the samples that it has.
+                variance += of_sample * rise * rise * count / aside.samples.max(1) as f32;
+                back += mean * factor * count;
+                mean * factor * count
             }
+            LightFrom::Nowhere => Rgb::ZERO,
         };
-        // No sample has become brighter by more than this.
-        let rise = factor.max_element();
-        if light != Rgb::ZERO {
-            squared = squared.max(most * rise * rise);
-        }
-        let light = light * factor;
         if let Some(own) = own {
             light.write_to_slice(own);
         }
-        radiance += light;
     }
-    (sum.radiance, sum.luminance_squared) = (radiance, squared);
+    sum.luminance_squared *= most * most;
+    sum.radiance = stayed + back;
+    if back != Rgb::ZERO && count > 0.0 {
+        let [stayed, all] = [stayed, sum.radiance].map(|light| luminance(light) / count);
+        let variance = (sum.luminance_squared / count - stayed * stayed).max(0.0) + variance;
+        sum.luminance_squared = (all * all + variance) * count;
+    }
 }

@@ -227,3 +227,90 @@ fn numbers_of_samples_that_cannot_be_are_damaged() {
         assert_eq!(read.is_ok(), is_possible, "{count} {samples}");
     }
 }
+
+/// A film with two groups and the layer of albedos: 16 samples of a whole chunk and 3 of a begun one, in which the groups shine with 1 and 2 in turn
+/// with nothing, and the albedo is 0.5.
+fn two_lamps() -> (Film, FilmLayers) {
+    let kept = FilmLayers {
+        groups: 2,
+        layers: Layers::of(&[Layer::Albedo]),
+        splats: false,
+    };
+    let mut film = Film::with_layers(40, 8, kept);
+    for tile in tiles(40, 8) {
+        for range in [0..16, 16..19] {
+            let count = range.len() as f32;
+            let mut new = samples(tile, range, 3.0);
+            // Half of the samples have all of the light.
+            let squares = count * 0.5 * luminance(Rgb::splat(6.0)).powi(2);
+            new.pixels.iter_mut().for_each(|sum| sum.luminance_squared = squares);
+            let one = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 0.5, 0.5, 0.5].map(|value| value * count);
+            new.layers.values = one.repeat(new.pixels.len());
+            film.add(&new);
+        }
+    }
+    (film, kept)
+}
+
+#[test]
+fn lamps_go_and_come_back_and_leave_other_layers_alone() {
+    let (mut film, kept) = two_lamps();
+    let is_near = |film: &Film, light: f32, groups: &[f32]| {
+        for (x, y) in [(0, 0), (31, 7), (39, 3)] {
+            let pixel = film.pixel(x, y).expect("samples");
+            assert!(
+                (pixel.radiance - Rgb::splat(light)).abs().max_element() < 1e-5,
+                "{pixel:?}"
+            );
+            let values = film.layer_values(x, y);
+            let expected: Vec<f32> = groups
+                .iter()
+                .chain([&0.5])
+                .flat_map(|value| [19.0 * value; 3])
+                .collect();
+            assert!(
+                values.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-3),
+                "{values:?}"
+            );
+            assert_eq!(values.len(), expected.len());
+        }
+    };
+    is_near(&film, 3.0, &[1.0, 2.0]);
+    let second = film.set_aside(1, 19);
+    // Nothing is kept apart while one shines.
+    film.relight(0, &[(LightFrom::Layer(0), Rgb::splat(2.0))]);
+    is_near(&film, 2.0, &[]);
+    let first = film.set_aside(0, 19);
+    film.relight(0, &[(LightFrom::Nowhere, Rgb::ZERO)]);
+    is_near(&film, 0.0, &[]);
+    film.relight(0, &[(LightFrom::Aside(&first), Rgb::splat(0.5))]);
+    is_near(&film, 1.0, &[]);
+    // They change their places.
+    film.relight(
+        2,
+        &[(LightFrom::Aside(&second), Rgb::ONE), (LightFrom::Layer(0), Rgb::ONE)],
+    );
+    is_near(&film, 3.0, &[2.0, 1.0]);
+    assert_eq!(film.layers(), kept);
+    film.relight(2, &[(LightFrom::Layer(1), Rgb::ONE), (LightFrom::Layer(0), Rgb::ONE)]);
+    is_near(&film, 3.0, &[1.0, 2.0]);
+}
+
+#[test]
+fn light_that_comes_back_has_the_error_of_its_own_samples() {
+    let (film, _) = two_lamps();
+    let error_of = |samples| {
+        let mut film = film.clone();
+        let second = film.set_aside(1, samples);
+        film.relight(2, &[(LightFrom::Layer(0), Rgb::ONE), (LightFrom::Nowhere, Rgb::ZERO)]);
+        film.relight(
+            2,
+            &[(LightFrom::Layer(0), Rgb::ONE), (LightFrom::Aside(&second), Rgb::ONE)],
+        );
+        film.standard_error(0, 0).expect("samples")
+    };
+    let before = film.standard_error(0, 0).expect("samples");
+    // The spread of the light that stayed is not known apart from that of all.
+    assert!(error_of(19) > before && error_of(19) < 2.0 * before);
+    assert!(error_of(5) > 1.3 * error_of(19));
+}

@@ -130,8 +130,12 @@ impl Carrying {
 
     /// Carries nothing over while something else than light is shown, or light is mixed or compared. What is known of the picture is kept.
     fn rest(&mut self, garbage: &DeferredDrop) {
-        if let Some(earlier) = self.carried.take().and_then(Carried::into_earlier) {
-            self.kept = Some(earlier);
+        if let Some(carried) = self.carried.take() {
+            let before = carried.earlier();
+            if let Some(earlier) = carried.into_earlier() {
+                garbage.drop_later(self.kept.replace(earlier));
+            }
+            garbage.drop_later(before);
             self.has_ended = true;
         }
         self.end(garbage);
@@ -172,8 +176,8 @@ impl Carrying {
         }
         // A picture that fills the memory is shown without the one before.
         if !self.reserve(view) {
-            (self.has_ended, self.memory, self.kept) = (true, None, None);
-            garbage.drop_later(old);
+            (self.has_ended, self.memory) = (true, None);
+            garbage.drop_later((old, self.kept.take()));
             return;
         }
         let size = UVec2::new(view.width, view.height);
@@ -186,7 +190,14 @@ impl Carrying {
                 earlier
             }
         });
-        let earlier = earlier.or(self.kept.take());
+        let kept = self.kept.take();
+        let earlier = match earlier {
+            None => kept,
+            some => {
+                garbage.drop_later(kept);
+                some
+            }
+        };
         let has_to_be_painted = earlier.is_some() && !self.is_unchanged;
         let mut carried = Carried::begin(earlier, &view.camera, size);
         self.is_guided |= view.guide.is_some();
@@ -300,9 +311,11 @@ pub(crate) fn follow_carrying(
     if !control.gbuffer || film.is_empty() {
         carrying.rest(&garbage);
         film.gbuffer.clear();
+        film.set_urgent(HashSet::new());
         carrying.job = film.job;
         if film.is_empty() || !preferences.carries_over {
-            (carrying.memory, carrying.kept, carrying.is_guided) = (None, None, false);
+            garbage.drop_later(carrying.kept.take());
+            (carrying.memory, carrying.is_guided) = (None, false);
         }
         return;
     }
@@ -328,10 +341,8 @@ pub(crate) fn follow_carrying(
         carrying.tiles.clear();
         carrying.has_ended = true;
     }
-    film.urgent = match film.samples < FIRST_SAMPLES && carried.earlier().is_some() {
-        true => carried.hardly_known(),
-        false => Vec::new(),
-    };
+    let is_early = film.samples < FIRST_SAMPLES && carried.earlier().is_some();
+    film.set_urgent(is_early.then(|| carried.hardly_known()).unwrap_or_default());
     if film.samples == 0
         && let Some(coarse) = carried.coarse(&film.film)
     {

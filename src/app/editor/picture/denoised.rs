@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 use crate::engine::RenderFilm;
 use crate::render::carry::Clean;
 
@@ -21,7 +21,7 @@ pub(crate) struct Denoised {
     pub number: u64,
     pub job: u64,
     pub is_careful: bool,
-    /// Whether lights have become stronger since it was made: a fresh one is due.
+    /// Whether lamps have changed since it was made: a fresh one is due.
     pub is_relit: bool,
 }
 
@@ -45,8 +45,12 @@ impl Denoised {
             let (x, y) = (place as u32 % film.film.width(), place as u32 / film.film.width());
             let after = film.film.mixed_pixel(x, y, &[]).unwrap_or_default();
             // Filters of pixels may have made a little of it negative.
-            let [before, after] = [before, after].map(|light| light.max(Rgb::ZERO) + LEAST_LIGHT);
-            *light *= after / before;
+            let [before, after] = [before, after].map(|light| light.max(Rgb::ZERO));
+            *light = match luminance(before) > 4.0 * LEAST_LIGHT {
+                true => *light * ((after + LEAST_LIGHT) / (before + LEAST_LIGHT)),
+                // Where it was dark nothing is known of the new light but its samples.
+                false => after,
+            };
         });
         (self.number, self.job) = (number, film.job);
         (self.is_relit, self.is_careful) = (true, false);

@@ -48,9 +48,9 @@ impl ViewportState {
 
     /// Shows the picture in headlight while something is dragged, if that is wanted.
     pub fn light_drags(&mut self, is_wanted: bool, display: DisplaySettings, commands: &mut Vec<Command>) {
-        let (from, to) = match self.gizmo.is_dragging() {
-            true if is_wanted && !self.is_in_headlight => (DisplayMode::Shaded, DisplayMode::Headlight),
-            false if self.is_in_headlight => (DisplayMode::Headlight, DisplayMode::Shaded),
+        let (from, to) = match self.is_in_headlight {
+            false if is_wanted && self.gizmo.is_moving() => (DisplayMode::Shaded, DisplayMode::Headlight),
+            true if !self.gizmo.is_dragging() => (DisplayMode::Headlight, DisplayMode::Shaded),
             _ => return,
         };
         // Whoever changes the display meanwhile keeps what was chosen.

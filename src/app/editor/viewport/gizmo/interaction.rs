@@ -111,6 +111,11 @@ impl GizmoState {
         self.held.is_some()
     }
 
+    /// Whether something has been moved by the drag so far.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.change.is_some())
+    }
+
     /// Whether a drag has begun since the last call. Its effect is a step of its own.
     pub fn take_begun(&mut self) -> bool {
         std::mem::take(&mut self.begun)
