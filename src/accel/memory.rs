@@ -18,6 +18,9 @@ pub(super) fn prefetch<T>(value: &T) {
 /// The bytes of cache that a core reads from without a long wait.
 pub(super) const CACHE: usize = 4 << 20;
 
+/// The bytes of cache that all cores share.
+pub(super) const SHARED_CACHE: usize = 64 << 20;
+
 /// A list of fixed length. A large one lies in large pages, since the processor's table of pages (TLB) covers too few of the usual size.
 #[derive(Debug)]
 pub(super) enum Table<T> {

@@ -1,8 +1,8 @@
 //! Scenes of a few shapes need no hierarchy: sixteen rays at once are tested against one shape after the other.
 //!
 //! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Rectangles, spheres,
-//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so, and the rays that
-//! meet them traverse the mesh together. Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one
+//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so; the rays that
+//! meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one
 //! of them than it would if traced by itself.
 
 use glam::{Vec2, Vec3};
@@ -20,10 +20,17 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// The most shapes that are in no block. The hierarchy is faster above this.
-const MOST_SHAPES: usize = 24;
+/// The most shapes that could be in blocks and are tested alone. Blocks are faster above this.
+const MOST_ALONE: usize = 24;
+/// The most that a batch of rays may cost at the shapes that are in no block, in units of a test of a box, see [`Kind::cost`]. The hierarchy is faster above this.
+const MOST_COST: u32 = 240;
 /// The most blocks, likewise.
 const MOST_BLOCKS: usize = 64;
+
+/// Rays traverse a mesh one by one if it has no more bytes than this, which a core's cache holds beside other meshes, or if they are no more than that. Turns,
+/// which hide the waits for memory, pay for many rays in large meshes alone.
+const CACHED: usize = 512 << 10;
+const FEW_RAYS: u32 = 8;
 
 /// The shapes that a [`SmallScene`] was made of.
 #[derive(Clone, Copy)]
@@ -57,11 +64,24 @@ enum Kind {
     /// A mesh that is the unit cube under the matrix, with the faces that the cube's sides stand for.
     Cube(Vec<Face>),
     TinyMesh(TinyMesh),
-    /// A mesh, with its local bounds.
-    Boxed(Aabb),
+    /// A mesh, with its local bounds, and whether a core's cache holds it beside others.
+    Boxed(Aabb, bool),
     Other,
     /// All blocks of the scene.
     Blocks,
+}
+
+impl Kind {
+    /// What a test of all lanes costs, in units of a test of a box. Meshes are measured with the rays that traverse them, and without those that others would have
+    /// hidden them from in a hierarchy.
+    fn cost(&self) -> u32 {
+        match self {
+            Self::Rectangle | Self::Sphere | Self::Square(_) | Self::Cube(_) => 1,
+            Self::Boxed(..) => 6,
+            Self::TinyMesh(_) | Self::Other => 10,
+            Self::Blocks => 0,
+        }
+    }
 }
 
 /// The nearest hits so far.
@@ -83,22 +103,24 @@ impl SmallScene {
         let Shapes { instances, blocks } = scene;
         let mut alone = vec![true; instances.len()];
         let mut shapes = Vec::new();
-        if instances.len() > MOST_SHAPES {
-            for &member in blocks.1.iter().flat_map(Members::indices) {
-                alone[member as usize] = false;
-            }
+        let members = || blocks.1.iter().flat_map(Members::indices);
+        if members().count() > MOST_ALONE {
+            members().for_each(|&member| alone[member as usize] = false);
             shapes.push(SceneShape::BLOCKS);
         }
-        if blocks.0.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
+        if blocks.0.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_COST as usize {
             return None;
         }
         let alone = (0..).zip(instances.iter()).filter(|&(index, _)| alone[index as usize]);
         shapes.extend(alone.map(|(index, shape)| SceneShape::new(index, shape)));
+        if shapes.iter().map(|shape| shape.kind.cost()).sum::<u32>() > MOST_COST {
+            return None;
+        }
         shapes.sort_by_key(|shape| match &shape.kind {
             Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
             Kind::Blocks | Kind::Other => 1,
             Kind::TinyMesh(_) => 2,
-            Kind::Boxed(_) => 3,
+            Kind::Boxed(..) => 3,
         });
         Some(Self { shapes })
     }
@@ -149,7 +171,7 @@ impl SmallScene {
                     nearest.u /= sum;
                     nearest.v /= sum;
                 }
-                Kind::Boxed(bounds) => {
+                Kind::Boxed(bounds, is_cached) => {
                     let mut local = shape.local(rays);
                     local.t_max = nearest.t;
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
@@ -157,6 +179,13 @@ impl SmallScene {
                         Some(mesh) if COHERENT => mesh.intersect_packet(&local, met, |lane, hit| {
                             nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
                         }),
+                        Some(mesh) if *is_cached || met.count_ones() <= FEW_RAYS => {
+                            for lane in each_lane(met) {
+                                if let Some(hit) = mesh.intersect(&local.get(lane)) {
+                                    nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
+                                }
+                            }
+                        }
                         Some(mesh) => mesh.intersect_lanes(&local, met, |lane, hit| {
                             nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
                         }),
@@ -179,7 +208,7 @@ impl SmallScene {
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[part].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(part), u, v),
-                Kind::Boxed(_) | Kind::Other | Kind::Blocks => continue,
+                Kind::Boxed(..) | Kind::Other | Kind::Blocks => continue,
             };
             let t = nearest.t.as_array()[lane];
             hits[lane] = Some(Hit {
@@ -216,11 +245,14 @@ impl SmallScene {
                         });
                         met.to_bitmask()
                     }
-                    Kind::Boxed(bounds) => {
+                    Kind::Boxed(bounds, is_cached) => {
                         let local = shape.local(rays);
                         let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
                             Some(mesh) if COHERENT => mesh.occluded_packet(&local, met),
+                            Some(mesh) if *is_cached || met.count_ones() <= FEW_RAYS => {
+                                local.lanes_where(met, |ray| mesh.occluded(ray))
+                            }
                             Some(mesh) => mesh.occluded_lanes(&local, met),
                             None => 0,
                         }
@@ -258,7 +290,7 @@ impl SceneShape {
                 } else if let Some(mesh) = TinyMesh::new(blas.mesh()) {
                     Kind::TinyMesh(mesh)
                 } else {
-                    Kind::Boxed(blas.bounds())
+                    Kind::Boxed(blas.bounds(), blas.bytes() <= CACHED)
                 }
             }
         };

@@ -11,7 +11,7 @@ use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
 use super::loose::Loose;
-use super::memory::CACHE;
+use super::memory::{CACHE, SHARED_CACHE};
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_block::{Members, ShapeBlock};
@@ -36,8 +36,10 @@ pub struct Tlas {
     pub(super) bvh: Bvh,
     /// The instances without a hierarchy, if there are only a few shapes.
     pub(super) small_scene: Option<SmallScene>,
-    /// Whether the hierarchies, with those of all meshes and groups, are too large for a cache. Rays are interleaved then.
+    /// Whether the hierarchies, with those of all meshes and groups, are too large for the cache of a core.
     pub(super) is_large: bool,
+    /// Whether they are too large for the cache that cores share. Rays are interleaved then.
+    pub(super) waits_for_memory: bool,
     /// Whether any mesh has vertex normals that are used.
     pub(super) has_vertex_normals: bool,
     /// What has been edited since the hierarchy was built; None: nothing.
@@ -100,13 +102,15 @@ impl Tlas {
             bvh: Bvh::build(&[], method, LEAF_SIZE),
             small_scene,
             is_large: false,
+            waits_for_memory: false,
             has_vertex_normals,
             loose: None,
         };
         let in_block = tlas.in_block();
         let bounds = |number: usize| tlas.item_bounds(number as u32, in_block.get(number) == Some(&true));
         tlas.bvh = Bvh::over(tlas.item_count(), bounds, None, method, LEAF_SIZE);
-        tlas.is_large = tlas.bytes() > CACHE;
+        let bytes = tlas.bytes();
+        (tlas.is_large, tlas.waits_for_memory) = (bytes > CACHE, bytes > SHARED_CACHE);
         tlas
     }
 
@@ -433,7 +437,7 @@ impl Tlas {
         let active = active & rays.valid_mask();
         let hits = if let Some(small) = &self.small_scene {
             small.closest::<false>(self.shapes(), rays, active)
-        } else if self.is_large {
+        } else if self.waits_for_memory {
             self.intersect_interleaved(&rays.rays(), active)
         } else {
             let mut hits = [None; LANES];
@@ -452,7 +456,7 @@ impl Tlas {
         if let Some(small) = &self.small_scene {
             return small.any::<false>(self.shapes(), rays, active);
         }
-        if self.is_large {
+        if self.waits_for_memory {
             return self.occluded_interleaved(&rays.rays(), active);
         }
         rays.lanes_where(active, |ray| self.occluded(ray))
