@@ -21,7 +21,7 @@ use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
 /// The most shapes that could be in blocks and are tested alone. Blocks are faster above this.
-const MOST_ALONE: usize = 24;
+pub(super) const MOST_ALONE: usize = 24;
 /// The most that a batch of rays may cost at the shapes that are in no block, in units of a test of a box, see [`Kind::cost`]. The hierarchy is faster above this.
 const MOST_COST: u32 = 240;
 /// The most blocks, likewise.
@@ -101,21 +101,18 @@ impl SmallScene {
     /// None if there are too many shapes, even if those in a block count as one.
     pub fn new(scene: Shapes) -> Option<Self> {
         let Shapes { instances, blocks } = scene;
-        let mut alone = vec![true; instances.len()];
-        let mut shapes = Vec::new();
         let members = || blocks.1.iter().flat_map(Members::indices);
-        if members().count() > MOST_ALONE {
-            members().for_each(|&member| alone[member as usize] = false);
-            shapes.push(SceneShape::BLOCKS);
-        }
-        if blocks.0.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_COST as usize {
-            return None;
-        }
-        let alone = (0..).zip(instances.iter()).filter(|&(index, _)| alone[index as usize]);
-        shapes.extend(alone.map(|(index, shape)| SceneShape::new(index, shape)));
-        if shapes.iter().map(|shape| shape.kind.cost()).sum::<u32>() > MOST_COST {
-            return None;
-        }
+        // Disks are tested against one ray after the other, unless they are in blocks.
+        let has_disks = || members().any(|&member| matches!(instances[member as usize].primitive, Primitive::Disk));
+        let wants_blocks = members().count() > MOST_ALONE || instances.len() > MOST_ALONE && has_disks();
+        let without_blocks = if wants_blocks {
+            None
+        } else {
+            Self::beside(instances, &[])
+        };
+        let has_few_blocks = blocks.0.len() <= MOST_BLOCKS;
+        let with_blocks = || has_few_blocks.then(|| Self::beside(instances, blocks.1)).flatten();
+        let mut shapes = without_blocks.or_else(with_blocks)?;
         shapes.sort_by_key(|shape| match &shape.kind {
             Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
             Kind::Blocks | Kind::Other => 1,
@@ -123,6 +120,23 @@ impl SmallScene {
             Kind::Boxed(..) => 3,
         });
         Some(Self { shapes })
+    }
+
+    /// The shapes beside these blocks, and all blocks as one if there are any. None if that costs too much.
+    fn beside(instances: &[Instance], blocks: &[Members]) -> Option<Vec<SceneShape>> {
+        let mut alone = vec![true; instances.len()];
+        let members = blocks.iter().flat_map(Members::indices);
+        members.for_each(|&member| alone[member as usize] = false);
+        if alone.iter().filter(|&&alone| alone).count() > MOST_COST as usize {
+            return None;
+        }
+        let in_line = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
+        let mut shapes: Vec<SceneShape> = in_line.map(|(index, shape)| SceneShape::new(index, shape)).collect();
+        if !blocks.is_empty() {
+            shapes.push(SceneShape::BLOCKS);
+        }
+        let cost = shapes.iter().map(|shape| shape.kind.cost()).sum::<u32>();
+        (cost <= MOST_COST).then_some(shapes)
     }
 
     /// The nearest hits of the lanes in `active`. With `COHERENT` the rays traverse meshes as a packet.

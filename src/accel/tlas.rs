@@ -16,7 +16,7 @@ use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_block::{Members, ShapeBlock};
 use super::shape_blocks::ShapeBlocks;
-use super::small_scene::{Shapes, SmallScene};
+use super::small_scene::{MOST_ALONE, Shapes, SmallScene};
 use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
@@ -82,8 +82,9 @@ impl Tlas {
             })
             .collect();
         let blocks: ShapeBlocks = ShapeBlock::gather(&instances, method).into();
-        let small_scene = placements
-            .is_empty()
+        // A list is what it is asked for to be, unless it is short.
+        let is_list = method == SplitMethod::Linear && instances.len() > MOST_ALONE;
+        let small_scene = (placements.is_empty() && !is_list)
             .then(|| {
                 SmallScene::new(Shapes {
                     instances: instances.made(),

@@ -178,7 +178,12 @@ impl RenderFilm {
         }
     }
 
-    /// The tiles that get their first samples before the others, if they are not the same as at the last call.
+    /// The tiles that get their first samples before the others.
+    pub(super) fn urgent(&self) -> &HashSet<Tile> {
+        &self.urgent
+    }
+
+    /// The same if they are not the same as at the last call.
     pub(super) fn take_urgent(&mut self) -> Option<&HashSet<Tile>> {
         std::mem::take(&mut self.urgent_changed).then_some(&self.urgent)
     }

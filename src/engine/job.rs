@@ -324,6 +324,9 @@ impl Job {
         };
         // In the order of the tiles, the middle of the picture first.
         queue.begin_with_gbuffer(self.gbuffer_left.iter().copied());
+        if film.is_of(self.begun) {
+            queue.set_urgent(self.indices_of(film.urgent()));
+        }
         self.running_since = Some(Instant::now());
         let work = backend.work(
             self.scene.clone(),
@@ -468,7 +471,7 @@ impl Job {
             self.tiles.iter().for_each(|&tile| film.mark(tile));
         }
         film.samples = samples;
-        self.forget_lamps(samples);
+        self.forget_lamps();
         self.judge(film);
         self.note_noise();
     }

@@ -155,9 +155,15 @@ impl Job {
         })
     }
 
+    /// The number of samples that every pixel has, around a region as well.
+    fn least_of_all(&self) -> u32 {
+        self.done.iter().copied().min().unwrap_or(0)
+    }
+
     /// Lets go of light that is of too few samples to be taken up again.
-    pub(super) fn forget_lamps(&mut self, samples: u32) {
-        let has_enough = |aside: &Aside| aside.light.samples as f32 * MOST_RISE >= samples as f32;
+    pub(super) fn forget_lamps(&mut self) {
+        let samples = self.least_of_all() as f32;
+        let has_enough = |aside: &Aside| aside.light.samples as f32 * MOST_RISE >= samples;
         self.relighting.aside.retain(has_enough);
     }
 
@@ -176,7 +182,7 @@ impl Job {
                 .unwrap_or(Strength::UNCHANGED),
             Place::Aside(place) => Strength {
                 missed: self
-                    .least_samples()
+                    .least_of_all()
                     .saturating_sub(self.relighting.aside[place].light.samples),
                 ..self.relighting.aside[place].strength
             },
@@ -192,14 +198,14 @@ impl Job {
     fn set_aside(&mut self, mut gone: Vec<(usize, Vec<WeightedSource>)>, film: &RenderFilm) {
         let pixels = u64::from(film.film.width()) * u64::from(film.film.height());
         // Those that were out before are kept already.
-        gone.retain(|(layer, _)| self.strength(Place::Layer(*layer)).now != Rgb::ZERO);
+        gone.retain(|(layer, lamps)| !lamps.is_empty() && self.strength(Place::Layer(*layer)).now != Rgb::ZERO);
         let too_many = gone.len().saturating_sub(MOST_ASIDE);
         for (layer, sources) in gone.drain(too_many..) {
             let Ok(memory) = memory::reserve(pixels * SetAside::BYTES_OF_PIXEL) else {
                 return;
             };
             let strength = self.strength(Place::Layer(layer));
-            let samples = self.least_samples().saturating_sub(strength.missed);
+            let samples = self.least_of_all().saturating_sub(strength.missed);
             self.relighting.aside.push(Aside {
                 sources,
                 strength,

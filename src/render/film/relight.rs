@@ -15,7 +15,7 @@ const PIXELS: usize = (TILE * TILE) as usize;
 /// The light of a layer that is not in the film any more: that of a lamp that does not shine for a while.
 #[derive(Clone, Debug)]
 pub struct SetAside {
-    /// The mean of each pixel's samples, and the variance of the luminance of all light of a sample, by index of the film.
+    /// The mean of each pixel's samples, and the variance of the luminance of one of them, by index of the film.
     pixels: Vec<(Rgb, f32)>,
     /// The number of samples that every pixel had.
     pub samples: u32,
@@ -62,7 +62,10 @@ impl Film {
                         _ if moments.samples == 0 => Rgb::ZERO,
                         _ => Rgb::from_slice(&self.layer_values(x, y)[3 * layer..]) / moments.samples as f32,
                     };
-                    pixels[(y % TILE * TILE + x % TILE) as usize] = (light, moments.variance);
+                    let variance = moments.variance * share_of(light, moments.radiance);
+                    // The film counts light that had come back with the error of fewer samples than it has.
+                    let own = samples as f32 / moments.samples.max(1) as f32;
+                    pixels[(y % TILE * TILE + x % TILE) as usize] = (light, variance * own);
                 }
             }
         });
@@ -70,8 +73,8 @@ impl Film {
     }
 
     /// Makes these the layers of light, as if all had been sampled so: `groups` layers, or all light together if that is 0 and `new` has one. What the film had
-    /// of other layers is gone. The spread of samples, from which noise is estimated, is taken to be the largest that it can be. What comes back counts with the
-    /// errors of the samples that it has.
+    /// of other layers is gone. The variance of samples, from which noise is estimated, is not known by layer: each is taken to have as much of it as of the light. What
+    /// comes back counts with the errors of the samples that it has.
     pub fn relight(&mut self, groups: usize, new: &[NewLayer]) {
         let before = std::mem::replace(&mut self.kept.groups, groups);
         let kept = self.kept;
@@ -105,13 +108,15 @@ impl Film {
                     let count = chunk.count(corner.x + x as u32, corner.y + y as u32);
                     in_chunk[within] = count;
                     let groups = groups_of(&mut chunk.layers.values, place, kept);
-                    relight_pixel(&mut chunk.pixels[place], groups, new, first + within, count);
+                    let counts = [count, counts[within]];
+                    relight_pixel(&mut chunk.pixels[place], groups, new, first + within, counts);
                 }
             }
             for (place, (sum, noted)) in sums.iter_mut().zip(noted).enumerate() {
                 let before = luminance(sum.radiance);
                 let groups = groups_of(values, place, kept);
-                relight_pixel(sum, groups, new, first + place, counts[place] - in_chunk[place]);
+                let counts = [counts[place] - in_chunk[place], counts[place]];
+                relight_pixel(sum, groups, new, first + place, counts);
                 if before > 0.0 {
                     *noted = noted.map(|mean| mean * (luminance(sum.radiance) / before));
                 }
@@ -150,41 +155,42 @@ fn groups_of(values: &mut [f32], pixel: usize, kept: FilmLayers) -> &mut [f32] {
     values.get_mut(start..start + 3 * kept.groups).unwrap_or_default()
 }
 
-/// Multiplies the light of each group of a pixel with so many samples, and adds what has been set aside. `index` is that of the film.
-fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index: usize, count: u32) {
-    let count = count as f32;
-    // No sample that the film has has become brighter by more than this.
-    let (mut stayed, mut back, mut most, mut variance) = (Rgb::ZERO, Rgb::ZERO, 0.0_f32, 0.0);
+/// The share of a layer in the luminance of a pixel.
+fn share_of(layer: Rgb, all: Rgb) -> f32 {
+    let share = luminance(layer) / luminance(all);
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Multiplies the light of each group of a pixel, and adds what has been set aside. `index` is that of the film. `counts` are the samples of the sum, and all of the
+/// pixel, which may have a begun chunk as well.
+fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index: usize, counts: [u32; 2]) {
+    let [count, all] = counts.map(|count| count as f32);
+    let before = sum.radiance;
+    let spread = (sum.luminance_squared - luminance(before).powi(2) / count.max(1.0)).max(0.0);
+    let (mut radiance, mut variance) = (Rgb::ZERO, 0.0);
     for (layer, &(from, factor)) in new.iter().enumerate() {
         let own = groups.get_mut(3 * layer..3 * layer + 3);
-        let rise = factor.max_element();
+        let rise = luminance(factor).powi(2);
         let light = match from {
             LightFrom::Layer(_) => {
-                let light = own.as_deref().map_or(sum.radiance, Rgb::from_slice) * factor;
-                if light != Rgb::ZERO {
-                    most = most.max(rise);
-                }
-                stayed += light;
+                let light = own.as_deref().map_or(before, Rgb::from_slice);
+                variance += spread * share_of(light, before) * rise;
                 light
             }
             LightFrom::Aside(aside) => {
                 let (mean, of_sample) = aside.pixels[index];
                 // Its mean is as far off as that of the samples that it has.
-                variance += of_sample * rise * rise * count / aside.samples.max(1) as f32;
-                back += mean * factor * count;
-                mean * factor * count
+                variance += count * of_sample * rise * all / aside.samples.max(1) as f32;
+                mean * count
             }
             LightFrom::Nowhere => Rgb::ZERO,
         };
+        let light = light * factor;
         if let Some(own) = own {
             light.write_to_slice(own);
         }
+        radiance += light;
     }
-    sum.luminance_squared *= most * most;
-    sum.radiance = stayed + back;
-    if back != Rgb::ZERO && count > 0.0 {
-        let [stayed, all] = [stayed, sum.radiance].map(|light| luminance(light) / count);
-        let variance = (sum.luminance_squared / count - stayed * stayed).max(0.0) + variance;
-        sum.luminance_squared = (all * all + variance) * count;
-    }
+    sum.radiance = radiance;
+    sum.luminance_squared = luminance(radiance).powi(2) / count.max(1.0) + variance;
 }

@@ -342,7 +342,10 @@ pub(crate) fn follow_carrying(
         carrying.has_ended = true;
     }
     let is_early = film.samples < FIRST_SAMPLES && carried.earlier().is_some();
-    film.set_urgent(is_early.then(|| carried.hardly_known()).unwrap_or_default());
+    film.set_urgent(match is_early {
+        true => carried.hardly_known(),
+        false => HashSet::new(),
+    });
     if film.samples == 0
         && let Some(coarse) = carried.coarse(&film.film)
     {
