@@ -183,7 +183,7 @@ impl RenderFilm {
         &self.urgent
     }
 
-    /// The same if they are not the same as at the last call.
+    /// These tiles, if they have changed since the last call.
     pub(super) fn take_urgent(&mut self) -> Option<&HashSet<Tile>> {
         std::mem::take(&mut self.urgent_changed).then_some(&self.urgent)
     }
