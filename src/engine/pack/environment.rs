@@ -42,7 +42,7 @@ impl Environments {
         Ok(map)
     }
 
-    /// Removes the environments that were not asked for since [`Self::begin_use`], but for those that somebody still has.
+    /// Removes the environments that were not asked for since [`Self::begin_use`], but for those that are still in use elsewhere.
     pub fn end_use(&mut self) {
         self.0.retain(|known| known.in_use || Arc::strong_count(&known.map) > 1);
     }

@@ -53,7 +53,7 @@ impl ViewportState {
             true if !self.gizmo.is_dragging() => (DisplayMode::Headlight, DisplayMode::Shaded),
             _ => return,
         };
-        // Whoever changes the display meanwhile keeps what was chosen.
+        // Another display that is chosen during the drag stays.
         if display.mode == from {
             commands.push(Command::SetDisplay(DisplaySettings { mode: to, ..display }));
         }
