@@ -13,6 +13,7 @@ use super::bvh::Bvh;
 use super::hit::{Hit, MeshHit};
 use super::instance::Primitive;
 use super::node::{Child, Node, T_MAX_PADDING, WIDTH, padded};
+use super::occlusion::Obstacles;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Item, Tlas};
@@ -135,25 +136,54 @@ impl Tlas {
 
     /// [`Self::occluded_lanes`] for coherent rays.
     pub fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
+        self.obstacles_packet(rays, active, |_| false).opaque
+    }
+
+    /// [`Self::obstacles`] for coherent rays.
+    pub fn obstacles_packet(&self, rays: &RayLanes, active: u32, is_clear: impl Fn(usize) -> bool) -> Obstacles {
         let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
-            return small.any::<true>(self.shapes(), rays, active);
+            return small.any::<true>(self.shapes(), rays, active, is_clear);
         }
+        let mut obstacles = Obstacles::default();
         self.bvh.walk_packet::<true>(rays, active, |range, mask, _| {
-            let numbers = self.bvh.order()[range].iter();
-            numbers.fold(0, |met, &number| met | self.occluded_by_item(number, rays, mask & !met))
-        })
+            for &number in &self.bvh.order()[range] {
+                self.add_item(number, rays, mask & !obstacles.opaque, &is_clear, &mut obstacles);
+            }
+            obstacles.opaque
+        });
+        obstacles
     }
 
     #[inline(always)]
-    fn occluded_by_item(&self, number: u32, rays: &RayLanes, mask: u32) -> u32 {
+    fn add_item(
+        &self,
+        number: u32,
+        rays: &RayLanes,
+        mask: u32,
+        is_clear: &impl Fn(usize) -> bool,
+        obstacles: &mut Obstacles,
+    ) {
         match self.item(number) {
-            Item::Block(block, _) => rays.lanes_where(mask, |ray| block.any(ray)),
-            Item::Placement(placement) => rays.lanes_where(mask, |ray| self.occluded_placed(placement, ray)),
-            Item::Shape(shape) => match &shape.primitive {
-                Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), mask),
-                other => rays.lanes_where(mask, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
-            },
+            Item::Block(block, members) => {
+                for lane in each_lane(mask) {
+                    obstacles.add_lane(lane, block.obstacle(members, &rays.get(lane), is_clear));
+                }
+            }
+            Item::Placement(placement) => {
+                for lane in each_lane(mask) {
+                    obstacles.add_lane(lane, self.obstacle_placed(placement, &rays.get(lane), is_clear));
+                }
+            }
+            Item::Shape(shape) => {
+                let met = match &shape.primitive {
+                    Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), mask),
+                    other => rays.lanes_where(mask, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
+                };
+                if met != 0 {
+                    obstacles.add(met, is_clear(number as usize));
+                }
+            }
         }
     }
 }

@@ -12,6 +12,7 @@ use super::collapse::NO_PRIMITIVE;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
+use super::occlusion::Obstacle;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
 use crate::geometry::local::LocalHit;
@@ -210,9 +211,15 @@ impl ShapeBlock {
         Some(Hit::of_shape(members.0[nearest], hit))
     }
 
+    /// What the ray meets, where `is_clear` tells which shapes light may pass straight through.
     #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.test(ray).met != 0
+    pub fn obstacle(&self, members: &Members, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
+        let BlockHits { met, .. } = self.test(ray);
+        let is_opaque = each_lane(met).any(|place| !is_clear(members.0[place] as usize));
+        match (met, is_opaque) {
+            (0, _) => Obstacle::Nothing,
+            (_, is_opaque) => Obstacle::of(!is_opaque),
+        }
     }
 }
 

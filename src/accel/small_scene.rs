@@ -11,6 +11,7 @@ use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
+use super::occlusion::Obstacles;
 use super::ray_lanes::RayLanes;
 use super::shape_block::{Members, ShapeBlock};
 use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
@@ -233,49 +234,60 @@ impl SmallScene {
         hits
     }
 
-    /// A bit for each of the lanes in `active` whose ray meets anything.
-    pub fn any<const COHERENT: bool>(&self, scene: Shapes, rays: &RayLanes, active: u32) -> u32 {
-        let mut hit = 0;
+    /// What the rays of the lanes in `active` meet, where `is_clear` tells which instances light may pass straight through.
+    pub fn any<const COHERENT: bool>(
+        &self,
+        scene: Shapes,
+        rays: &RayLanes,
+        active: u32,
+        is_clear: impl Fn(usize) -> bool,
+    ) -> Obstacles {
+        let mut obstacles = Obstacles::default();
         for shape in &self.shapes {
-            let left = active & !hit;
+            let left = active & !obstacles.opaque;
             if left == 0 {
                 break;
             }
-            hit |= active
-                & match &shape.kind {
-                    Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).met.to_bitmask(),
-                    Kind::Sphere => sphere(&shape.local(rays), rays.t_max).met.to_bitmask(),
-                    Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
-                    Kind::TinyMesh(mesh) => {
-                        let local = shape.local(rays);
-                        let near = SlabLanes::new(&local).meets(mesh.bounds(), rays.t_max) & lanes_of(left);
-                        if near.none() {
-                            continue;
-                        }
-                        let mut met = Lanes::ZERO;
-                        mesh.each_hit(&local, |t, weights, _| {
-                            met |= near & t.simd_lt(rays.t_max) & t.simd_gt(rays.t_min) & weights.inside;
-                            left & !met.to_bitmask() == 0
-                        });
-                        met.to_bitmask()
+            let met = match &shape.kind {
+                Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).met.to_bitmask(),
+                Kind::Sphere => sphere(&shape.local(rays), rays.t_max).met.to_bitmask(),
+                Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
+                Kind::TinyMesh(mesh) => {
+                    let local = shape.local(rays);
+                    let near = SlabLanes::new(&local).meets(mesh.bounds(), rays.t_max) & lanes_of(left);
+                    if near.none() {
+                        continue;
                     }
-                    Kind::Boxed(bounds, is_cached) => {
-                        let local = shape.local(rays);
-                        let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
-                        match shape.mesh(scene) {
-                            Some(mesh) if COHERENT => mesh.occluded_packet(&local, met),
-                            Some(mesh) if *is_cached || met.count_ones() <= FEW_RAYS => {
-                                local.lanes_where(met, |ray| mesh.occluded(ray))
-                            }
-                            Some(mesh) => mesh.occluded_lanes(&local, met),
-                            None => 0,
+                    let mut met = Lanes::ZERO;
+                    mesh.each_hit(&local, |t, weights, _| {
+                        met |= near & t.simd_lt(rays.t_max) & t.simd_gt(rays.t_min) & weights.inside;
+                        left & !met.to_bitmask() == 0
+                    });
+                    met.to_bitmask()
+                }
+                Kind::Boxed(bounds, is_cached) => {
+                    let local = shape.local(rays);
+                    let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
+                    match shape.mesh(scene) {
+                        Some(mesh) if COHERENT => mesh.occluded_packet(&local, met),
+                        Some(mesh) if *is_cached || met.count_ones() <= FEW_RAYS => {
+                            local.lanes_where(met, |ray| mesh.occluded(ray))
                         }
+                        Some(mesh) => mesh.occluded_lanes(&local, met),
+                        None => 0,
                     }
-                    Kind::Blocks => any_of_blocks(left, scene.blocks.0, rays),
-                    Kind::Other => rays.lanes_where(left, |ray| shape.instance(scene).occluded(ray)),
-                };
+                }
+                Kind::Blocks => {
+                    any_of_blocks(left, scene.blocks, rays, &is_clear, &mut obstacles);
+                    continue;
+                }
+                Kind::Other => rays.lanes_where(left, |ray| shape.instance(scene).occluded(ray)),
+            } & active;
+            if met != 0 {
+                obstacles.add(met, is_clear(shape.instance as usize));
+            }
         }
-        hit
+        obstacles
     }
 }
 
@@ -395,14 +407,20 @@ impl Nearest {
     }
 }
 
-/// A bit for each of the lanes in `mask` whose ray meets anything in the blocks.
+/// Adds what the rays of the lanes in `mask` meet in the blocks.
 #[inline(never)]
-fn any_of_blocks(mask: u32, blocks: &[ShapeBlock], rays: &RayLanes) -> u32 {
+fn any_of_blocks(
+    mask: u32,
+    (blocks, members): (&[ShapeBlock], &[Members]),
+    rays: &RayLanes,
+    is_clear: &impl Fn(usize) -> bool,
+    obstacles: &mut Obstacles,
+) {
     let slabs = SlabLanes::new(rays);
-    let mut hit = 0;
-    for block in blocks {
-        let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & mask & !hit;
-        hit |= rays.lanes_where(met, |ray| block.any(ray));
+    for (block, members) in blocks.iter().zip(members) {
+        let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & mask & !obstacles.opaque;
+        for lane in each_lane(met) {
+            obstacles.add_lane(lane, block.obstacle(members, &rays.get(lane), is_clear));
+        }
     }
-    hit
 }

@@ -450,34 +450,6 @@ impl Tlas {
         self.prefetch_normals(&hits);
         hits
     }
-
-    /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
-    pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
-        let active = active & rays.valid_mask();
-        if let Some(small) = &self.small_scene {
-            return small.any::<false>(self.shapes(), rays, active);
-        }
-        if self.waits_for_memory {
-            return self.occluded_interleaved(&rays.rays(), active);
-        }
-        rays.lanes_where(active, |ray| self.occluded(ray))
-    }
-
-    /// Whether anything is hit with t_min < t < t_max.
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.bvh.any(ray, |range| {
-            self.bvh.order()[range].iter().any(|&number| match self.item(number) {
-                Item::Shape(shape) => shape.occluded(ray),
-                Item::Placement(placement) => self.occluded_placed(placement, ray),
-                Item::Block(block, _) => block.any(ray),
-            })
-        })
-    }
-
-    #[inline(never)]
-    pub(super) fn occluded_placed(&self, placement: &Placement, ray: &Ray) -> bool {
-        self.group_of(placement).occluded(&placement.group_ray(ray))
-    }
 }
 
 /// The most items in a leaf: an instance costs much more to test than a box.

@@ -89,7 +89,22 @@ pub(super) fn check(materials: &[Material], tables: &ShadingTables) -> Result<()
 
 /// Whether each material depends on the surface's texture coordinates or tangents.
 pub(super) fn parametrised(materials: &[Material]) -> Vec<bool> {
-    let mut found: Vec<bool> = materials.iter().map(is_parametrised).collect();
+    where_any_is(materials, is_parametrised)
+}
+
+/// Whether light may pass straight through each material somewhere.
+pub(super) fn clear(materials: &[Material]) -> Vec<bool> {
+    where_any_is(materials, |material| match material {
+        Material::Mask { .. } | Material::Null => true,
+        Material::Plain(bsdf) => bsdf.has_null_lobe(),
+        Material::Textured(textured) => textured.has_null_lobe(),
+        _ => false,
+    })
+}
+
+/// Whether `is_so` holds for each material, or for one that is nested in it.
+fn where_any_is(materials: &[Material], is_so: impl Fn(&Material) -> bool) -> Vec<bool> {
+    let mut found: Vec<bool> = materials.iter().map(is_so).collect();
     loop {
         let mut is_settled = true;
         for (place, material) in materials.iter().enumerate() {

@@ -16,7 +16,8 @@ pub struct MaterialTable {
     materials: Vec<Material>,
     /// The tables to which the models of the materials refer.
     tables: ShadingTables,
-    /// Whether light can pass straight through any of them.
+    /// Whether light can pass straight through each material, and through any of them.
+    clear: Vec<bool>,
     has_null_lobe: bool,
     /// Whether any of them has a delta lobe.
     has_delta_lobe: bool,
@@ -67,12 +68,7 @@ impl MaterialTable {
                 *material = Material::Plain(bsdf);
             }
         }
-        let has_null_lobe = materials.iter().any(|material| match material {
-            Material::Mask { .. } | Material::Null => true,
-            Material::Plain(bsdf) => bsdf.has_null_lobe(),
-            Material::Textured(textured) => textured.has_null_lobe(),
-            _ => false,
-        });
+        let clear = nesting::clear(&materials);
         let has_delta_lobe = materials.iter().any(|material| match material {
             Material::Plain(bsdf) => bsdf.has_delta_lobe(),
             Material::Textured(textured) => textured.has_delta_lobe(),
@@ -89,7 +85,8 @@ impl MaterialTable {
             parametrised,
             materials,
             tables,
-            has_null_lobe,
+            has_null_lobe: clear.contains(&true),
+            clear,
             has_delta_lobe,
         }
     }
@@ -123,6 +120,11 @@ impl MaterialTable {
     /// Whether any surface may let light pass straight through, so that shadow rays have to look up what they hit.
     pub fn has_null_lobe(&self) -> bool {
         self.has_null_lobe
+    }
+
+    /// Whether light may pass straight through a surface of it somewhere.
+    pub(crate) fn is_clear(&self, id: MaterialId) -> bool {
+        self.clear[id.0 as usize]
     }
 
     /// Whether any surface sends some of its light in the only direction of a lobe, as mirrors and glass do.

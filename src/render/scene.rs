@@ -106,6 +106,17 @@ impl RenderScene {
         self.surfaces.slots[(first + offset) as usize]
     }
 
+    /// Whether light may pass straight through the surface of a shape somewhere, as [`Tlas::shape_index`] counts shapes.
+    #[inline(never)]
+    pub(super) fn is_clear(&self, shape: usize) -> bool {
+        let SurfaceTable { first_slot, slots } = &*self.surfaces;
+        let first = first_slot[shape] as usize;
+        let end = first_slot.get(shape + 1).map_or(slots.len(), |&next| next as usize);
+        slots[first..end]
+            .iter()
+            .any(|slot| self.materials.is_clear(slot.material))
+    }
+
     /// The surface that `ray` met at `hit`, with what its material and its light have to know.
     pub fn surface(&self, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> SurfacePoint {
         self.geometry.surface_in(ray, hit, self.detail(slot))

@@ -317,7 +317,8 @@ pub fn render_preview(
     Some(result)
 }
 
-/// The first hit of sample 0 of a pixel.
+/// The first hit of sample 0 of a pixel. It is not inlined, because it is one sample of many.
+#[inline(never)]
 fn first_hit(scene: &RenderScene, view: &View, pixel: UVec2, sample: &PathSample) -> Option<FirstHit> {
     let hit = sample.first_hit?;
     Some(scene.first_hit(&view.camera_sample(pixel, 0).ray, &hit))

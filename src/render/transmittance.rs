@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::scene::RenderScene;
+use crate::accel::Obstacle;
 use crate::color::Rgb;
 use crate::light::Target;
 use crate::math::{Ray, offset_origin};
@@ -22,33 +23,49 @@ pub(super) struct ShadowRay {
     pub crossings: u32,
 }
 
+impl ShadowRay {
+    fn ray(&self) -> Ray {
+        match self.target {
+            Target::Point(target) => Ray::segment(self.origin, target),
+            Target::Infinity => Ray::new(self.origin, self.wi),
+        }
+    }
+}
+
 /// The share of a light's radiance that arrives at the start of `shadow`. Counts the rays it traces into `rays`. What is in between lets pass what `through`
 /// says.
-///
-/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
-/// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
-/// target is at the surface itself, within rounding, and the ray has arrived. The distance to the target therefore falls at each crossing:
-/// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
 pub(super) fn transmittance(
     scene: &RenderScene,
     shadow: &ShadowRay,
     through: &mut impl Between,
     rays: &mut u32,
 ) -> Rgb {
-    let ShadowRay { origin, wi, target, .. } = *shadow;
-    let mut ray = match target {
-        Target::Point(target) => Ray::segment(origin, target),
-        Target::Infinity => Ray::new(origin, wi),
+    *rays += 1;
+    let ray = shadow.ray();
+    let obstacle = match scene.materials.has_null_lobe() {
+        true => scene.geometry.obstacle(&ray, |shape| scene.is_clear(shape)),
+        false => scene.geometry.obstacle(&ray, |_| false),
     };
+    match obstacle {
+        Obstacle::Nothing => through.medium(scene, &ray, ray.t_max),
+        Obstacle::Clear => passing(scene, shadow, through, rays),
+        Obstacle::Opaque => Rgb::ZERO,
+    }
+}
+
+/// [`transmittance`] where there are surfaces through which light may pass.
+///
+/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
+/// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
+/// target is at the surface itself, within rounding, and the ray has arrived. The distance to the target therefore falls at each crossing:
+/// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
+#[inline(never)]
+pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut impl Between, rays: &mut u32) -> Rgb {
+    let ShadowRay { wi, target, .. } = *shadow;
+    let mut ray = shadow.ray();
     let mut arriving = Rgb::ONE;
     for crossed in 0.. {
         *rays += 1;
-        if !scene.materials.has_null_lobe() {
-            if scene.geometry.occluded(&ray) {
-                return Rgb::ZERO;
-            }
-            return arriving * through.medium(scene, &ray, ray.t_max);
-        }
         let Some(hit) = scene.geometry.intersect(&ray) else {
             return arriving * through.medium(scene, &ray, ray.t_max);
         };

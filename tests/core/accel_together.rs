@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::random::Random;
 use crate::wavy_sphere::wavy_sphere;
 use glam::{Affine3A, Quat, Vec3};
-use sunroom::accel::{Blas, Hit, Instance, Placement, Primitive, RayLanes, SplitMethod, Tlas};
+use sunroom::accel::{Blas, Hit, Instance, Obstacle, Placement, Primitive, RayLanes, SplitMethod, Tlas};
 use sunroom::math::Ray;
 use sunroom::math::lanes::LANES;
 
@@ -180,4 +180,84 @@ fn rays_together_get_the_answers_they_get_alone() {
         Tlas::build(Vec::new(), SplitMethod::Sah).intersect_interleaved(&[Ray::new(Vec3::ZERO, Vec3::X); 3], 7),
         [None; 3]
     );
+}
+
+/// Every third shape is clear. The scene of all shapes is asked, and beside it the scene of those that are not.
+#[test]
+fn opaque_shapes_are_found_behind_clear_ones() {
+    let is_clear = |shape: usize| shape % 3 == 1;
+    let opaque = |shapes: &[Instance], first: usize| -> Vec<Instance> {
+        let numbered = (first..).zip(shapes).filter(|(number, _)| !is_clear(*number));
+        numbered.map(|(_, shape)| shape.clone()).collect()
+    };
+    let random = &mut Random::new(17);
+    let mut scenes = Vec::new();
+    for (count, size) in [(5, 0.8), (20, 0.4), (60, 0.2)] {
+        let all = shapes(count, size, random);
+        let [all, left] = [all.clone(), opaque(&all, 0)].map(|shapes| Tlas::build(shapes, SplitMethod::Sah));
+        scenes.push((format!("{count} shapes"), all, left));
+    }
+    // Spheres next to each other, which are taken together.
+    let row: Vec<Instance> = (0..60)
+        .map(|k| {
+            let place = Affine3A::from_scale_rotation_translation(
+                Vec3::splat(0.15),
+                Quat::IDENTITY,
+                Vec3::new(0.3 * (k % 10) as f32 - 1.5, 0.3 * (k / 10) as f32 - 0.9, 0.0),
+            );
+            Instance::new(Primitive::Sphere, place).unwrap()
+        })
+        .collect();
+    let left = opaque(&row, 0);
+    let [all, left] = [row, left].map(|shapes| Tlas::build(shapes, SplitMethod::Sah));
+    scenes.push(("a row".to_string(), all, left));
+    let (alone, members) = (shapes(7, 0.2, random), shapes(12, 0.3, random));
+    let placed: Vec<_> = (0..9)
+        .map(|_| Placement::new(0, &transform(random, 0.2)).unwrap())
+        .collect();
+    let with = |alone: Vec<Instance>, members: Vec<Instance>| {
+        let groups = vec![Arc::new(Tlas::build(members, SplitMethod::Sah))];
+        Tlas::with_placements(alone, groups, placed.clone(), SplitMethod::Sah)
+    };
+    let left = with(opaque(&alone, 0), opaque(&members, alone.len()));
+    scenes.push(("groups".to_string(), with(alone, members), left));
+
+    for (name, all, left) in &scenes {
+        let (mut counts, mut given_up) = ([0; 3], 0);
+        for _ in 0..600 {
+            let rays: [Ray; LANES] = std::array::from_fn(|_| ray(random));
+            let active = random.next_u32() & 0xffff;
+            let lanes = RayLanes::of(&rays);
+            let together = [
+                all.obstacles(&lanes, active, is_clear),
+                all.obstacles_packet(&lanes, active, is_clear),
+            ];
+            for (lane, ray) in rays.iter().enumerate() {
+                let expected = match (left.occluded(ray), all.occluded(ray)) {
+                    (true, _) => Obstacle::Opaque,
+                    (false, true) => Obstacle::Clear,
+                    (false, false) => Obstacle::Nothing,
+                };
+                counts[expected as usize] += 1;
+                let alone = all.obstacle(ray, is_clear);
+                // Behind many clear shapes, and where rounding decides.
+                given_up += usize::from(alone != expected);
+                for obstacles in together {
+                    if active >> lane & 1 == 0 {
+                        assert_eq!((obstacles.opaque | obstacles.clear) >> lane & 1, 0, "{name}");
+                        continue;
+                    }
+                    let found = match (obstacles.opaque >> lane & 1, obstacles.only_clear() >> lane & 1) {
+                        (1, 0) => Obstacle::Opaque,
+                        (0, 1) => Obstacle::Clear,
+                        (0, 0) => Obstacle::Nothing,
+                        both => panic!("{name}: {both:?}"),
+                    };
+                    given_up += usize::from(found != expected);
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 200), "{name}: {counts:?}");
+        assert!(given_up < counts[2] / 100, "{name}: {given_up} of {counts:?}");
+    }
 }

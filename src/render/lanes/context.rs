@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-use crate::accel::{Hit, RayLanes, Tlas};
+use crate::accel::{Hit, Obstacles, RayLanes, Tlas};
 use crate::color::Rgb;
 use crate::light::{LightId, SoleLight};
 use crate::math::lanes::LANES;
@@ -94,11 +94,16 @@ impl Coherence {
         }
     }
 
-    /// A mask of the lanes `asked` whose rays meet something.
-    pub fn occluded(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> u32 {
-        match self {
-            Self::Coherent => geometry.occluded_packet(rays, asked),
-            Self::Incoherent => geometry.occluded_lanes(rays, asked),
-        }
+    /// What is in the way of the rays of the lanes `asked`.
+    pub fn obstacles(self, scene: &RenderScene, rays: &RayLanes, asked: u32) -> Obstacles {
+        let geometry = &scene.geometry;
+        let is_clear = |shape: usize| scene.is_clear(shape);
+        let opaque = match (self, scene.materials.has_null_lobe()) {
+            (Self::Coherent, false) => geometry.occluded_packet(rays, asked),
+            (Self::Incoherent, false) => geometry.occluded_lanes(rays, asked),
+            (Self::Coherent, true) => return geometry.obstacles_packet(rays, asked, is_clear),
+            (Self::Incoherent, true) => return geometry.obstacles(rays, asked, is_clear),
+        };
+        Obstacles { opaque, clear: 0 }
     }
 }

@@ -14,7 +14,7 @@ use crate::medium::PlainMedium;
 use crate::render::dimensions::{BounceDraw, MediumDraw};
 use crate::render::medium_path::{ENCLOSED_SHARE, is_enclosed};
 use crate::render::roulette;
-use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, transmittance};
+use crate::render::transmittance::{Between, EmptySpace, Media, ShadowRay, passing};
 use crate::render::view::{PathSettings, Strategy};
 use crate::sampling::Sampler;
 use crate::shading::{BsdfSample, ShadingTables};
@@ -208,21 +208,22 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             t_min: Lanes::ZERO,
             t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
         };
-        let occluded = coherence.occluded(&context.scene.geometry, &shadows, asked);
-        let lit = asked & !occluded;
+        let obstacles = coherence.obstacles(context.scene, &shadows, asked);
+        let lit = asked & !(obstacles.opaque | obstacles.clear);
         let seen = match self.in_media_towards(lit, &light.wi) {
             0 => reflected,
             dimmed => self.dimmed(context, dimmed, shadows, sought),
         };
         self.paths.radiance += seen.only(lanes_of(lit));
         self.note_light(lit, &light.light, seen, samples);
-        if context.scene.materials.has_null_lobe() {
-            self.paths.rays += ones_in(lit);
-            let through = self.transmitted(context, occluded, origin, sought);
-            self.paths.radiance += through.only(lanes_of(occluded));
-            self.note_light(occluded, &light.light, through, samples);
-        } else {
-            self.paths.rays += ones_in(asked);
+        self.paths.rays += ones_in(asked);
+        match obstacles.only_clear() {
+            0 => {}
+            asked => {
+                let through = self.transmitted(context, asked, origin, sought);
+                self.paths.radiance += through.only(lanes_of(asked));
+                self.note_light(asked, &light.light, through, samples);
+            }
         }
     }
 
@@ -264,7 +265,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         Media::new(medium, sought.carried.get(lane), sampler.stream(draw))
     }
 
-    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that let it pass and through media.
+    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that may let it pass, and through media.
     #[inline(never)]
     fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight {
@@ -280,11 +281,11 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             let part = if context.settings.media {
                 let mut media = self.media_of_shadow(lane, &sought);
                 let rays = &mut self.paths.rays.as_mut_array()[lane];
-                let arriving = transmittance(context.scene, &shadow, &mut media, rays);
+                let arriving = passing(context.scene, &shadow, &mut media, rays);
                 sought.reflected(lane, context.settings.strategy, media.passed) * arriving
             } else {
                 let rays = &mut self.paths.rays.as_mut_array()[lane];
-                reflected.get(lane) * transmittance(context.scene, &shadow, &mut EmptySpace, rays)
+                reflected.get(lane) * passing(context.scene, &shadow, &mut EmptySpace, rays)
             };
             reflected.set(lane, part);
         }

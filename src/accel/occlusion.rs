@@ -1,0 +1,137 @@
+//! Whether anything is in the way of rays, and whether light may pass straight through all of it.
+//!
+//! Most shadow rays that meet a pane of glass meet a wall as well. The search for any hit therefore goes on behind shapes that are called clear, and only
+//! rays that meet nothing but these have to be followed from one hit to the next. Shapes are counted as by [`Tlas::shape_index`].
+
+use super::placement::Placement;
+use super::ray_lanes::RayLanes;
+use super::tlas::{Item, Tlas};
+use crate::math::Ray;
+use crate::math::lanes::each_lane;
+
+/// The search for an opaque shape is given up after so many clear ones: in a tree of leaves with holes it would go through all of them.
+const MOST_CLEAR: u32 = 4;
+
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// Nothing.
+    Nothing,
+    /// Shapes that are called clear, and none other that has been found.
+    Clear,
+    /// A shape that is not clear.
+    Opaque,
+}
+
+/// What rays meet, a bit for each lane. Of a ray that meets an opaque shape it is not known whether it meets clear ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Obstacles {
+    /// The rays that meet a shape that is not clear.
+    pub opaque: u32,
+    /// The rays that meet a shape that is called clear.
+    pub clear: u32,
+}
+
+impl Obstacles {
+    /// Notes that the rays of `lanes`, a bit each, meet a shape.
+    #[inline(always)]
+    pub(super) fn add(&mut self, lanes: u32, is_clear: bool) {
+        match is_clear {
+            true => self.clear |= lanes,
+            false => self.opaque |= lanes,
+        }
+    }
+
+    /// Notes what the ray of a lane meets.
+    #[inline(always)]
+    pub(super) fn add_lane(&mut self, lane: usize, obstacle: Obstacle) {
+        self.opaque |= u32::from(obstacle == Obstacle::Opaque) << lane;
+        self.clear |= u32::from(obstacle == Obstacle::Clear) << lane;
+    }
+
+    /// The rays that meet shapes of which all are clear.
+    pub fn only_clear(self) -> u32 {
+        self.clear & !self.opaque
+    }
+}
+
+impl Tlas {
+    /// Whether anything is hit with t_min < t < t_max.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.obstacle(ray, |_| false) == Obstacle::Opaque
+    }
+
+    /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
+    pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
+        if self.small_scene.is_none() && self.waits_for_memory {
+            return self.occluded_interleaved(&rays.rays(), active & rays.valid_mask());
+        }
+        self.obstacles(rays, active, |_| false).opaque
+    }
+
+    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind very many of these it may miss
+    /// an opaque one.
+    pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
+        self.obstacle_from(0, ray, &is_clear)
+    }
+
+    /// [`Self::obstacle`] for each of the lanes in `active`.
+    pub fn obstacles(&self, rays: &RayLanes, active: u32, is_clear: impl Fn(usize) -> bool) -> Obstacles {
+        let active = active & rays.valid_mask();
+        if let Some(small) = &self.small_scene {
+            return small.any::<false>(self.shapes(), rays, active, is_clear);
+        }
+        let asked = match self.waits_for_memory {
+            true => self.occluded_interleaved(&rays.rays(), active),
+            false => active,
+        };
+        let mut met = Obstacles::default();
+        for lane in each_lane(asked) {
+            met.add_lane(lane, self.obstacle(&rays.get(lane), &is_clear));
+        }
+        met
+    }
+
+    /// [`Self::obstacle`] where `first` shapes are counted before those of this hierarchy.
+    fn obstacle_from(&self, first: usize, ray: &Ray, is_clear: &impl Fn(usize) -> bool) -> Obstacle {
+        let (mut found, mut clear) = (Obstacle::Nothing, 0);
+        self.bvh.any(ray, |range| {
+            self.bvh.order()[range].iter().any(|&number| {
+                let met = match self.item(number) {
+                    Item::Shape(shape) if shape.occluded(ray) => Obstacle::of(is_clear(first + number as usize)),
+                    Item::Shape(_) => Obstacle::Nothing,
+                    Item::Placement(placement) => self.obstacle_placed(placement, ray, is_clear),
+                    Item::Block(block, members) => block.obstacle(members, ray, |member| is_clear(first + member)),
+                };
+                if met != Obstacle::Nothing {
+                    found = met;
+                    clear += 1;
+                }
+                met == Obstacle::Opaque || clear == MOST_CLEAR
+            })
+        });
+        found
+    }
+
+    #[inline(never)]
+    pub(super) fn obstacle_placed(
+        &self,
+        placement: &Placement,
+        ray: &Ray,
+        is_clear: &impl Fn(usize) -> bool,
+    ) -> Obstacle {
+        let first = self.first_shape[placement.group as usize];
+        self.group_of(placement)
+            .obstacle_from(first, &placement.group_ray(ray), is_clear)
+    }
+}
+
+impl Obstacle {
+    #[inline(always)]
+    pub(super) fn of(is_clear: bool) -> Self {
+        match is_clear {
+            true => Self::Clear,
+            false => Self::Opaque,
+        }
+    }
+}
