@@ -50,6 +50,14 @@ impl Blas {
     /// [`Self::intersect`] for the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that has one.
     pub(super) fn intersect_packet(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
         let active = active & rays.valid_mask();
+        if active.count_ones() <= FEW {
+            for lane in each_lane(active) {
+                if let Some(hit) = self.intersect(&rays.get(lane)) {
+                    found(lane, hit);
+                }
+            }
+            return;
+        }
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
@@ -75,6 +83,9 @@ impl Blas {
     /// [`Self::occluded`] for the rays in `active`, a bit each.
     pub(super) fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.valid_mask();
+        if active.count_ones() <= FEW {
+            return rays.lanes_where(active, |ray| self.occluded(ray));
+        }
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
         self.bvh.walk_packet::<true>(rays, active, |range, mask, t_max| {
@@ -287,6 +298,9 @@ impl Bvh {
 
 /// From this number of rays on, a node costs less for all together than for one after the other.
 const CROWD: u32 = 8;
+
+/// So few rays, or none, go through a mesh one by one: a packet has to be prepared.
+const FEW: u32 = 4;
 
 /// The boxes of a node that a packet meets.
 struct BoxesMet {
