@@ -125,12 +125,12 @@ impl<R: Real> SurfaceSample<R> {
 
     /// The direction to the point from a place, with the radiance that comes from there. The error bounds the coordinates of the point.
     #[inline(always)]
-    pub fn towards(self, reference: R::Vec3, error: f32, radiance: R::Vec3) -> LightSample<R> {
+    pub fn towards(self, reference: R::Vec3, error: R, radiance: R::Vec3) -> LightSample<R> {
         let to_point = self.position - reference;
         let distance_squared = to_point.length_squared();
         let is_apart = R::is_above(distance_squared, 0.0) & distance_squared.is_less(R::splat(f32::INFINITY));
         // The shadow ray ends in front of the surface, not on it.
-        let end = offset_origin(self.position, R::splat(error), self.normal, -to_point);
+        let end = offset_origin(self.position, error, self.normal, -to_point);
         LightSample {
             wi: to_point.normalize(),
             target: Target::Point(end),

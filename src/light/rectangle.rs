@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::hit::{AreaSample, SurfaceHit, SurfaceSample, solid_angle_pdf};
-use crate::math::{Aabb, Mask, Real, Vector};
+use crate::math::{Aabb, Mask, Real, Same, Vector, real_struct};
 use crate::sampling::{PiecewiseBilinear2d, Rectangle};
 
 /// A parallelogram `corner + a edge_u + b edge_v`, a and b in [0, 1].
@@ -76,22 +76,10 @@ impl RectangleLight {
     /// area.
     #[inline(always)]
     pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
-        let Some(rectangle) = self.uniform() else {
-            return self.sample_area(u).seen_from(reference);
-        };
-        let normal = R::Vec3::same(self.normal);
-        let is_before = (reference - R::Vec3::same(self.corner)).dot(normal).is_more(R::ZERO);
-        let seen = rectangle.seen_from::<R>(reference);
-        let sample = SurfaceSample {
-            position: seen.sample(u),
-            normal,
-            pdf_solid_angle: seen.pdf_solid_angle().only(is_before),
-        };
-        let is_tiny = is_before & !seen.is_large();
-        if !is_tiny.any() {
-            return sample;
+        match self.uniform() {
+            Some(uniform) => Same::<R>::same(uniform).sample(reference, u),
+            None => self.sample_area(u).seen_from(reference),
         }
-        SurfaceSample::select(is_tiny, self.sample_area(u).seen_from(reference), sample)
     }
 
     /// A point by the density if there is one, and else uniform in area.
@@ -116,21 +104,65 @@ impl RectangleLight {
         self.pdf_area * self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()))
     }
 
-    /// The rectangle, if points are to be uniform in solid angle.
-    fn uniform(&self) -> Option<&Rectangle> {
-        self.rectangle.as_ref().filter(|_| self.density.is_none())
-    }
-
-    /// Whether it is sampled in lanes as fast as it can be: as a rectangle that is equally bright all over.
-    pub fn is_uniform(&self) -> bool {
-        self.uniform().is_some()
+    /// The rectangle, if it is one that is equally bright all over.
+    pub fn uniform(&self) -> Option<UniformRectangle> {
+        let shape = self.rectangle.filter(|_| self.density.is_none())?;
+        Some(UniformRectangle {
+            shape,
+            normal: self.normal,
+            pdf_area: self.pdf_area,
+        })
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        let seen = self.uniform().map(|rectangle| rectangle.seen_from::<f32>(reference));
+        let seen = self.uniform().map(|uniform| uniform.shape.seen_from(reference));
         match seen.filter(|seen| seen.is_large()) {
             Some(seen) => seen.pdf_solid_angle(),
             None => solid_angle_pdf(self.pdf_area(hit.uv), hit.position, self.normal, reference),
         }
+    }
+}
+
+real_struct! {
+    #[same]
+    /// A rectangle that is equally bright all over.
+    pub(crate) struct UniformRectangle<R> {
+        shape: Rectangle<R>,
+        /// Unit vector on the side that shines.
+        normal: R::Vec3,
+        /// One over the area.
+        pdf_area: R,
+    }
+}
+
+impl<R: Real> UniformRectangle<R> {
+    /// The point with these shares of the edges.
+    #[inline(always)]
+    pub fn at(&self, shares: [R; 2]) -> R::Vec3 {
+        self.shape.at(shares)
+    }
+
+    /// Samples a point uniformly in solid angle, and where that is tiny in area.
+    #[inline(always)]
+    pub(super) fn sample(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
+        let seen = self.shape.seen_from(reference);
+        let is_before = (reference - self.shape.at([R::ZERO; 2]))
+            .dot(self.normal)
+            .is_more(R::ZERO);
+        let sample = SurfaceSample {
+            position: seen.sample(u),
+            normal: self.normal,
+            pdf_solid_angle: seen.pdf_solid_angle().only(is_before),
+        };
+        let is_tiny = is_before & !seen.is_large();
+        if !is_tiny.any() {
+            return sample;
+        }
+        let by_area = AreaSample {
+            position: self.shape.at(u),
+            normal: self.normal,
+            pdf_area: self.pdf_area,
+        };
+        SurfaceSample::select(is_tiny, by_area.seen_from(reference), sample)
     }
 }

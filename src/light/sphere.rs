@@ -5,18 +5,21 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::{Affine3A, Mat3A, Vec3};
 
 use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
-use crate::math::{Frame, Mask, Real, Vector};
+use crate::math::{Frame, Mask, Real, Vector, real_struct};
 use crate::sampling::warp;
 
 /// The most that the axes of a transform may differ from perpendicular and equally long for its sphere to count as one.
 const ROUNDNESS: f32 = 1e-5;
 
-/// A sphere in world space. `side` is 1 when it emits outwards, -1 when inwards.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SphereLight {
-    center: Vec3,
-    radius: f32,
-    side: f32,
+real_struct! {
+    #[same]
+    /// A sphere in world space.
+    pub(crate) struct SphereLight<R> {
+        center: R::Vec3,
+        radius: R,
+        /// 1 when it emits outwards, -1 when inwards.
+        side: R,
+    }
 }
 
 impl SphereLight {
@@ -32,39 +35,44 @@ impl SphereLight {
         })
     }
 
-    pub fn area(&self) -> f32 {
-        4.0 * PI * self.radius * self.radius
+    pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
+        match self.cone(reference) {
+            (one_minus_cos, true) => warp::uniform_cone_pdf(one_minus_cos),
+            _ => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
+        }
+    }
+}
+
+impl<R: Real> SphereLight<R> {
+    pub fn area(&self) -> R {
+        R::splat(4.0 * PI) * self.radius.squared()
     }
 
     /// 1 - cos of the half angle of the cone around the sphere, and a mask of where there is one: outside.
     #[inline(always)]
-    fn cone<R: Real>(&self, reference: R::Vec3) -> (R, R::Mask) {
-        let distance_squared = (reference - R::Vec3::same(self.center)).length_squared();
-        let radius_squared = R::splat(self.radius * self.radius);
+    fn cone(&self, reference: R::Vec3) -> (R, R::Mask) {
+        let distance_squared = (reference - self.center).length_squared();
+        let radius_squared = self.radius.squared();
         let sin_squared = radius_squared / distance_squared;
         let cos = (R::ONE - sin_squared).max(R::ZERO).sqrt();
-        let is_outside = match self.side < 0.0 {
-            true => R::Mask::NEVER,
-            false => distance_squared.is_more(radius_squared),
-        };
+        let is_outside = distance_squared.is_more(radius_squared) & self.side.is_more(R::ZERO);
         (sin_squared / (R::ONE + cos), is_outside)
     }
 
     #[inline(always)]
-    pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
-        let (one_minus_cos, is_outside) = self.cone::<R>(reference);
-        let center = R::Vec3::same(self.center);
-        let to_center = center - reference;
+    pub(super) fn sample(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
+        let (one_minus_cos, is_outside) = self.cone(reference);
+        let to_center = self.center - reference;
         let distance = to_center.length_squared().sqrt();
         let local = warp::uniform_cone(u, one_minus_cos);
         let direction = Frame::<R>::around(to_center / distance).to_world(local);
         // The nearer of the two points where the direction meets the sphere, by the law of sines around the centre.
         let sin_squared = local.with_third(R::ZERO).length_squared() * distance * distance;
-        let half_chord = (R::splat(self.radius * self.radius) - sin_squared).max(R::ZERO).sqrt();
+        let half_chord = (self.radius.squared() - sin_squared).max(R::ZERO).sqrt();
         let along = local.z() * distance - half_chord;
         let normal = (direction * along - to_center).normalize();
         let sample = SurfaceSample {
-            position: center.plus_scaled(R::splat(self.radius), normal),
+            position: self.center.plus_scaled(self.radius, normal),
             normal,
             pdf_solid_angle: warp::uniform_cone_pdf(one_minus_cos),
         };
@@ -76,19 +84,12 @@ impl SphereLight {
 
     /// A point that is uniform in area, with its normal and the density.
     #[inline(always)]
-    pub fn sample_area<R: Real>(&self, u: [R; 2]) -> AreaSample<R> {
+    pub(super) fn sample_area(&self, u: [R; 2]) -> AreaSample<R> {
         let normal = warp::uniform_sphere(u);
         AreaSample {
-            position: R::Vec3::same(self.center).plus_scaled(R::splat(self.radius), normal),
-            normal: normal * R::splat(self.side),
-            pdf_area: R::splat(1.0 / self.area()),
-        }
-    }
-
-    pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        match self.cone::<f32>(reference) {
-            (one_minus_cos, true) => warp::uniform_cone_pdf(one_minus_cos),
-            _ => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
+            position: self.center.plus_scaled(self.radius, normal),
+            normal: normal * self.side,
+            pdf_area: R::ONE / self.area(),
         }
     }
 }

@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
 use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
-use super::rectangle::RectangleLight;
+use super::rectangle::{RectangleLight, UniformRectangle};
 use super::reference::Reference;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
@@ -18,7 +18,7 @@ use crate::accel::{Blas, Instance, Primitive, Tlas};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
-use crate::math::{Aabb, Mask, Real, Vector, offset_origin};
+use crate::math::{Aabb, Mask, Real, Same, Vector, offset_origin, real_struct};
 use crate::sampling::warp;
 use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 
@@ -148,16 +148,20 @@ impl SurfaceLight {
         Some(light)
     }
 
-    /// The surface, if it is a rectangle that is equally bright all over and black from behind.
-    pub fn plain_rectangle(&self) -> Option<PlainRectangle<'_>> {
-        match (&self.shape, self.radiance) {
-            (EmitterShape::Rectangle(shape), Parameter::Constant(radiance)) if !self.shines_both_ways => {
-                shape.is_uniform().then_some(PlainRectangle {
-                    shape,
-                    radiance,
-                    error: self.error,
-                })
-            }
+    /// The surface, if it is of a common shape, equally bright all over and black from behind.
+    #[inline(always)]
+    pub fn plain(&self) -> Option<PlainSurface> {
+        let Parameter::Constant(radiance) = self.radiance else {
+            return None;
+        };
+        let glow = Glow {
+            radiance: radiance.max(Rgb::ZERO),
+            error: self.error,
+        };
+        match &self.shape {
+            _ if self.shines_both_ways => None,
+            EmitterShape::Rectangle(shape) => Some(PlainSurface::Rectangle(shape.uniform()?, glow)),
+            EmitterShape::Sphere(shape) => Some(PlainSurface::Sphere(*shape, glow)),
             _ => None,
         }
     }
@@ -312,7 +316,7 @@ impl SurfaceLight {
                 R::Vec3::of(red, green, blue)
             }
         };
-        point.towards(from.position, self.error, radiance)
+        point.towards(from.position, R::splat(self.error), radiance)
     }
 
     /// [`Self::sample`] with the point that was chosen.
@@ -378,7 +382,7 @@ impl SurfaceLight {
             EmitterShape::Rectangle(light) => light.sample_area(u),
             EmitterShape::Disk(light) => light.sample_area(u),
             EmitterShape::Cylinder(light) => light.sample_area(u),
-            EmitterShape::Sphere(light) => light.sample_area(u),
+            EmitterShape::Sphere(light) => Same::<R>::same(*light).sample_area(u),
             EmitterShape::Ellipsoid(light) => light.sample_area(u),
             EmitterShape::Mesh(triangles) => {
                 let triangle = &triangles[part as usize];
@@ -411,7 +415,7 @@ impl SurfaceLight {
                 shines.then_some(sample)
             }),
             EmitterShape::Rectangle(light) if !self.shines_both_ways => light.sample(reference, u),
-            EmitterShape::Sphere(light) if !self.shines_both_ways => light.sample(reference, u),
+            EmitterShape::Sphere(light) if !self.shines_both_ways => Same::<R>::same(*light).sample(reference, u),
             _ if self.shines_both_ways => self.sample_area(part, u).facing(reference).seen_from(reference),
             _ => self.sample_area(part, u).seen_from(reference),
         }
@@ -444,26 +448,36 @@ impl SurfaceLight {
     }
 }
 
-/// A rectangle that is equally bright all over and black from behind.
+/// A surface of a common shape that is equally bright all over and black from behind.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlainRectangle<'a> {
-    shape: &'a RectangleLight,
-    radiance: Rgb,
-    error: f32,
+pub(super) enum PlainSurface {
+    Rectangle(UniformRectangle, Glow),
+    Sphere(SphereLight, Glow),
 }
 
-impl PlainRectangle<'_> {
-    /// Places on the light as of [`SurfaceLight::sample_place`].
-    #[inline(always)]
-    pub fn place<R: Real>(&self, u: [R; 2]) -> R::Vec3 {
-        self.shape.at(u)
+real_struct! {
+    #[same]
+    /// What a surface that is equally bright all over adds to a point of its shape.
+    pub(crate) struct Glow<R> {
+        radiance: R::Vec3,
+        /// The bound on the rounding error of points.
+        error: R,
     }
+}
 
-    /// Directions to the light as of [`SurfaceLight::sample`].
+impl Glow {
+    /// Black.
+    pub const NONE: Self = Self {
+        radiance: Rgb::ZERO,
+        error: 0.0,
+    };
+}
+
+impl<R: Real> Glow<R> {
+    /// The direction to a point of the surface.
     #[inline(always)]
-    pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> LightSample<R> {
-        let point = self.shape.sample(reference, u);
-        point.towards(reference, self.error, R::Vec3::same(self.radiance))
+    pub(super) fn towards(&self, point: SurfaceSample<R>, reference: R::Vec3) -> LightSample<R> {
+        point.towards(reference, self.error, self.radiance)
     }
 }
 

@@ -220,7 +220,7 @@ impl LightTable {
     ) -> (LightId, LightSample<R>) {
         let (id, sample) = match chosen {
             Chosen::Part(part) => {
-                let finite = &self.finite[self.light_of_part[part as usize] as usize];
+                let finite = self.finite_of(part);
                 let part = part - finite.first_part;
                 (finite.id, finite.light.sample(part, from, u, &self.textures))
             }
@@ -238,7 +238,7 @@ impl LightTable {
         let Chosen::Part(part) = self.choice.sample(reference, || refined(u_choice, u))?.0 else {
             return None;
         };
-        let finite = &self.finite[self.light_of_part[part as usize] as usize];
+        let finite = self.finite_of(part);
         Some(finite.light.sample_place(part - finite.first_part, u))
     }
 
@@ -295,6 +295,10 @@ impl LightTable {
             );
             (radiance, self.choice.pmf(reference, Chosen::Infinite(index)) * pdf)
         })
+    }
+
+    fn finite_of(&self, part: u32) -> &Finite {
+        &self.finite[self.light_of_part[part as usize] as usize]
     }
 
     fn finite(&self, id: LightId) -> Option<&Finite> {

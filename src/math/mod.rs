@@ -23,7 +23,7 @@ pub(crate) use erf::{erf, erf_inv};
 pub use frame::Frame;
 pub(crate) use functions::{asin_positive, atan2, cube_root, exp, ln, sin_cos};
 pub(crate) use matrix::Matrix;
-pub(crate) use per_lane::{Held, LanesOf, PerLane, per_lane, per_lane_array, real_struct};
+pub(crate) use per_lane::{Held, LanesOf, PerLane, Same, per_lane, per_lane_array, real_struct};
 pub(crate) use quadrature::gauss_legendre;
 pub use ray::{Ray, offset_origin};
 pub use real::{Mask, Real, Vector, Word};

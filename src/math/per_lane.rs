@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, lanes_of};
-use super::real::Mask;
+use super::real::{Mask, Real, Vector, Word};
 
 /// A type of which every lane can have a value.
 pub(crate) trait PerLane: Copy {
@@ -112,6 +112,39 @@ pub(crate) trait LanesOf<One> {
     fn set_lane(&mut self, lane: usize, one: One);
 }
 
+/// A type whose generic form, see [`real_struct`], can have the same value in all lanes of any form of numbers.
+pub(crate) trait Same<R: Real> {
+    /// The type in the form of numbers `R`.
+    type Form;
+
+    /// The same value in every lane.
+    fn same(self) -> Self::Form;
+}
+
+/// For the types of fields.
+macro_rules! same {
+    ($($One:ty => $Form:ty: |$one:ident| $same:expr;)*) => {
+        $(
+            impl<R: Real> Same<R> for $One {
+                type Form = $Form;
+
+                #[inline(always)]
+                fn same(self) -> $Form {
+                    let $one = self;
+                    $same
+                }
+            }
+        )*
+    };
+}
+
+same! {
+    f32 => R: |one| R::splat(one);
+    u32 => R::Word: |one| R::Word::splat(one);
+    Vec3 => R::Vec3: |one| R::Vec3::same(one);
+    bool => R::Mask: |one| if one { R::Mask::ALWAYS } else { R::Mask::NEVER };
+}
+
 /// A mask.
 impl LanesOf<bool> for Lanes {
     #[inline(always)]
@@ -186,7 +219,7 @@ impl<M> Held<M> {
 }
 
 /// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
-/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form.
+/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form. With `#[same]` in front it is [`Same`] as well.
 ///
 /// ```ignore
 /// real_struct! {
@@ -198,6 +231,31 @@ impl<M> Held<M> {
 /// }
 /// ```
 macro_rules! real_struct {
+    (
+        #[same]
+        $(#[$about:meta])*
+        $visible:vis struct $Name:ident<$R:ident> {
+            $($(#[$about_field:meta])* $field_visible:vis $field:ident: $Field:ty,)*
+        }
+    ) => {
+        $crate::math::real_struct! {
+            $(#[$about])*
+            $visible struct $Name<$R> {
+                $($(#[$about_field])* $field_visible $field: $Field,)*
+            }
+        }
+
+        impl<S: $crate::math::Real> $crate::math::Same<S> for $Name {
+            type Form = $Name<S>;
+
+            #[inline(always)]
+            fn same(self) -> $Name<S> {
+                $Name {
+                    $($field: $crate::math::Same::<S>::same(self.$field),)*
+                }
+            }
+        }
+    };
     (
         $(#[$about:meta])*
         $visible:vis struct $Name:ident<$R:ident> {

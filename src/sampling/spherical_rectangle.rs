@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::math::{Real, Vector, atan2, sin_cos};
+use crate::math::{Real, Vector, atan2, real_struct, sin_cos};
 
 /// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
 const PERPENDICULARITY: f64 = 1e-5;
@@ -16,20 +16,24 @@ const SMALLEST_SOLID_ANGLE: f32 = 1e-3;
 /// Beside a rectangle and lower than this over its plane, relative to the distance, this method runs out of digits as well.
 const LOWEST: f32 = 0.02;
 
-/// A rectangle, prepared to be looked at from many points.
-#[derive(Clone, Copy, Debug)]
-pub struct Rectangle {
-    corner: Vec3,
-    /// Unit vectors along the edges, and the normal.
-    axes: [Vec3; 3],
-    width: f32,
-    height: f32,
+real_struct! {
+    #[same]
+    /// A rectangle, prepared to be looked at from many points.
+    pub struct Rectangle<R> {
+        corner: R::Vec3,
+        /// Unit vectors along the edges, and the normal.
+        x_axis: R::Vec3,
+        y_axis: R::Vec3,
+        z_axis: R::Vec3,
+        width: R,
+        height: R,
+    }
 }
 
 /// A rectangle as seen from one point, prepared for sampling.
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalRectangle<R: Real = f32> {
-    axes: [Vec3; 3],
+    axes: [R::Vec3; 3],
     origin: R::Vec3,
     /// The rectangle along those axes, relative to the origin: `x[0]` to `x[1]` and `y[0]` to `y[1]` at the height `above`.
     x: [R; 2],
@@ -86,25 +90,38 @@ impl Rectangle {
         let (x, y) = (edge_u / width, edge_v / height);
         Some(Self {
             corner,
-            axes: [x, y, x.cross(y)].map(|axis| axis.as_vec3()),
+            x_axis: x.as_vec3(),
+            y_axis: y.as_vec3(),
+            z_axis: x.cross(y).as_vec3(),
             width: width as f32,
             height: height as f32,
         })
     }
+}
+
+impl<R: Real> Rectangle<R> {
+    /// The point with these shares of the edges, from 0 to 1.
+    #[inline(always)]
+    pub fn at(&self, [a, b]: [R; 2]) -> R::Vec3 {
+        self.corner
+            .plus_scaled(a * self.width, self.x_axis)
+            .plus_scaled(b * self.height, self.y_axis)
+    }
 
     /// The rectangle as seen from a point in the same space, on either side.
     #[inline(always)]
-    pub fn seen_from<R: Real>(&self, origin: R::Vec3) -> SphericalRectangle<R> {
-        let to_corner = (R::Vec3::same(self.corner) - origin).coordinates(self.axes);
-        let (x, y) = (to_corner.x(), to_corner.y());
-        let (x, y) = ([x, x + R::splat(self.width)], [y, y + R::splat(self.height)]);
+    pub fn seen_from(&self, origin: R::Vec3) -> SphericalRectangle<R> {
+        let axes = [self.x_axis, self.y_axis, self.z_axis];
+        let to_corner = self.corner - origin;
+        let [x, y, above] = axes.map(|axis| to_corner.dot(axis));
+        let (x, y) = ([x, x + self.width], [y, y + self.height]);
         SphericalRectangle {
-            axes: self.axes,
+            axes,
             origin,
             x,
             y,
-            above: to_corner.z(),
-            solid_angle: self.solid_angle(x, y, to_corner.z().abs()),
+            above,
+            solid_angle: self.solid_angle(x, y, above.abs()),
         }
     }
 
@@ -113,17 +130,16 @@ impl Rectangle {
     /// It is a sum of four arc tangents. Those at both ends of a short edge are nearly alike where the rectangle looks thin or small, so that their
     /// difference is taken without them. The long edges have digits enough.
     #[inline(always)]
-    fn solid_angle<R: Real>(&self, x: [R; 2], y: [R; 2], height: R) -> R {
-        let (long, short, extent) = match self.width < self.height {
-            true => (y, x, self.width),
-            false => (x, y, self.height),
-        };
+    fn solid_angle(&self, x: [R; 2], y: [R; 2], height: R) -> R {
+        let is_high = self.width.is_less(self.height);
+        let choose = |high: [R; 2], wide: [R; 2]| [0, 1].map(|end| R::select(is_high, high[end], wide[end]));
+        let (long, short, extent) = (choose(y, x), choose(x, y), self.width.min(self.height));
         // The scale is such that no product overflows.
         let largest = |[a, b]: [R; 2]| a.abs().max(b.abs());
         let scale = R::ONE / largest(x).max(largest(y)).max(height);
         let [l0, l1] = long.map(|l| l * scale);
         let [s0, s1] = short.map(|s| s * scale);
-        let (z, extent) = (height * scale, R::splat(extent) * scale);
+        let (z, extent) = (height * scale, extent * scale);
         let is_beside = (s0 * s1).is_more(R::ZERO);
         // The angle under which the short edge at `l` adds to the solid angle on its left.
         let angle = |l: R| {
@@ -189,7 +205,8 @@ impl<R: Real> SphericalRectangle<R> {
         let h = v.mul_add(h1 - h0, h0);
         let rest = (-h).mul_add(h, R::ONE).max(R::splat(f32::MIN_POSITIVE));
         let y = (h * distance / rest.sqrt()).max(y0).min(y1);
-        self.origin + R::Vec3::of(x, y, self.above).along(self.axes)
+        let [x_axis, y_axis, z_axis] = self.axes;
+        self.origin + x_axis * x + y_axis * y + z_axis * self.above
     }
 }
 
@@ -201,6 +218,7 @@ fn length<R: Real>(a: R, b: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Same;
     use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
     fn numbers(seed: usize) -> [f32; 2] {
@@ -235,10 +253,10 @@ mod tests {
                     let point = numbers(3 * (start + lane) + 7);
                     (0..2).for_each(|axis| u[axis].as_mut_array()[lane] = point[axis]);
                 }
-                let lanes = rectangle.seen_from::<Lanes>(origins);
+                let lanes = Same::<Lanes>::same(rectangle).seen_from(origins);
                 let (places, is_large) = (lanes.sample(u), lanes.is_large().to_bitmask());
                 for lane in 0..LANES {
-                    let one = rectangle.seen_from::<f32>(origins.get(lane));
+                    let one = rectangle.seen_from(origins.get(lane));
                     let found = lanes.solid_angle().as_array()[lane];
                     // Seen edge-on it is as uncertain as the height over its plane, by the rounding of coordinates.
                     let offset = origins.get(lane) - middle;

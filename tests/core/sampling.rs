@@ -391,7 +391,7 @@ fn points_are_uniform_in_disk_triangle_and_ball() {
 }
 
 fn seen(corner: Vec3, edge_u: Vec3, edge_v: Vec3, origin: Vec3) -> Option<SphericalRectangle> {
-    let seen = Rectangle::new(corner, edge_u, edge_v)?.seen_from::<f32>(origin);
+    let seen = Rectangle::new(corner, edge_u, edge_v)?.seen_from(origin);
     seen.is_large().then_some(seen)
 }
 

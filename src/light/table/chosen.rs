@@ -5,11 +5,16 @@ use glam::Vec2;
 
 use super::{LightTable, refined};
 use crate::light::choice::Chosen;
+use crate::light::finite::FiniteLight;
+use crate::light::hit::SurfaceSample;
+use crate::light::rectangle::UniformRectangle;
+use crate::light::sphere::SphereLight;
+use crate::light::surface::{Glow, PlainSurface};
 use crate::light::{LightId, LightReference, LightSample, ReferenceLanes};
-use crate::math::PerLane;
-use crate::math::lanes::{LANES, Lanes, each_lane};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::{Held, PerLane, Real, Same};
 
-/// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast.
+/// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast, unless other lanes have chosen surfaces of the same kind.
 const FEW_PARTS: usize = 4;
 
 /// The lights that lanes have chosen.
@@ -21,11 +26,26 @@ pub(crate) struct ChosenLanes {
     pmf: Lanes,
     /// Whether there are few parts of lights.
     are_few: bool,
+    /// The lights that are plain surfaces, if there are many parts.
+    plain: PlainLanes,
+}
+
+/// Plain surfaces, each with the parameters of its own kind.
+#[derive(Default)]
+struct PlainLanes {
+    rectangles: Held<UniformRectangle<Lanes>>,
+    spheres: Held<SphereLight<Lanes>>,
+    glow: Held<Glow<Lanes>>,
+    /// The lanes that are not taken yet, a bit each.
+    left: u32,
 }
 
 impl ChosenLanes {
-    /// Takes the lanes that have chosen the same light as the first one that is left, a bit each, or that one alone if there are many lights. None if none is left.
+    /// Takes lanes that can be sampled at once. None if no lane is left.
     pub fn take_alike(&mut self) -> Option<Alike> {
+        if self.plain.left != 0 {
+            return Some(Alike::Plain(std::mem::take(&mut self.plain.left)));
+        }
         let first = each_lane(self.left).next()?;
         if !self.are_few && matches!(self.chosen[first], Chosen::Part(_)) {
             self.left &= !(1 << first);
@@ -39,10 +59,51 @@ impl ChosenLanes {
     }
 }
 
+impl PlainLanes {
+    fn set(&mut self, lane: usize, surface: PlainSurface) {
+        self.left |= 1 << lane;
+        let glow = match surface {
+            PlainSurface::Rectangle(shape, glow) => {
+                self.rectangles.set(lane, shape);
+                glow
+            }
+            PlainSurface::Sphere(shape, glow) => {
+                self.spheres.set(lane, shape);
+                glow
+            }
+        };
+        self.glow.set(lane, glow);
+    }
+
+    /// Directions to the surfaces. There is none in the other lanes.
+    fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> LightSample<Lanes> {
+        let mut point = SurfaceSample {
+            position: Vec3Lanes::ZERO,
+            normal: Vec3Lanes::ZERO,
+            pdf_solid_angle: Lanes::ZERO,
+        };
+        if let Some((here, shape)) = self.rectangles.held() {
+            point = SurfaceSample::select(here, shape.sample(reference, u), point);
+        }
+        if let Some((here, shape)) = self.spheres.held() {
+            point = SurfaceSample::select(here, shape.sample(reference, u), point);
+        }
+        let glow = self
+            .glow
+            .held()
+            .map_or(Same::<Lanes>::same(Glow::NONE), |(_, glow)| *glow);
+        glow.towards(point, reference)
+    }
+}
+
 /// What [`ChosenLanes::take_alike`] takes.
 pub(crate) enum Alike {
+    /// One lane alone.
     Lane(usize),
+    /// Lanes that have chosen the same light, a bit each.
     Lanes(u32),
+    /// Lanes that have chosen plain surfaces, a bit each.
+    Plain(u32),
 }
 
 impl LightTable {
@@ -53,6 +114,7 @@ impl LightTable {
             chosen: [Chosen::Part(0); LANES],
             pmf: Lanes::ZERO,
             are_few: self.light_of_part.len() <= FEW_PARTS,
+            plain: PlainLanes::default(),
         };
         let shares = self.choice.shares(&from.of_lanes(asked));
         for lane in each_lane(asked) {
@@ -63,12 +125,45 @@ impl LightTable {
                 None => self.choose(&LightReference::gather_lane(from, lane), u_choice, u),
             };
             if let Some((chosen, pmf)) = choice {
-                choices.left |= 1 << lane;
                 choices.chosen[lane] = chosen;
                 choices.pmf.as_mut_array()[lane] = pmf;
+                match self.plain(chosen).filter(|_| !choices.are_few) {
+                    Some(surface) => choices.plain.set(lane, surface),
+                    None => choices.left |= 1 << lane,
+                }
             }
         }
         choices
+    }
+
+    fn plain(&self, chosen: Chosen) -> Option<PlainSurface> {
+        let Chosen::Part(part) = chosen else {
+            return None;
+        };
+        match &self.finite_of(part).light {
+            FiniteLight::Surface(light) => light.plain(),
+            _ => None,
+        }
+    }
+
+    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each.
+    #[inline(never)]
+    pub(crate) fn sample_plain(
+        &self,
+        lanes: u32,
+        choices: &ChosenLanes,
+        from: &ReferenceLanes,
+        u: [Lanes; 2],
+    ) -> ([LightId; LANES], LightSample<Lanes>) {
+        let sample = choices.plain.sample(from.position, u);
+        let mut ids = [LightId(0); LANES];
+        for lane in each_lane(lanes) {
+            if let Chosen::Part(part) = choices.chosen[lane] {
+                ids[lane] = self.finite_of(part).id;
+            }
+        }
+        let pdf = (choices.pmf * sample.pdf).only(lanes_of(lanes));
+        (ids, LightSample { pdf, ..sample })
     }
 
     /// A direction to the light that a lane has chosen.
@@ -94,7 +189,7 @@ impl LightTable {
         choices: &ChosenLanes,
         from: &ReferenceLanes,
         u: [Lanes; 2],
-    ) -> (LightId, LightSample<Lanes>) {
+    ) -> ([LightId; LANES], LightSample<Lanes>) {
         let chosen = choices.chosen[lanes.trailing_zeros() as usize];
         let (id, sample) = self.sample_chosen((chosen, choices.pmf), &from.of_lanes(lanes), u);
         debug_assert!(
@@ -102,7 +197,7 @@ impl LightTable {
                 .all(|lane| sample.wi.get(lane).is_normalized() && sample.radiance.get(lane).is_finite()),
             "{id:?} is sampled as {sample:?}"
         );
-        (id, sample)
+        ([id; LANES], sample)
     }
 }
 
@@ -118,7 +213,7 @@ mod tests {
     use crate::light::point::PointLight;
     use crate::light::rectangle::RectangleLight;
     use crate::light::reference::Reference;
-    use crate::light::sphere::{EllipsoidLight, SphereLight};
+    use crate::light::sphere::EllipsoidLight;
     use crate::light::spot::{Spot, SpotLight};
     use crate::math::lanes::Vec3Lanes;
     use crate::sampling::hash::pcg3d;
@@ -233,7 +328,7 @@ mod tests {
         let seen =
             |sample: crate::light::hit::SurfaceSample, from: &Reference| sample.towards(from.position, 1e-6, gray);
         let all_seen = |sample: crate::light::hit::SurfaceSample<Lanes>, from: &Reference<Lanes>| {
-            sample.towards(from.position, 1e-6, Vec3Lanes::splat(gray))
+            sample.towards(from.position, Lanes::splat(1e-6), Vec3Lanes::splat(gray))
         };
         for (edge, name) in [
             (Vec3::Y * 0.4, "rectangle"),
@@ -251,7 +346,7 @@ mod tests {
             check(
                 "sphere",
                 |from, u| seen(light.sample(from.position, u), from),
-                |from, u| all_seen(light.sample(from.position, u), from),
+                |from, u| all_seen(Same::<Lanes>::same(light).sample(from.position, u), from),
             );
             let light = EllipsoidLight::new(stretched, stretched.inverse(), side);
             check(

@@ -4,8 +4,10 @@ use super::LightTable;
 use crate::light::constant::ConstantLight;
 use crate::light::finite::FiniteLight;
 use crate::light::infinite::InfiniteLight;
-use crate::light::surface::PlainRectangle;
+use crate::light::rectangle::UniformRectangle;
+use crate::light::surface::{Glow, PlainSurface};
 use crate::light::{LightId, LightSample, ReferenceLanes};
+use crate::math::Same;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
 /// A bit for every lane.
@@ -14,7 +16,7 @@ const ALL: u32 = (1 << LANES) - 1;
 /// The commonest lights that a scene has alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SoleLight<'a> {
-    Rectangle(PlainRectangle<'a>),
+    Rectangle(UniformRectangle, Glow),
     Constant(&'a ConstantLight),
 }
 
@@ -26,7 +28,10 @@ impl LightTable {
         }
         match (&self.finite[..], &self.infinite[..]) {
             ([finite], []) => match &finite.light {
-                FiniteLight::Surface(light) => Some((finite.id, SoleLight::Rectangle(light.plain_rectangle()?))),
+                FiniteLight::Surface(light) => match light.plain()? {
+                    PlainSurface::Rectangle(shape, glow) => Some((finite.id, SoleLight::Rectangle(shape, glow))),
+                    PlainSurface::Sphere(..) => None,
+                },
                 _ => None,
             },
             ([], [(id, InfiniteLight::Constant(light))]) => Some((*id, SoleLight::Constant(light))),
@@ -40,7 +45,10 @@ impl SoleLight<'_> {
     #[inline(always)]
     pub fn sample(&self, reference: &ReferenceLanes, u: [Lanes; 2]) -> LightSample<Lanes> {
         match self {
-            Self::Rectangle(light) => light.sample(reference.position, u),
+            Self::Rectangle(shape, glow) => {
+                let point = Same::<Lanes>::same(*shape).sample(reference.position, u);
+                Same::<Lanes>::same(*glow).towards(point, reference.position)
+            }
             Self::Constant(light) => light.sample(&reference.of_lanes(ALL), u),
         }
     }
@@ -49,7 +57,7 @@ impl SoleLight<'_> {
     #[inline(always)]
     pub fn place(&self, u: [Lanes; 2]) -> Option<Vec3Lanes> {
         match self {
-            Self::Rectangle(light) => Some(light.place(u)),
+            Self::Rectangle(shape, _) => Some(Same::<Lanes>::same(*shape).at(u)),
             Self::Constant(_) => None,
         }
     }

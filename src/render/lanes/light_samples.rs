@@ -53,7 +53,7 @@ impl LightLanes {
     ) -> Self {
         let u = sampler.at_2d(BounceDraw::LightPoint.at(depth));
         if let Some((id, light)) = context.sole_light {
-            return Self::of(id, light.sample(&seen_from, u));
+            return Self::of([id; LANES], light.sample(&seen_from, u));
         }
         let mut u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
         if let Some(raised) = raised {
@@ -62,15 +62,15 @@ impl LightLanes {
         Self::chosen(context, asked, seen_from, [u_choice, u[0], u[1]])
     }
 
-    /// Samples of one light.
+    /// Samples of these lights.
     #[inline(always)]
-    fn of(id: LightId, sample: LightSample<Lanes>) -> Self {
+    fn of(light: [LightId; LANES], sample: LightSample<Lanes>) -> Self {
         let (target, infinite) = match sample.target {
             Target::Point(target) => (target, false),
             Target::Infinity => (Vec3Lanes::ZERO, true),
         };
         Self {
-            light: [id; LANES],
+            light,
             wi: sample.wi,
             target,
             infinite: infinite.splat(),
@@ -120,8 +120,12 @@ impl LightLanes {
         while let Some(alike) = choices.take_alike() {
             match alike {
                 Alike::Lanes(lanes) => {
-                    let (id, sample) = lights.sample_lanes(lanes, &choices, &seen_from, u);
-                    chosen.set(lanes_of(lanes), &Self::of(id, sample));
+                    let (ids, sample) = lights.sample_lanes(lanes, &choices, &seen_from, u);
+                    chosen.set(lanes_of(lanes), &Self::of(ids, sample));
+                }
+                Alike::Plain(lanes) => {
+                    let (ids, sample) = lights.sample_plain(lanes, &choices, &seen_from, u);
+                    chosen.set(lanes_of(lanes), &Self::of(ids, sample));
                 }
                 Alike::Lane(lane) => {
                     if let Some((id, sample)) = lights.sample_lane(lane, &choices, &seen_from, u) {
