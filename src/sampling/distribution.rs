@@ -139,6 +139,9 @@ pub struct ContinuousSample {
 pub struct PiecewiseConstant1d {
     /// The cumulative probability at the start of each step, and 1 at the end.
     cumulative: Vec<f32>,
+    /// The step at each of n equal distances of the probability, where a search begins (Chen and Asau, On Generating Random Variates from an Empirical
+    /// Distribution, 1974).
+    guide: Vec<u32>,
     integral: f32,
 }
 
@@ -160,8 +163,16 @@ impl PiecewiseConstant1d {
         for entry in cumulative.iter_mut().rev().take_while(|entry| **entry == last) {
             *entry = 1.0;
         }
+        let mut cell = 0;
+        let guide = (0..values.len())
+            .map(|k| {
+                cell = cell_at(&cumulative, cell, k as f32 / values.len() as f32);
+                cell as u32
+            })
+            .collect();
         Some(Self {
             cumulative,
+            guide,
             integral: (total / values.len() as f64) as f32,
         })
     }
@@ -190,7 +201,8 @@ impl PiecewiseConstant1d {
     /// The point below which the fraction `u` in [0, 1) of the probability lies.
     pub fn sample(&self, u: f32) -> ContinuousSample {
         let u = u.clamp(0.0, ONE_MINUS_EPSILON);
-        let cell = self.cumulative.partition_point(|&start| start <= u) - 1;
+        let entry = ((u * self.guide.len() as f32) as usize).min(self.guide.len() - 1);
+        let cell = cell_at(&self.cumulative, self.guide[entry] as usize, u);
         let (start, end) = (self.cumulative[cell], self.cumulative[cell + 1]);
         let x = (cell as f32 + (u - start) / (end - start)) / self.steps() as f32;
         ContinuousSample {
@@ -199,6 +211,20 @@ impl PiecewiseConstant1d {
             cell: cell as u32,
         }
     }
+}
+
+/// The last step that starts at `u` in [0, 1) or below, sought from the step `near` on.
+#[inline(always)]
+fn cell_at(cumulative: &[f32], near: usize, u: f32) -> usize {
+    let mut cell = near;
+    while cumulative[cell + 1] <= u {
+        cell += 1;
+    }
+    // Rounding may have led to the next entry of the guide.
+    while cumulative[cell] > u {
+        cell -= 1;
+    }
+    cell
 }
 
 /// A weight as a number that can be summed: finite and not negative.
