@@ -3,6 +3,7 @@
 //! Most shadow rays that meet a pane of glass meet a wall as well. The search for any hit therefore goes on behind shapes that are called clear, and only
 //! rays that meet nothing but these have to be followed from one hit to the next. Shapes are counted as by [`Tlas::shape_index`].
 
+use super::obstacle::{Obstacle, Obstacles};
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::tlas::{Item, Tlas};
@@ -11,49 +12,6 @@ use crate::math::lanes::each_lane;
 
 /// The search for an opaque shape is given up after so many clear ones: in a tree of leaves with holes it would go through all of them.
 const MOST_CLEAR: u32 = 4;
-
-/// What a ray meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
-    /// Nothing.
-    Nothing,
-    /// Shapes that are called clear, and none other that has been found.
-    Clear,
-    /// A shape that is not clear.
-    Opaque,
-}
-
-/// What rays meet, a bit for each lane. Of a ray that meets an opaque shape it is not known whether it meets clear ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Obstacles {
-    /// The rays that meet a shape that is not clear.
-    pub opaque: u32,
-    /// The rays that meet a shape that is called clear.
-    pub clear: u32,
-}
-
-impl Obstacles {
-    /// Notes that the rays of `lanes`, a bit each, meet a shape.
-    #[inline(always)]
-    pub(super) fn add(&mut self, lanes: u32, is_clear: bool) {
-        match is_clear {
-            true => self.clear |= lanes,
-            false => self.opaque |= lanes,
-        }
-    }
-
-    /// Notes what the ray of a lane meets.
-    #[inline(always)]
-    pub(super) fn add_lane(&mut self, lane: usize, obstacle: Obstacle) {
-        self.opaque |= u32::from(obstacle == Obstacle::Opaque) << lane;
-        self.clear |= u32::from(obstacle == Obstacle::Clear) << lane;
-    }
-
-    /// The rays that meet shapes of which all are clear.
-    pub fn only_clear(self) -> u32 {
-        self.clear & !self.opaque
-    }
-}
 
 impl Tlas {
     /// Whether anything is hit with t_min < t < t_max.
@@ -123,15 +81,5 @@ impl Tlas {
         let first = self.first_shape[placement.group as usize];
         self.group_of(placement)
             .obstacle_from(first, &placement.group_ray(ray), is_clear)
-    }
-}
-
-impl Obstacle {
-    #[inline(always)]
-    pub(super) fn of(is_clear: bool) -> Self {
-        match is_clear {
-            true => Self::Clear,
-            false => Self::Opaque,
-        }
     }
 }

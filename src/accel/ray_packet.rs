@@ -13,7 +13,7 @@ use super::bvh::Bvh;
 use super::hit::{Hit, MeshHit};
 use super::instance::Primitive;
 use super::node::{Child, Node, T_MAX_PADDING, WIDTH, padded};
-use super::occlusion::Obstacles;
+use super::obstacle::Obstacles;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Item, Tlas};

@@ -12,7 +12,7 @@ use super::collapse::NO_PRIMITIVE;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
-use super::occlusion::Obstacle;
+use super::obstacle::Obstacle;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
 use crate::geometry::local::LocalHit;

@@ -1,9 +1,10 @@
-//! Scenes of a few shapes need no hierarchy: sixteen rays at once are tested against one shape after the other.
+//! Scenes of up to two thousand shapes need no hierarchy for single rays: sixteen rays at once are tested against one shape after the other.
 //!
 //! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Rectangles, spheres,
 //! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so; the rays that
-//! meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one
-//! of them than it would if traced by itself.
+//! meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes next to each other are tested in blocks.
+//! Boxes around shapes that only few batches meet are in [`super::skip_list`]. Where surfaces coincide, a ray may hit another one of them than it would
+//! if traced by itself.
 
 use glam::{Vec2, Vec3};
 
@@ -11,10 +12,11 @@ use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
-use super::occlusion::Obstacles;
+use super::obstacle::Obstacles;
 use super::ray_lanes::RayLanes;
 use super::shape_block::{Members, ShapeBlock};
 use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
+use super::skip_list::{Item, Step, append_steps};
 use super::tiny_mesh::TinyMesh;
 use super::traverse::TraversalStats;
 use crate::geometry::local::LocalHit;
@@ -23,8 +25,8 @@ use crate::math::{Aabb, Ray};
 
 /// The most shapes that could be in blocks and are tested alone. Blocks are faster above this.
 pub(super) const MOST_ALONE: usize = 24;
-/// The most that a batch of rays may cost at the shapes that are in no block, in units of a test of a box, see [`Kind::cost`]. The hierarchy is faster above this.
-const MOST_COST: u32 = 240;
+/// The most shapes that are in no block. Rooms of 3,000 boxes take the same time with the hierarchy, which follows edits without being built anew.
+const MOST_SHAPES: usize = 2000;
 /// The most blocks, likewise.
 const MOST_BLOCKS: usize = 64;
 
@@ -40,10 +42,14 @@ pub(super) struct Shapes<'a> {
     pub blocks: (&'a [ShapeBlock], &'a [Members]),
 }
 
-/// The shapes of a scene that has few, the cheap ones first.
+/// The shapes of a scene that has few.
 #[derive(Clone, Debug)]
 pub(super) struct SmallScene {
     shapes: Vec<SceneShape>,
+    /// The order of the tests, the cheap shapes first.
+    steps: Vec<Step>,
+    /// Whether there are boxes among them.
+    has_boxes: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -67,20 +73,34 @@ enum Kind {
     TinyMesh(TinyMesh),
     /// A mesh, with its local bounds, and whether a core's cache holds it beside others.
     Boxed(Aabb, bool),
-    Other,
+    /// Another shape, with its world bounds. Rays are tested one after the other.
+    Other(Aabb),
     /// All blocks of the scene.
     Blocks,
 }
 
+/// The highest of [`Kind::turn`].
+const LAST_TURN: u32 = 3;
+
 impl Kind {
-    /// What a test of all lanes costs, in units of a test of a box. Meshes are measured with the rays that traverse them, and without those that others would have
-    /// hidden them from in a hierarchy.
-    fn cost(&self) -> u32 {
+    /// Kinds are tested in this order: what is cheap may hide what is not.
+    fn turn(&self) -> u32 {
         match self {
-            Self::Rectangle | Self::Sphere | Self::Square(_) | Self::Cube(_) => 1,
-            Self::Boxed(..) => 6,
-            Self::TinyMesh(_) | Self::Other => 10,
-            Self::Blocks => 0,
+            Self::Rectangle | Self::Square(_) | Self::Sphere | Self::Cube(_) => 0,
+            Self::Blocks | Self::Other(_) => 1,
+            Self::TinyMesh(_) => 2,
+            Self::Boxed(..) => LAST_TURN,
+        }
+    }
+
+    /// What a test of all lanes costs, as [`Item::cost`]. Meshes are measured with the rays that traverse them.
+    fn cost(&self) -> f32 {
+        match self {
+            Self::Rectangle | Self::Sphere | Self::Square(_) | Self::Cube(_) => 1.0,
+            Self::Boxed(..) => 6.0,
+            Self::TinyMesh(_) | Self::Other(_) => 10.0,
+            // Each block has bounds of its own.
+            Self::Blocks => 0.0,
         }
     }
 }
@@ -113,14 +133,37 @@ impl SmallScene {
         };
         let has_few_blocks = blocks.0.len() <= MOST_BLOCKS;
         let with_blocks = || has_few_blocks.then(|| Self::beside(instances, blocks.1)).flatten();
-        let mut shapes = without_blocks.or_else(with_blocks)?;
-        shapes.sort_by_key(|shape| match &shape.kind {
-            Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
-            Kind::Blocks | Kind::Other => 1,
-            Kind::TinyMesh(_) => 2,
-            Kind::Boxed(..) => 3,
-        });
-        Some(Self { shapes })
+        let shapes = without_blocks.or_else(with_blocks)?;
+        let steps = Self::steps(&shapes, scene);
+        Some(Self {
+            has_boxes: steps.iter().any(|step| matches!(step, Step::Box { .. })),
+            shapes,
+            steps,
+        })
+    }
+
+    fn steps(shapes: &[SceneShape], scene: Shapes) -> Vec<Step> {
+        let bounds = |shape: &SceneShape| match &shape.kind {
+            Kind::Blocks => (scene.blocks.0.iter()).fold(Aabb::EMPTY, |all, block| all.union(block.bounds)),
+            _ => shape.instance(scene).world_bounds(),
+        };
+        let items: Vec<(u32, Item)> = (0..)
+            .zip(shapes)
+            .map(|(number, shape)| {
+                let bounds = bounds(shape);
+                let (turn, cost) = (shape.kind.turn(), shape.kind.cost());
+                (turn, Item { number, bounds, cost })
+            })
+            .collect();
+        // Rays are where the shapes are. A wide ground below a room would make everything in it look small.
+        let whole = Aabb::from_points(items.iter().map(|(_, item)| item.bounds.center()));
+        let mut steps = Vec::new();
+        for turn in 0..=LAST_TURN {
+            let here = items.iter().filter(|item| item.0 == turn);
+            let mut here: Vec<Item> = here.map(|(_, item)| *item).collect();
+            append_steps(&mut steps, &mut here, &whole);
+        }
+        steps
     }
 
     /// The shapes beside these blocks, and all blocks as one if there are any. None if that costs too much.
@@ -128,7 +171,7 @@ impl SmallScene {
         let mut alone = vec![true; instances.len()];
         let members = blocks.iter().flat_map(Members::indices);
         members.for_each(|&member| alone[member as usize] = false);
-        if alone.iter().filter(|&&alone| alone).count() > MOST_COST as usize {
+        if alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
             return None;
         }
         let in_line = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
@@ -136,8 +179,7 @@ impl SmallScene {
         if !blocks.is_empty() {
             shapes.push(SceneShape::BLOCKS);
         }
-        let cost = shapes.iter().map(|shape| shape.kind.cost()).sum::<u32>();
-        (cost <= MOST_COST).then_some(shapes)
+        Some(shapes)
     }
 
     /// The nearest hits of the lanes in `active`. With `COHERENT` the rays traverse meshes as a packet.
@@ -150,7 +192,23 @@ impl SmallScene {
             part: Lanes::ZERO,
             whole: [None; LANES],
         };
-        for (number, shape) in self.shapes.iter().enumerate() {
+        let slabs = self.has_boxes.then(|| SlabLanes::new(rays));
+        let mut next = 0;
+        while let Some(step) = self.steps.get(next) {
+            next += 1;
+            let number = match step {
+                Step::Item(number) => *number as usize,
+                Step::Box { bounds, end } => {
+                    if slabs
+                        .as_ref()
+                        .is_some_and(|slabs| slabs.meets(bounds, nearest.t).to_bitmask() & active == 0)
+                    {
+                        next = *end as usize;
+                    }
+                    continue;
+                }
+            };
+            let shape = &self.shapes[number];
             let number = Lanes::splat(number as f32);
             match &shape.kind {
                 Kind::Rectangle | Kind::Square(_) => {
@@ -208,7 +266,10 @@ impl SmallScene {
                     }
                 }
                 Kind::Blocks => nearest.test_blocks(active, number, scene.blocks, rays),
-                Kind::Other => nearest.test_each(active, number, shape, scene, rays),
+                Kind::Other(bounds) => {
+                    let near = slabs.as_ref().map(|slabs| slabs.meets(bounds, nearest.t).to_bitmask());
+                    nearest.test_each(active & near.unwrap_or(active), number, shape, scene, rays);
+                }
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
@@ -223,7 +284,7 @@ impl SmallScene {
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[part].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(part), u, v),
-                Kind::Boxed(..) | Kind::Other | Kind::Blocks => continue,
+                Kind::Boxed(..) | Kind::Other(_) | Kind::Blocks => continue,
             };
             let t = nearest.t.as_array()[lane];
             hits[lane] = Some(Hit {
@@ -243,11 +304,26 @@ impl SmallScene {
         is_clear: impl Fn(usize) -> bool,
     ) -> Obstacles {
         let mut obstacles = Obstacles::default();
-        for shape in &self.shapes {
+        let slabs = self.has_boxes.then(|| SlabLanes::new(rays));
+        let mut next = 0;
+        while let Some(step) = self.steps.get(next) {
+            next += 1;
             let left = active & !obstacles.opaque;
             if left == 0 {
                 break;
             }
+            let shape = match step {
+                Step::Item(number) => &self.shapes[*number as usize],
+                Step::Box { bounds, end } => {
+                    if slabs
+                        .as_ref()
+                        .is_some_and(|slabs| slabs.meets(bounds, rays.t_max).to_bitmask() & left == 0)
+                    {
+                        next = *end as usize;
+                    }
+                    continue;
+                }
+            };
             let met = match &shape.kind {
                 Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).met.to_bitmask(),
                 Kind::Sphere => sphere(&shape.local(rays), rays.t_max).met.to_bitmask(),
@@ -281,7 +357,10 @@ impl SmallScene {
                     any_of_blocks(left, scene.blocks, rays, &is_clear, &mut obstacles);
                     continue;
                 }
-                Kind::Other => rays.lanes_where(left, |ray| shape.instance(scene).occluded(ray)),
+                Kind::Other(bounds) => {
+                    let near = slabs.as_ref().map(|slabs| slabs.meets(bounds, rays.t_max).to_bitmask());
+                    rays.lanes_where(left & near.unwrap_or(left), |ray| shape.instance(scene).occluded(ray))
+                }
             } & active;
             if met != 0 {
                 obstacles.add(met, is_clear(shape.instance as usize));
@@ -304,7 +383,7 @@ impl SceneShape {
         let kind = match &instance.primitive {
             Primitive::Rectangle => Kind::Rectangle,
             Primitive::Sphere => Kind::Sphere,
-            Primitive::Disk | Primitive::Cylinder => Kind::Other,
+            Primitive::Disk | Primitive::Cylinder => Kind::Other(instance.world_bounds()),
             Primitive::Mesh(blas) => {
                 let is_invertible = |mesh: &AffineMesh| (placed * mesh.placed).inverse().as_affine3a().is_finite();
                 if let Some(mesh) = blas.affine.as_ref().filter(|mesh| is_invertible(mesh)) {

@@ -138,8 +138,8 @@ fn check_packets(name: &str, scene: &Tlas, random: &mut Random) {
 fn packets_and_lanes_meet_what_their_rays_meet() {
     let random = &mut Random::new(11);
     for method in [SplitMethod::Sah, SplitMethod::Linear] {
-        for count in [1, 5, 60] {
-            let scene = Tlas::build(shapes(count, 0.4, random), method);
+        for (count, size) in [(1, 0.4), (5, 0.4), (60, 0.4), (400, 0.1)] {
+            let scene = Tlas::build(shapes(count, size, random), method);
             check_packets(&format!("{count} shapes, {method:?}"), &scene, random);
         }
     }
@@ -192,7 +192,7 @@ fn opaque_shapes_are_found_behind_clear_ones() {
     };
     let random = &mut Random::new(17);
     let mut scenes = Vec::new();
-    for (count, size) in [(5, 0.8), (20, 0.4), (60, 0.2)] {
+    for (count, size) in [(5, 0.8), (20, 0.4), (60, 0.2), (400, 0.1)] {
         let all = shapes(count, size, random);
         let [all, left] = [all.clone(), opaque(&all, 0)].map(|shapes| Tlas::build(shapes, SplitMethod::Sah));
         scenes.push((format!("{count} shapes"), all, left));

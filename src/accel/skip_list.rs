@@ -1,0 +1,209 @@
+//! The order in which a small scene tests its shapes against a batch of rays, with boxes around shapes next to each other: where no ray of the batch
+//! meets a box, what is in it is skipped.
+//!
+//! It is a hierarchy in depth-first order. Whether a box is worth its test is the surface area heuristic (MacDonald and Booth, Heuristics for Ray
+//! Tracing Using Space Subdivision, 1990) for a batch: the chance that any of its rays meets the box.
+
+use crate::math::Aabb;
+use crate::math::lanes::LANES;
+
+/// A step of a walk through the list.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Step {
+    /// The test of the item of this number.
+    Item(u32),
+    /// The walk goes on at the step `end` if no ray meets the box.
+    Box { bounds: Aabb, end: u32 },
+}
+
+/// Something to be tested.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub number: u32,
+    /// World bounds.
+    pub bounds: Aabb,
+    /// What a test of all lanes costs, in units of a test of a shape that is a box.
+    pub cost: f32,
+}
+
+/// What the test of a box in world space costs, in those units.
+const BOX_COST: f32 = 0.4;
+
+/// So many items are divided in the middle, because most batches meet both halves however they are divided.
+const MANY: usize = 64;
+
+/// The items below a node of the hierarchy, which has a box if that is worth it.
+struct Plan {
+    bounds: Aabb,
+    has_box: bool,
+    cost: f32,
+    content: Content,
+}
+
+enum Content {
+    Item(u32),
+    Two(Box<[Plan; 2]>),
+}
+
+/// Appends the steps for `items`. Rays are where `whole` is.
+pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aabb) {
+    if !items.is_empty() {
+        Plan::new(items, whole).append_to(steps);
+    }
+}
+
+impl Plan {
+    fn new(items: &mut [Item], whole: &Aabb) -> Self {
+        let bounds = union(items);
+        let (inner, content) = match items {
+            [item] => (item.cost, Content::Item(item.number)),
+            _ => {
+                let middle = split(items, whole);
+                let (first, second) = items.split_at_mut(middle);
+                let parts = [first, second].map(|part| Self::new(part, whole));
+                let inner = parts.iter().map(|part| part.cost).sum();
+                (inner, Content::Two(Box::new(parts)))
+            }
+        };
+        let with_box = BOX_COST + chance(&bounds, whole) * inner;
+        Self {
+            bounds,
+            has_box: with_box < inner,
+            cost: inner.min(with_box),
+            content,
+        }
+    }
+
+    fn append_to(&self, steps: &mut Vec<Step>) {
+        let place = steps.len();
+        if self.has_box {
+            steps.push(Step::Box {
+                bounds: self.bounds,
+                end: 0,
+            });
+        }
+        match &self.content {
+            Content::Item(number) => steps.push(Step::Item(*number)),
+            Content::Two(parts) => parts.iter().for_each(|part| part.append_to(steps)),
+        }
+        let after = steps.len() as u32;
+        if self.has_box
+            && let Step::Box { end, .. } = &mut steps[place]
+        {
+            *end = after;
+        }
+    }
+}
+
+/// Sorts two or more items along an axis and returns where the second part begins.
+fn split(items: &mut [Item], whole: &Aabb) -> usize {
+    let sort = |items: &mut [Item], axis: usize| {
+        let center = |item: &Item| item.bounds.center()[axis];
+        items.sort_by(|a, b| center(a).total_cmp(&center(b)));
+    };
+    if items.len() > MANY {
+        let centers = Aabb::from_points(items.iter().map(|item| item.bounds.center()));
+        sort(items, centers.extent().max_position());
+        return items.len() / 2;
+    }
+    let (mut best, mut least) = ((0, items.len() / 2), f32::INFINITY);
+    for axis in 0..3 {
+        sort(items, axis);
+        let cost = |item: &Item, (bounds, cost): &mut (Aabb, f32)| {
+            *bounds = bounds.union(item.bounds);
+            *cost += item.cost;
+            chance(bounds, whole) * *cost
+        };
+        let mut so_far = (Aabb::EMPTY, 0.0);
+        let first: Vec<f32> = items.iter().map(|item| cost(item, &mut so_far)).collect();
+        let mut so_far = (Aabb::EMPTY, 0.0);
+        for middle in (1..items.len()).rev() {
+            let both = first[middle - 1] + cost(&items[middle], &mut so_far);
+            if both < least {
+                (best, least) = ((axis, middle), both);
+            }
+        }
+    }
+    sort(items, best.0);
+    best.1
+}
+
+/// The chance that any ray of a batch that is somewhere in `whole` meets a box.
+fn chance(bounds: &Aabb, whole: &Aabb) -> f32 {
+    let share = (bounds.half_area() / whole.half_area()).clamp(0.0, 1.0);
+    // Of points without extent there is no share.
+    let missed = if share.is_finite() { 1.0 - share } else { 0.0 };
+    1.0 - missed.powi(LANES as i32)
+}
+
+fn union(items: &[Item]) -> Aabb {
+    items.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn row(count: u32, gap: f32) -> Vec<Item> {
+        (0..count)
+            .map(|number| {
+                let corner = Vec3::X * gap * number as f32;
+                Item {
+                    number,
+                    bounds: Aabb::from_points([corner, corner + Vec3::splat(0.1)]),
+                    cost: 1.0,
+                }
+            })
+            .collect()
+    }
+
+    fn steps(mut items: Vec<Item>, size: f32) -> Vec<Step> {
+        let whole = Aabb::from_points([Vec3::ZERO, Vec3::splat(size)]);
+        let mut steps = Vec::new();
+        append_steps(&mut steps, &mut items, &whole);
+        steps
+    }
+
+    #[test]
+    fn every_item_is_tested_within_its_boxes() {
+        let items = row(50, 0.2);
+        let steps = steps(items.clone(), 20.0);
+        let mut seen = Vec::new();
+        let mut around: Vec<(Aabb, u32)> = Vec::new();
+        for (place, step) in (0..).zip(&steps) {
+            around.retain(|(_, end)| *end > place);
+            match step {
+                Step::Item(number) => {
+                    seen.push(*number);
+                    assert!(
+                        around
+                            .iter()
+                            .all(|(bounds, _)| bounds.contains(&items[*number as usize].bounds))
+                    );
+                }
+                Step::Box { bounds, end } => {
+                    assert!(*end > place + 1 && *end as usize <= steps.len());
+                    assert!(around.iter().all(|(_, outer)| end <= outer));
+                    around.push((*bounds, *end));
+                }
+            }
+        }
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..50));
+        assert!(steps.len() > 60, "{}", steps.len());
+    }
+
+    #[test]
+    fn there_are_no_boxes_around_what_most_batches_meet() {
+        assert_eq!(steps(row(4, 0.2), 0.2).len(), 4);
+        let flat = Item {
+            number: 7,
+            bounds: Aabb::from_points([Vec3::ZERO]),
+            cost: 1.0,
+        };
+        assert_eq!(steps(vec![flat], 0.0), [Step::Item(7)]);
+        assert!(steps(Vec::new(), 1.0).is_empty());
+    }
+}
