@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::accel::SurfacePoint;
-use crate::math::Frame;
+use crate::math::{Frame, Real, Vector, real_struct};
 
 /// The treatment of shading normals that are not the surface's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,13 +52,33 @@ pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec
     frame.to_local(side * normal)
 }
 
+real_struct! {
+    /// The shadow that a surface casts on the one that is bumped from it.
+    pub(crate) struct BumpShadow<R> {
+        /// The normals of the surface and of the bumped one.
+        surface: R::Vec3,
+        bumped: R::Vec3,
+        /// The squared roughness of the shadowing function; 0 without it.
+        alpha_squared: R,
+    }
+}
+
+impl<R: Real> BumpShadow<R> {
+    /// The factor of the light towards `wi`: zero where a surface and the one bumped from it disagree about the side.
+    #[inline(always)]
+    pub fn factor(&self, wi: R::Vec3) -> R {
+        let cos = wi.dot(self.surface);
+        let is_lit = (cos * wi.dot(self.bumped)).is_more(R::ZERO);
+        let tan_squared = (R::ONE - cos.squared()).max(R::ZERO) / cos.squared();
+        let root = self.alpha_squared.mul_add(tan_squared, R::ONE).sqrt();
+        (R::splat(2.0) / (R::ONE + root)).only(is_lit)
+    }
+}
+
 /// The difference between a bumped surface and the one it lies on.
 #[derive(Clone, Debug)]
 pub(super) struct Bump {
-    surface: Vec3,
-    bumped: Vec3,
-    /// The squared roughness of the shadowing function; 0 without it.
-    alpha_squared: f32,
+    shadow: BumpShadow,
     /// Whether only viewers before the surface see it.
     is_of_one_side: bool,
     turning: Option<Turning>,
@@ -99,12 +119,13 @@ impl Bump {
         };
         let is_flat = n.x == 0.0 && n.y == 0.0;
         let bump = Self {
-            surface: below.side * below.frame.n,
-            bumped: n_world,
-            alpha_squared: if options.use_shadowing_function {
-                (0.125 * tan_squared).min(1.0)
-            } else {
-                0.0
+            shadow: BumpShadow {
+                surface: below.side * below.frame.n,
+                bumped: n_world,
+                alpha_squared: match options.use_shadowing_function {
+                    true => (0.125 * tan_squared).min(1.0),
+                    false => 0.0,
+                },
             },
             is_of_one_side: below.is_of_one_side,
             turning: (options.flip_invalid_normals && !is_flat).then(|| Turning {
@@ -140,8 +161,8 @@ impl Bump {
     /// Whether a viewer in this direction sees the normal turned.
     pub fn turns_for(&self, viewer: Vec3) -> bool {
         self.turning.is_some_and(|Turning { is_turned, other }| {
-            let normal = if is_turned { other } else { self.bumped };
-            viewer.dot(self.surface) * viewer.dot(normal) <= 0.0
+            let normal = if is_turned { other } else { self.shadow.bumped };
+            viewer.dot(self.shadow.surface) * viewer.dot(normal) <= 0.0
         })
     }
 
@@ -149,7 +170,7 @@ impl Bump {
     pub fn is_seen_from(&self, viewer: Vec3, transmits: bool) -> bool {
         self.chain().all(|bump| {
             let is_turned = bump.turning.is_some_and(|turning| turning.is_turned);
-            let is_before = transmits || !bump.is_of_one_side || viewer.dot(bump.surface) > 0.0;
+            let is_before = transmits || !bump.is_of_one_side || viewer.dot(bump.shadow.surface) > 0.0;
             is_before && bump.turns_for(viewer) == is_turned
         })
     }
@@ -166,11 +187,11 @@ impl Bump {
         let Some(Turning { is_turned, other }) = self.turning else {
             return 1.0;
         };
-        let cos = lamp.dot(self.surface);
+        let cos = lamp.dot(self.shadow.surface);
         let is_lit = |normal: Vec3| cos * lamp.dot(normal) > 0.0;
-        match (is_lit(self.bumped), is_lit(other)) {
+        match (is_lit(self.shadow.bumped), is_lit(other)) {
             (true, true) => {
-                let of_turned = self.bumped.cross(self.surface).length().max(LEAST_SINE);
+                let of_turned = self.shadow.bumped.cross(self.shadow.surface).length().max(LEAST_SINE);
                 let own = if is_turned { of_turned } else { 1.0 };
                 own / (1.0 + of_turned)
             }
@@ -180,18 +201,14 @@ impl Bump {
         }
     }
 
-    /// The factor of the light towards `wi`: zero where a surface and the one bumped from it disagree about the side.
+    /// The factor of [`BumpShadow::factor`] of all maps.
     pub fn factor(&self, wi: Vec3) -> f32 {
-        self.chain().map(|bump| bump.own_factor(wi)).product()
+        self.chain().map(|bump| bump.shadow.factor(wi)).product()
     }
 
-    fn own_factor(&self, wi: Vec3) -> f32 {
-        let cos = wi.dot(self.surface);
-        if cos * wi.dot(self.bumped) <= 0.0 {
-            return 0.0;
-        }
-        let tan_squared = (1.0 - cos * cos).max(0.0) / (cos * cos);
-        2.0 / (1.0 + (1.0 + self.alpha_squared * tan_squared).sqrt())
+    /// The only shadow; None where the map lies in another one.
+    pub fn sole_shadow(&self) -> Option<BumpShadow> {
+        self.outer.is_none().then_some(self.shadow)
     }
 }
 

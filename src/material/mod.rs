@@ -14,6 +14,7 @@ mod tangents;
 mod textured;
 
 pub use bump::BumpOptions;
+pub(crate) use bump::BumpShadow;
 pub use definition::{Material, MaterialId};
 pub use lookup::{TexturedBase, TexturedFacets, TexturedSpecular};
 pub use nesting::{MaterialTableError, NestingProblem};

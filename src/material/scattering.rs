@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
-use super::bump::{Bump, Orientation};
+use super::bump::{Bump, BumpShadow, Orientation};
 use crate::color::Rgb;
 use crate::math::{Frame, Vector};
 use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, TransportMode};
@@ -112,10 +112,20 @@ impl<'a> Single<'a> {
         self.part.diffuse_lobe(self.tables)
     }
 
-    /// The model with its frame, and the side that it is seen from: 1, or -1 from behind. None where maps change more than the frame.
-    pub(crate) fn model(&self) -> Option<(&Bsdf, Frame, f32)> {
+    /// The model; None where maps lie in maps, or the path comes from a lamp and knows its viewers not yet.
+    pub(crate) fn model(&self) -> Option<Model<'_>> {
+        let shadow = match (&self.part.bump, self.mode) {
+            (None, _) => None,
+            (Some(bump), TransportMode::Radiance) => Some(bump.sole_shadow()?),
+            (Some(_), TransportMode::Importance) => return None,
+        };
         let Orientation { frame, side, .. } = self.part.orientation;
-        self.part.bump.is_none().then_some((&*self.part.bsdf, frame, side))
+        Some(Model {
+            bsdf: &self.part.bsdf,
+            frame,
+            side,
+            shadow,
+        })
     }
 
     /// Evaluates as [`Scattering::eval_and_pdf`].
@@ -128,6 +138,17 @@ impl<'a> Single<'a> {
         let sample = self.part.sample(self.tables, self.wo, u_lobe, u, self.mode)?;
         Some(only(self.wo, &self.part, sample, 1.0))
     }
+}
+
+/// The model of a [`Single`].
+pub(crate) struct Model<'a> {
+    pub bsdf: &'a Bsdf,
+    /// The frame in the world.
+    pub frame: Frame,
+    /// The side of the frame that it is seen from: 1, or -1 from behind.
+    pub side: f32,
+    /// What the surface below a map leaves of the light; None without a map.
+    pub shadow: Option<BumpShadow>,
 }
 
 /// A sample that no other part could have found, of a part that was chosen with probability `chosen`.

@@ -142,9 +142,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             self.paths.depth,
             raised,
         );
-        let (mut value, mut bsdf_pdf) =
-            self.vertices
-                .eval_and_pdf(context.scene.materials.tables(), wo, frame.to_local(light.wi));
+        let tables = context.scene.materials.tables();
+        let (mut value, mut bsdf_pdf) = self.vertices.eval_and_pdf(tables, wo, frame, light.wi);
         if surfaces.other & smooth != 0 {
             let asked = surfaces.other & smooth & light.is_valid.to_bitmask();
             (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
@@ -313,6 +312,10 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
+        if let Some(factor) = self.vertices.shadow(sample.wi) {
+            sample.weight = sample.weight * factor;
+            sample.is_returned &= factor.simd_gt(Lanes::ZERO);
+        }
         if other != 0 {
             sample = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
         }
@@ -344,7 +347,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let u_lobe = self.paths.sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth));
         let others = surfaces.other & here;
         let eval_and_pdf = |wi: Vec3Lanes, is_there: u32| {
-            let (value, pdf) = self.vertices.eval_and_pdf(tables, wo, frame.to_local(wi));
+            let (value, pdf) = self.vertices.eval_and_pdf(tables, wo, frame, wi);
             match others & is_there {
                 0 => (value, pdf),
                 asked => self.vertices.eval_others(asked, wi, value, pdf),

@@ -4,9 +4,9 @@ use glam::{Vec2, Vec3};
 
 use crate::accel::{Detail, Hit, SurfaceLanes, SurfacePoint};
 use crate::color::Rgb;
-use crate::material::{Lobe, Single};
+use crate::material::{BumpShadow, Lobe, Single};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
-use crate::math::{Frame, Ray, Vector};
+use crate::math::{Frame, Held, Ray, Vector};
 use crate::medium::{MediumId, MediumInterface, PlainPhase};
 use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::lanes::BsdfLanes;
@@ -30,6 +30,8 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     meshes: Option<SurfaceLanes>,
     /// The models.
     pub bsdf: BsdfLanes,
+    /// What the surfaces below maps leave of the light.
+    shadows: Held<BumpShadow<Lanes>>,
     /// The lanes that are in a medium and not on a surface, a bit each. Their shading normal is the direction in which
     /// the path has come.
     in_medium: u32,
@@ -81,6 +83,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             axes: [Vec3Lanes::ZERO; 2],
             meshes: None,
             bsdf: BsdfLanes::new(),
+            shadows: Held::default(),
             in_medium: 0,
             phase: PlainPhase::ISOTROPIC,
             borders: 0,
@@ -97,6 +100,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         (self.lanes, self.framed) = (0, 0);
         self.meshes = None;
         self.bsdf.clear();
+        self.shadows.lanes = 0;
         (self.in_medium, self.borders) = (0, 0);
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
         self.other_diffuse = 0;
@@ -165,14 +169,32 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.lanes & !(self.bsdf.transmitting() | self.in_media() | self.other & !self.other_halved)
     }
 
-    /// The values and densities of the models in lanes and of phase functions, in the frames of the vertices.
+    /// The values and densities of the models in lanes and of phase functions. `wo` is in the frames of the vertices, which are `frame`, and `wi` in the world.
     #[inline(always)]
-    pub fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
-        let (value, pdf) = self.bsdf.eval_and_pdf(tables, wo, wi);
+    pub fn eval_and_pdf(
+        &self,
+        tables: &ShadingTables,
+        wo: Vec3Lanes,
+        frame: Frame<Lanes>,
+        wi: Vec3Lanes,
+    ) -> (Vec3Lanes, Lanes) {
+        let local = frame.to_local(wi);
+        let (mut value, mut pdf) = self.bsdf.eval_and_pdf(tables, wo, local);
+        if let Some(factor) = self.shadow(wi) {
+            value = value * factor;
+            pdf &= factor.simd_gt(Lanes::ZERO);
+        }
         match self.in_media() {
             0 => (value, pdf),
-            _ => self.with_densities(value, pdf, wi.z),
+            _ => self.with_densities(value, pdf, local.z),
         }
+    }
+
+    /// The factor of the light from the directions `wi`, in the world, that the surfaces below maps leave. None if there are no maps.
+    #[inline(always)]
+    pub fn shadow(&self, wi: Vec3Lanes) -> Option<Lanes> {
+        let (here, shadow) = self.shadows.held()?;
+        Some(here.select(shadow.factor(wi), Lanes::ONE))
     }
 
     /// Replaces the values and densities of the lanes in media.
@@ -349,16 +371,19 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         };
         let single = scene.single(slot.material, hit, &point, -ray.dir, TransportMode::Radiance)?;
         let (is_smooth, albedo) = (single.has_smooth_lobe(), single.albedo());
-        match single.model() {
-            Some((bsdf, frame, side)) if BsdfLanes::knows(bsdf) => {
-                self.bsdf.set(lane, bsdf);
-                self.shading_normal.set(lane, frame.n);
-                self.side.as_mut_array()[lane] = side;
+        match single.model().filter(|model| BsdfLanes::knows(model.bsdf)) {
+            Some(model) => {
+                self.bsdf.set(lane, model.bsdf);
+                self.shading_normal.set(lane, model.frame.n);
+                self.side.as_mut_array()[lane] = model.side;
                 self.framed |= 1 << lane;
-                self.axes[0].set(lane, frame.s);
-                self.axes[1].set(lane, frame.t);
+                self.axes[0].set(lane, model.frame.s);
+                self.axes[1].set(lane, model.frame.t);
+                if let Some(shadow) = model.shadow {
+                    self.shadows.set(lane, shadow);
+                }
             }
-            _ => self.set_single(lane, single),
+            None => self.set_single(lane, single),
         }
         self.set_place(lane, &point);
         Some(Met {
