@@ -10,13 +10,11 @@ use super::build::SplitMethod;
 use super::bvh::Bvh;
 use super::graft::LeafEdit;
 use super::instances::ShapeEdits;
-use super::loose::Loose;
+use super::loose::{FEWEST_EDITED, Loose};
 use super::shape_block::ShapeBlock;
 use super::tlas::{LEAF_SIZE, Tlas};
 use crate::math::Aabb;
 
-/// A hierarchy over fewer items than this is quickly built anew, so that edits of it are not worth the effort.
-const FEWEST: usize = 2048;
 /// With more shapes than these beside the hierarchy as it was built, a new one is worth its time.
 const WORN: usize = 1024;
 /// The most shapes beside the hierarchy as it was built. Each edit builds over all of them.
@@ -30,7 +28,7 @@ impl Tlas {
     /// Whether [`Self::edited`] may be quicker than to build anew.
     pub fn is_edited_in_place(&self) -> bool {
         let items = self.instances.len() + self.placements.len();
-        !self.bvh.is_linear() && self.small_scene.is_none() && items >= FEWEST
+        !self.bvh.is_linear() && self.small_scene.is_none() && items >= FEWEST_EDITED
     }
 
     /// Whether so much has been edited that a hierarchy built anew would be quicker, and smaller.

@@ -11,3 +11,6 @@ pub(super) struct Loose {
     pub blocks: usize,
     pub depth: usize,
 }
+
+/// A hierarchy over fewer items than this is quickly built anew, so that edits of it are not worth the effort.
+pub(super) const FEWEST_EDITED: usize = 2048;

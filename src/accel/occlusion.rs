@@ -27,13 +27,13 @@ impl Tlas {
         self.obstacles(rays, active, |_| false).opaque
     }
 
-    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind very many of these it may miss
-    /// an opaque one.
+    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind four of these it may miss an
+    /// opaque one.
     pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         self.obstacle_from(0, ray, &is_clear)
     }
 
-    /// [`Self::obstacle`] for each of the lanes in `active`.
+    /// [`Self::obstacle`] for each of the lanes in `active`. In small scenes it does not miss an opaque shape behind many clear ones.
     pub fn obstacles(&self, rays: &RayLanes, active: u32, is_clear: impl Fn(usize) -> bool) -> Obstacles {
         let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {

@@ -4,6 +4,8 @@
 //! It is a hierarchy in depth-first order. Whether a box is worth its test is the surface area heuristic (MacDonald and Booth, Heuristics for Ray
 //! Tracing Using Space Subdivision, 1990) for a batch: the chance that any of its rays meets the box.
 
+use arrayvec::ArrayVec;
+
 use crate::math::Aabb;
 use crate::math::lanes::LANES;
 
@@ -14,6 +16,72 @@ pub(super) enum Step {
     Item(u32),
     /// The walk goes on at the step `end` if no ray meets the box.
     Box { bounds: Aabb, end: u32 },
+}
+
+/// The most boxes inside each other.
+const DEEPEST: usize = 32;
+
+/// A walk of a batch of rays through the steps.
+pub(super) struct Walk<'a> {
+    steps: &'a [Step],
+    next: usize,
+    /// The innermost box around the next step.
+    inner: Within,
+    outer: ArrayVec<Within, DEEPEST>,
+}
+
+/// A box that a walk is in.
+#[derive(Clone, Copy)]
+struct Within {
+    /// The step after those in the box.
+    end: usize,
+    /// The rays that meet the box and those around it, a bit each.
+    rays: u32,
+}
+
+impl<'a> Walk<'a> {
+    #[inline(always)]
+    pub fn new(steps: &'a [Step]) -> Self {
+        Self {
+            steps,
+            next: 0,
+            inner: Within {
+                end: steps.len(),
+                rays: u32::MAX,
+            },
+            outer: ArrayVec::new(),
+        }
+    }
+
+    /// The next item to be tested, and the rays among `active` that are to be tested against it, a bit each: those that meet the boxes around it, whatever the
+    /// others do. `meet` gives the rays that meet a box.
+    #[inline(always)]
+    pub fn next(&mut self, active: u32, meet: impl Fn(&Aabb) -> u32) -> Option<(usize, u32)> {
+        loop {
+            let rays = active & self.inner.rays;
+            if self.next >= self.inner.end || rays == 0 {
+                self.next = self.inner.end;
+                self.inner = self.outer.pop()?;
+                continue;
+            }
+            let step = self.steps.get(self.next)?;
+            self.next += 1;
+            match step {
+                Step::Item(number) => return Some((*number as usize, rays)),
+                Step::Box { bounds, end } => {
+                    let end = *end as usize;
+                    match meet(bounds) & rays {
+                        0 => self.next = end,
+                        rays => {
+                            // Plans have no more boxes inside each other.
+                            let _ = self.outer.try_push(self.inner);
+                            self.inner = Within { end, rays };
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Something to be tested.
@@ -45,10 +113,26 @@ enum Content {
     Two(Box<[Plan; 2]>),
 }
 
-/// Appends the steps for `items`. Rays are where `whole` is.
-pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aabb) {
-    if !items.is_empty() {
-        Plan::new(items, whole).append_to(steps);
+/// Appends the steps for `items` and returns what they cost. Rays are where `whole` is.
+pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aabb) -> f32 {
+    if items.is_empty() {
+        return 0.0;
+    }
+    let plan = Plan::new(items, whole);
+    plan.append_to(steps, 0);
+    plan.cost
+}
+
+/// The place of rays that begin on `items`: the box of the centres, and half the size of a middling item around it. A wide ground below a room would make
+/// everything in it look small.
+pub(super) fn place_of_rays(items: &[Item]) -> Aabb {
+    let centers = Aabb::from_points(items.iter().map(|item| item.bounds.center()));
+    let mut sizes: Vec<f32> = items.iter().map(|item| item.bounds.extent().max_element()).collect();
+    sizes.sort_unstable_by(f32::total_cmp);
+    let around = 0.5 * sizes.get(items.len() / 2).copied().unwrap_or(0.0);
+    Aabb {
+        min: centers.min - around,
+        max: centers.max + around,
     }
 }
 
@@ -74,9 +158,11 @@ impl Plan {
         }
     }
 
-    fn append_to(&self, steps: &mut Vec<Step>) {
+    /// Appends the steps, within so many boxes.
+    fn append_to(&self, steps: &mut Vec<Step>, depth: usize) {
         let place = steps.len();
-        if self.has_box {
+        let has_box = self.has_box && depth < DEEPEST;
+        if has_box {
             steps.push(Step::Box {
                 bounds: self.bounds,
                 end: 0,
@@ -84,12 +170,13 @@ impl Plan {
         }
         match &self.content {
             Content::Item(number) => steps.push(Step::Item(*number)),
-            Content::Two(parts) => parts.iter().for_each(|part| part.append_to(steps)),
+            Content::Two(parts) => {
+                let depth = depth + usize::from(has_box);
+                parts.iter().for_each(|part| part.append_to(steps, depth));
+            }
         }
         let after = steps.len() as u32;
-        if self.has_box
-            && let Step::Box { end, .. } = &mut steps[place]
-        {
+        if has_box && let Step::Box { end, .. } = &mut steps[place] {
             *end = after;
         }
     }
@@ -103,8 +190,13 @@ fn split(items: &mut [Item], whole: &Aabb) -> usize {
     };
     if items.len() > MANY {
         let centers = Aabb::from_points(items.iter().map(|item| item.bounds.center()));
-        sort(items, centers.extent().max_position());
-        return items.len() / 2;
+        let axis = centers.extent().max_position();
+        let middle = items.len() / 2;
+        items.select_nth_unstable_by(middle, |a, b| {
+            let [a, b] = [a, b].map(|item| (item.bounds.center()[axis], item.number));
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        });
+        return middle;
     }
     let (mut best, mut least) = ((0, items.len() / 2), f32::INFINITY);
     for axis in 0..3 {
@@ -193,6 +285,52 @@ mod tests {
         seen.sort_unstable();
         assert!(seen.into_iter().eq(0..50));
         assert!(steps.len() > 60, "{}", steps.len());
+    }
+
+    /// Books on a shelf: their centres are on a line.
+    #[test]
+    fn a_row_has_boxes_where_its_own_rays_are() {
+        let mut items = row(50, 0.2);
+        let whole = place_of_rays(&items);
+        assert!(whole.half_area() > 1.0, "{whole:?}");
+        let mut steps = Vec::new();
+        let cost = append_steps(&mut steps, &mut items, &whole);
+        assert!(cost < 25.0 && steps.len() > 60, "{cost} {}", steps.len());
+    }
+
+    #[test]
+    fn a_ray_is_tested_within_the_boxes_that_it_meets() {
+        let steps = steps(row(50, 0.2), 20.0);
+        let around = |number: u32, lane: u32| number % (lane + 2) == 0;
+        let bounds: Vec<Aabb> = row(50, 0.2).iter().map(|item| item.bounds).collect();
+        // A ray meets the boxes around certain items.
+        let meet = |lanes: u32, outer: &Aabb| {
+            let meets =
+                |lane: u32| (0..50).any(|number| around(number, lane) && outer.contains(&bounds[number as usize]));
+            (0..4)
+                .filter(|&lane| lanes >> lane & 1 == 1 && meets(lane))
+                .fold(0, |met, lane| met | 1 << lane)
+        };
+        let tested = |active: u32, lane: u32| {
+            let mut walk = Walk::new(&steps);
+            let mut tested = Vec::new();
+            while let Some((item, rays)) = walk.next(active, |outer| meet(active, outer)) {
+                if rays >> lane & 1 == 1 {
+                    tested.push(item);
+                }
+            }
+            tested
+        };
+        for lane in 0..4 {
+            let alone = tested(1 << lane, lane);
+            assert_eq!(alone, tested(0xf, lane));
+            assert!(
+                (0..50)
+                    .filter(|&number| around(number, lane))
+                    .all(|number| alone.contains(&(number as usize)))
+            );
+        }
+        assert!(tested(8, 3).len() < tested(1, 0).len());
     }
 
     #[test]

@@ -1,10 +1,10 @@
-//! Scenes of up to two thousand shapes need no hierarchy for single rays: sixteen rays at once are tested against one shape after the other.
+//! Scenes of up to two thousand shapes: sixteen rays at once are tested against one shape after the other, in a fixed order.
 //!
-//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Rectangles, spheres,
+//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Where there are more,
+//! [`super::skip_list`] has boxes around shapes that only few batches meet. Rectangles, spheres,
 //! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so; the rays that
 //! meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes next to each other are tested in blocks.
-//! Boxes around shapes that only few batches meet are in [`super::skip_list`]. Where surfaces coincide, a ray may hit another one of them than it would
-//! if traced by itself.
+//! Where surfaces coincide, a ray may hit another one of them than it would if traced by itself.
 
 use glam::{Vec2, Vec3};
 
@@ -16,7 +16,7 @@ use super::obstacle::Obstacles;
 use super::ray_lanes::RayLanes;
 use super::shape_block::{Members, ShapeBlock};
 use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
-use super::skip_list::{Item, Step, append_steps};
+use super::skip_list::{Item, Step, Walk, append_steps, place_of_rays};
 use super::tiny_mesh::TinyMesh;
 use super::traverse::TraversalStats;
 use crate::geometry::local::LocalHit;
@@ -27,6 +27,9 @@ use crate::math::{Aabb, Ray};
 pub(super) const MOST_ALONE: usize = 24;
 /// The most shapes that are in no block. Rooms of 3,000 boxes take the same time with the hierarchy, which follows edits without being built anew.
 const MOST_SHAPES: usize = 2000;
+/// The most that a batch of rays may cost at these by the estimate, in units of a test of a box. Most rays stop at the first of many shapes one behind the other,
+/// which the hierarchy tests from front to back.
+const MOST_COST: f32 = 240.0;
 /// The most blocks, likewise.
 const MOST_BLOCKS: usize = 64;
 
@@ -42,7 +45,7 @@ pub(super) struct Shapes<'a> {
     pub blocks: (&'a [ShapeBlock], &'a [Members]),
 }
 
-/// The shapes of a scene that has few.
+/// The shapes of a scene that has no more than two thousand beside blocks.
 #[derive(Clone, Debug)]
 pub(super) struct SmallScene {
     shapes: Vec<SceneShape>,
@@ -119,7 +122,7 @@ struct Nearest {
 }
 
 impl SmallScene {
-    /// None if there are too many shapes, even if those in a block count as one.
+    /// None if there are too many shapes beside blocks, or too many blocks, or if the tests cost too much.
     pub fn new(scene: Shapes) -> Option<Self> {
         let Shapes { instances, blocks } = scene;
         let members = || blocks.1.iter().flat_map(Members::indices);
@@ -134,15 +137,16 @@ impl SmallScene {
         let has_few_blocks = blocks.0.len() <= MOST_BLOCKS;
         let with_blocks = || has_few_blocks.then(|| Self::beside(instances, blocks.1)).flatten();
         let shapes = without_blocks.or_else(with_blocks)?;
-        let steps = Self::steps(&shapes, scene);
-        Some(Self {
+        let (steps, cost) = Self::steps(&shapes, scene);
+        (cost <= MOST_COST).then(|| Self {
             has_boxes: steps.iter().any(|step| matches!(step, Step::Box { .. })),
             shapes,
             steps,
         })
     }
 
-    fn steps(shapes: &[SceneShape], scene: Shapes) -> Vec<Step> {
+    /// The order of the tests, and what they cost.
+    fn steps(shapes: &[SceneShape], scene: Shapes) -> (Vec<Step>, f32) {
         let bounds = |shape: &SceneShape| match &shape.kind {
             Kind::Blocks => (scene.blocks.0.iter()).fold(Aabb::EMPTY, |all, block| all.union(block.bounds)),
             _ => shape.instance(scene).world_bounds(),
@@ -155,20 +159,23 @@ impl SmallScene {
                 (turn, Item { number, bounds, cost })
             })
             .collect();
-        // Rays are where the shapes are. A wide ground below a room would make everything in it look small.
-        let whole = Aabb::from_points(items.iter().map(|(_, item)| item.bounds.center()));
-        let mut steps = Vec::new();
+        let all: Vec<Item> = items.iter().map(|(_, item)| *item).collect();
+        let whole = place_of_rays(&all);
+        let (mut steps, mut cost) = (Vec::new(), 0.0);
         for turn in 0..=LAST_TURN {
             let here = items.iter().filter(|item| item.0 == turn);
             let mut here: Vec<Item> = here.map(|(_, item)| *item).collect();
-            append_steps(&mut steps, &mut here, &whole);
+            cost += append_steps(&mut steps, &mut here, &whole);
         }
-        steps
+        (steps, cost)
     }
 
-    /// The shapes beside these blocks, and all blocks as one if there are any. None if that costs too much.
+    /// The shapes beside these blocks, and all blocks as one if there are any. None if there are too many shapes.
     fn beside(instances: &[Instance], blocks: &[Members]) -> Option<Vec<SceneShape>> {
-        let mut alone = vec![true; instances.len()];
+        // No ray meets a shape without extent.
+        let mut alone: Vec<bool> = (instances.iter())
+            .map(|shape| !shape.world_bounds().is_empty())
+            .collect();
         let members = blocks.iter().flat_map(Members::indices);
         members.for_each(|&member| alone[member as usize] = false);
         if alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
@@ -193,36 +200,27 @@ impl SmallScene {
             whole: [None; LANES],
         };
         let slabs = self.has_boxes.then(|| SlabLanes::new(rays));
-        let mut next = 0;
-        while let Some(step) = self.steps.get(next) {
-            next += 1;
-            let number = match step {
-                Step::Item(number) => *number as usize,
-                Step::Box { bounds, end } => {
-                    if slabs
-                        .as_ref()
-                        .is_some_and(|slabs| slabs.meets(bounds, nearest.t).to_bitmask() & active == 0)
-                    {
-                        next = *end as usize;
-                    }
-                    continue;
-                }
-            };
+        let meet = |bounds: &Aabb, t_max: Lanes| {
+            let met = slabs.as_ref().map(|slabs| slabs.meets(bounds, t_max).to_bitmask());
+            met.unwrap_or(u32::MAX)
+        };
+        let mut walk = Walk::new(&self.steps);
+        while let Some((number, asked)) = walk.next(active, |bounds| meet(bounds, nearest.t)) {
             let shape = &self.shapes[number];
             let number = Lanes::splat(number as f32);
             match &shape.kind {
                 Kind::Rectangle | Kind::Square(_) => {
-                    nearest.take(number, &rectangle(&shape.local(rays), nearest.t));
+                    nearest.take(asked, number, &rectangle(&shape.local(rays), nearest.t));
                 }
                 Kind::Sphere => {
-                    nearest.take(number, &sphere(&shape.local(rays), nearest.t));
+                    nearest.take(asked, number, &sphere(&shape.local(rays), nearest.t));
                 }
                 Kind::Cube(_) => {
-                    nearest.take(number, &cube(&shape.local(rays), nearest.t));
+                    nearest.take(asked, number, &cube(&shape.local(rays), nearest.t));
                 }
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
-                    let near = SlabLanes::new(&local).meets(mesh.bounds(), nearest.t) & lanes_of(active);
+                    let near = SlabLanes::new(&local).meets(mesh.bounds(), nearest.t) & lanes_of(asked);
                     if near.none() {
                         continue;
                     }
@@ -238,7 +236,7 @@ impl SmallScene {
                             part: Lanes::splat(triangle as f32),
                             met,
                         };
-                        nearest.take(number, &hit);
+                        nearest.take(asked, number, &hit);
                         false
                     });
                     nearest.u /= sum;
@@ -247,7 +245,7 @@ impl SmallScene {
                 Kind::Boxed(bounds, is_cached) => {
                     let mut local = shape.local(rays);
                     local.t_max = nearest.t;
-                    let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
+                    let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & asked;
                     match shape.mesh(scene) {
                         Some(mesh) if COHERENT => mesh.intersect_packet(&local, met, |lane, hit| {
                             nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
@@ -265,10 +263,10 @@ impl SmallScene {
                         None => {}
                     }
                 }
-                Kind::Blocks => nearest.test_blocks(active, number, scene.blocks, rays),
+                Kind::Blocks => nearest.test_blocks(asked, number, scene.blocks, rays),
                 Kind::Other(bounds) => {
-                    let near = slabs.as_ref().map(|slabs| slabs.meets(bounds, nearest.t).to_bitmask());
-                    nearest.test_each(active & near.unwrap_or(active), number, shape, scene, rays);
+                    let near = asked & meet(bounds, nearest.t);
+                    nearest.test_each(near, number, shape, scene, rays);
                 }
             }
         }
@@ -305,45 +303,33 @@ impl SmallScene {
     ) -> Obstacles {
         let mut obstacles = Obstacles::default();
         let slabs = self.has_boxes.then(|| SlabLanes::new(rays));
-        let mut next = 0;
-        while let Some(step) = self.steps.get(next) {
-            next += 1;
-            let left = active & !obstacles.opaque;
-            if left == 0 {
-                break;
-            }
-            let shape = match step {
-                Step::Item(number) => &self.shapes[*number as usize],
-                Step::Box { bounds, end } => {
-                    if slabs
-                        .as_ref()
-                        .is_some_and(|slabs| slabs.meets(bounds, rays.t_max).to_bitmask() & left == 0)
-                    {
-                        next = *end as usize;
-                    }
-                    continue;
-                }
-            };
+        let meet = |bounds: &Aabb| {
+            let met = slabs.as_ref().map(|slabs| slabs.meets(bounds, rays.t_max).to_bitmask());
+            met.unwrap_or(u32::MAX)
+        };
+        let mut walk = Walk::new(&self.steps);
+        while let Some((number, asked)) = walk.next(active & !obstacles.opaque, meet) {
+            let shape = &self.shapes[number];
             let met = match &shape.kind {
                 Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).met.to_bitmask(),
                 Kind::Sphere => sphere(&shape.local(rays), rays.t_max).met.to_bitmask(),
                 Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
-                    let near = SlabLanes::new(&local).meets(mesh.bounds(), rays.t_max) & lanes_of(left);
+                    let near = SlabLanes::new(&local).meets(mesh.bounds(), rays.t_max) & lanes_of(asked);
                     if near.none() {
                         continue;
                     }
                     let mut met = Lanes::ZERO;
                     mesh.each_hit(&local, |t, weights, _| {
                         met |= near & t.simd_lt(rays.t_max) & t.simd_gt(rays.t_min) & weights.inside;
-                        left & !met.to_bitmask() == 0
+                        asked & !met.to_bitmask() == 0
                     });
                     met.to_bitmask()
                 }
                 Kind::Boxed(bounds, is_cached) => {
                     let local = shape.local(rays);
-                    let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
+                    let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & asked;
                     match shape.mesh(scene) {
                         Some(mesh) if COHERENT => mesh.occluded_packet(&local, met),
                         Some(mesh) if *is_cached || met.count_ones() <= FEW_RAYS => {
@@ -354,14 +340,13 @@ impl SmallScene {
                     }
                 }
                 Kind::Blocks => {
-                    any_of_blocks(left, scene.blocks, rays, &is_clear, &mut obstacles);
+                    any_of_blocks(asked, scene.blocks, rays, &is_clear, &mut obstacles);
                     continue;
                 }
                 Kind::Other(bounds) => {
-                    let near = slabs.as_ref().map(|slabs| slabs.meets(bounds, rays.t_max).to_bitmask());
-                    rays.lanes_where(left & near.unwrap_or(left), |ray| shape.instance(scene).occluded(ray))
+                    rays.lanes_where(asked & meet(bounds), |ray| shape.instance(scene).occluded(ray))
                 }
-            } & active;
+            } & asked;
             if met != 0 {
                 obstacles.add(met, is_clear(shape.instance as usize));
             }
@@ -426,10 +411,10 @@ impl SceneShape {
 }
 
 impl Nearest {
-    /// Takes a hit of the `number`-th shape in the lanes that meet it.
+    /// Takes a hit of the `number`-th shape in the lanes among `asked` that meet it.
     #[inline(always)]
-    fn take(&mut self, number: Lanes, hit: &ShapeHitLanes) {
-        let met = hit.met;
+    fn take(&mut self, asked: u32, number: Lanes, hit: &ShapeHitLanes) {
+        let met = hit.met & lanes_of(asked);
         self.t = met.select(hit.t, self.t);
         self.u = met.select(hit.u, self.u);
         self.v = met.select(hit.v, self.v);

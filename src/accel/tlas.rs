@@ -10,7 +10,7 @@ use super::bvh::{Bvh, BvhStats};
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
-use super::loose::Loose;
+use super::loose::{FEWEST_EDITED, Loose};
 use super::memory::{CACHE, SHARED_CACHE};
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
@@ -34,7 +34,7 @@ pub struct Tlas {
     pub(super) blocks: ShapeBlocks,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
-    /// The instances without a hierarchy, if there are only a few shapes.
+    /// The shapes in the order in which sixteen rays are tested against them, if there are no more than two thousand.
     pub(super) small_scene: Option<SmallScene>,
     /// Whether the hierarchies, with those of all meshes and groups, are too large for the cache of a core.
     pub(super) is_large: bool,
@@ -69,8 +69,26 @@ impl Tlas {
         Self::over(instances.into(), groups, placements, method)
     }
 
+    /// Builds over the shapes of a group. Rays come to it one by one.
+    pub fn group(instances: Vec<Instance>, method: SplitMethod) -> Self {
+        Self::made(instances.into(), Vec::new(), Vec::new(), method, false)
+    }
+
     /// [`Self::with_placements`] from shapes that need not be copied.
     pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
+        // A list is what it is asked for to be, unless it is short. Scenes that can be edited in place are.
+        let is_list = method == SplitMethod::Linear && instances.len() > MOST_ALONE;
+        let may_be_small = placements.is_empty() && !is_list && instances.len() < FEWEST_EDITED;
+        Self::made(instances, groups, placements, method, may_be_small)
+    }
+
+    fn made(
+        instances: Instances,
+        groups: Vec<Arc<Tlas>>,
+        placements: Vec<Placement>,
+        method: SplitMethod,
+        may_be_small: bool,
+    ) -> Self {
         let instances = instances.made_anew();
         let mut shapes = instances.len();
         let first_shape = groups
@@ -82,9 +100,7 @@ impl Tlas {
             })
             .collect();
         let blocks: ShapeBlocks = ShapeBlock::gather(&instances, method).into();
-        // A list is what it is asked for to be, unless it is short.
-        let is_list = method == SplitMethod::Linear && instances.len() > MOST_ALONE;
-        let small_scene = (placements.is_empty() && !is_list)
+        let small_scene = may_be_small
             .then(|| {
                 SmallScene::new(Shapes {
                     instances: instances.made(),

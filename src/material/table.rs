@@ -16,8 +16,9 @@ pub struct MaterialTable {
     materials: Vec<Material>,
     /// The tables to which the models of the materials refer.
     tables: ShadingTables,
-    /// Whether light can pass straight through each material, and through any of them.
+    /// Whether light can pass straight through each material somewhere.
     clear: Vec<bool>,
+    /// Whether it can through any of them.
     has_null_lobe: bool,
     /// Whether any of them has a delta lobe.
     has_delta_lobe: bool,

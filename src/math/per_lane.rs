@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, lanes_of};
-use super::real::{Mask, Real, Vector, Word};
+use super::real::{Mask, Real, Vector};
 
 /// A type of which every lane can have a value.
 pub(crate) trait PerLane: Copy {
@@ -140,9 +140,7 @@ macro_rules! same {
 
 same! {
     f32 => R: |one| R::splat(one);
-    u32 => R::Word: |one| R::Word::splat(one);
     Vec3 => R::Vec3: |one| R::Vec3::same(one);
-    bool => R::Mask: |one| if one { R::Mask::ALWAYS } else { R::Mask::NEVER };
 }
 
 /// A mask.

@@ -317,7 +317,7 @@ pub fn render_preview(
     Some(result)
 }
 
-/// The first hit of sample 0 of a pixel. It is not inlined, because it is one sample of many.
+/// The first hit of sample 0 of a pixel. It is not inlined, so that the loop over samples stays short.
 #[inline(never)]
 fn first_hit(scene: &RenderScene, view: &View, pixel: UVec2, sample: &PathSample) -> Option<FirstHit> {
     let hit = sample.first_hit?;

@@ -206,7 +206,7 @@ impl<R: Real> SphericalRectangle<R> {
         let rest = (-h).mul_add(h, R::ONE).max(R::splat(f32::MIN_POSITIVE));
         let y = (h * distance / rest.sqrt()).max(y0).min(y1);
         let [x_axis, y_axis, z_axis] = self.axes;
-        self.origin + x_axis * x + y_axis * y + z_axis * self.above
+        self.origin + (x_axis * x + y_axis * y + z_axis * self.above)
     }
 }
 

@@ -272,6 +272,31 @@ fn with_many_lights() -> RenderScene {
     room.build()
 }
 
+/// Rectangles and spheres of different sizes, and a point.
+fn with_seven_lamps() -> RenderScene {
+    let mut room = room();
+    let up = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    for lamp in 0..6 {
+        let (x, size) = (0.5 * lamp as f32 - 1.3, 0.05 + 0.03 * lamp as f32);
+        let (shape, turn) = match lamp % 2 {
+            0 => (Primitive::Rectangle, up),
+            _ => (Primitive::Sphere, Quat::IDENTITY),
+        };
+        let light = Vec3::new(4.0, 2.0 + lamp as f32, 9.0 - lamp as f32);
+        room.add(
+            shape,
+            placed(Vec3::new(x, 1.5, 0.3), turn, size),
+            diffuse([0.2; 3]),
+            Some(light),
+        );
+    }
+    room.light(LightSource::Point {
+        position: Vec3::new(-1.0, 1.0, 1.0),
+        intensity: Vec3::splat(2.0),
+    });
+    room.build()
+}
+
 fn settings(max_depth: u32, rr_depth: u32, hide_emitters: bool, strategy: Strategy) -> PathSettings {
     PathSettings {
         max_depth,
@@ -346,6 +371,7 @@ fn pictures_are_those_of_paths_one_by_one() {
         ("one lamp", with_lamp()),
         ("an even sky", under_an_even_sky()),
         ("many lights", with_many_lights()),
+        ("seven lamps", with_seven_lamps()),
         ("panes", behind_panes()),
     ];
     for (what, scene) in &scenes {

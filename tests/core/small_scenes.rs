@@ -138,8 +138,8 @@ fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
 
 #[test]
 fn hits_are_those_of_one_ray() {
-    // Twenty shapes are few, sixty are not.
-    for copies in [2, 6] {
+    // Without boxes around them, with boxes, and too many.
+    for copies in [2, 6, 210] {
         compare(&scene(copies, SplitMethod::Sah), &scene(copies, SplitMethod::Linear));
     }
 }

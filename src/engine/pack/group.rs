@@ -126,7 +126,7 @@ impl Layout {
     /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that [`Self::new`] gave with it.
     pub fn build(&self, instances: PackedShapes, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
         let members = instances.members.into_iter();
-        let groups = members.map(|members| Arc::new(Tlas::build(members, method))).collect();
+        let groups = members.map(|members| Arc::new(Tlas::group(members, method))).collect();
         let in_world = &self.shapes[..self.in_world];
         let mut entities: Vec<Entity> = in_world.iter().map(|record| record.entity).collect();
         let mut placements = Vec::new();
