@@ -28,7 +28,7 @@ impl Tlas {
     /// Whether [`Self::edited`] may be quicker than to build anew.
     pub fn is_edited_in_place(&self) -> bool {
         let items = self.instances.len() + self.placements.len();
-        !self.bvh.is_linear() && self.small_scene.is_none() && items >= FEWEST_EDITED
+        !self.bvh.is_linear() && items >= FEWEST_EDITED
     }
 
     /// Whether so much has been edited that a hierarchy built anew would be quicker, and smaller.

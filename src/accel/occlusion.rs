@@ -27,8 +27,8 @@ impl Tlas {
         self.obstacles(rays, active, |_| false).opaque
     }
 
-    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind four of these it may miss an
-    /// opaque one.
+    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind [`MOST_CLEAR`] of these it may
+    /// miss an opaque one.
     pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         self.obstacle_from(0, ray, &is_clear)
     }

@@ -1,4 +1,4 @@
-//! Scenes of up to two thousand shapes: sixteen rays at once are tested against one shape after the other, in a fixed order.
+//! Scenes of up to some two thousand shapes: sixteen rays at once are tested against one shape after the other, in a fixed order.
 //!
 //! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Where there are more,
 //! [`super::skip_list`] has boxes around shapes that only few batches meet. Rectangles, spheres,
@@ -25,13 +25,11 @@ use crate::math::{Aabb, Ray};
 
 /// The most shapes that could be in blocks and are tested alone. Blocks are faster above this.
 pub(super) const MOST_ALONE: usize = 24;
-/// The most shapes that are in no block. Rooms of 3,000 boxes take the same time with the hierarchy, which follows edits without being built anew.
-const MOST_SHAPES: usize = 2000;
-/// The most that a batch of rays may cost at these by the estimate, in units of a test of a box. Most rays stop at the first of many shapes one behind the other,
-/// which the hierarchy tests from front to back.
-const MOST_COST: f32 = 240.0;
-/// The most blocks, likewise.
+/// The most blocks of a small scene.
 const MOST_BLOCKS: usize = 64;
+/// The most that a batch of rays may cost by the estimate, in the units of [`Item::cost`]. Most rays stop at the first of many shapes one behind the other, which
+/// the hierarchy tests from front to back.
+const MOST_COST: f32 = 300.0;
 
 /// Rays traverse a mesh one by one if it has no more bytes than this, which a core's cache holds beside other meshes, or if they are no more than that. Turns,
 /// which hide the waits for memory, pay for many rays in large meshes alone.
@@ -45,7 +43,7 @@ pub(super) struct Shapes<'a> {
     pub blocks: (&'a [ShapeBlock], &'a [Members]),
 }
 
-/// The shapes of a scene that has no more than two thousand beside blocks.
+/// The shapes of a scene that is not edited in place, if their tests do not cost too much.
 #[derive(Clone, Debug)]
 pub(super) struct SmallScene {
     shapes: Vec<SceneShape>,
@@ -76,8 +74,8 @@ enum Kind {
     TinyMesh(TinyMesh),
     /// A mesh, with its local bounds, and whether a core's cache holds it beside others.
     Boxed(Aabb, bool),
-    /// Another shape, with its world bounds. Rays are tested one after the other.
-    Other(Aabb),
+    /// Another shape, which is tested against one ray after the other.
+    Other,
     /// All blocks of the scene.
     Blocks,
 }
@@ -90,7 +88,7 @@ impl Kind {
     fn turn(&self) -> u32 {
         match self {
             Self::Rectangle | Self::Square(_) | Self::Sphere | Self::Cube(_) => 0,
-            Self::Blocks | Self::Other(_) => 1,
+            Self::Blocks | Self::Other => 1,
             Self::TinyMesh(_) => 2,
             Self::Boxed(..) => LAST_TURN,
         }
@@ -101,7 +99,7 @@ impl Kind {
         match self {
             Self::Rectangle | Self::Sphere | Self::Square(_) | Self::Cube(_) => 1.0,
             Self::Boxed(..) => 6.0,
-            Self::TinyMesh(_) | Self::Other(_) => 10.0,
+            Self::TinyMesh(_) | Self::Other => 10.0,
             // Each block has bounds of its own.
             Self::Blocks => 0.0,
         }
@@ -122,21 +120,18 @@ struct Nearest {
 }
 
 impl SmallScene {
-    /// None if there are too many shapes beside blocks, or too many blocks, or if the tests cost too much.
+    /// None if there are too many blocks, or if the tests cost too much.
     pub fn new(scene: Shapes) -> Option<Self> {
         let Shapes { instances, blocks } = scene;
         let members = || blocks.1.iter().flat_map(Members::indices);
         // Disks are tested against one ray after the other, unless they are in blocks.
         let has_disks = || members().any(|&member| matches!(instances[member as usize].primitive, Primitive::Disk));
         let wants_blocks = members().count() > MOST_ALONE || instances.len() > MOST_ALONE && has_disks();
-        let without_blocks = if wants_blocks {
-            None
-        } else {
-            Self::beside(instances, &[])
+        let shapes = match wants_blocks {
+            true if blocks.0.len() > MOST_BLOCKS => return None,
+            true => Self::beside(instances, blocks.1),
+            false => Self::beside(instances, &[]),
         };
-        let has_few_blocks = blocks.0.len() <= MOST_BLOCKS;
-        let with_blocks = || has_few_blocks.then(|| Self::beside(instances, blocks.1)).flatten();
-        let shapes = without_blocks.or_else(with_blocks)?;
         let (steps, cost) = Self::steps(&shapes, scene);
         (cost <= MOST_COST).then(|| Self {
             has_boxes: steps.iter().any(|step| matches!(step, Step::Box { .. })),
@@ -170,23 +165,20 @@ impl SmallScene {
         (steps, cost)
     }
 
-    /// The shapes beside these blocks, and all blocks as one if there are any. None if there are too many shapes.
-    fn beside(instances: &[Instance], blocks: &[Members]) -> Option<Vec<SceneShape>> {
-        // No ray meets a shape without extent.
+    /// The shapes beside these blocks, and all blocks as one if there are any.
+    fn beside(instances: &[Instance], blocks: &[Members]) -> Vec<SceneShape> {
+        // A mesh without triangles has empty bounds, and no ray meets it.
         let mut alone: Vec<bool> = (instances.iter())
             .map(|shape| !shape.world_bounds().is_empty())
             .collect();
         let members = blocks.iter().flat_map(Members::indices);
         members.for_each(|&member| alone[member as usize] = false);
-        if alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
-            return None;
-        }
         let in_line = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
         let mut shapes: Vec<SceneShape> = in_line.map(|(index, shape)| SceneShape::new(index, shape)).collect();
         if !blocks.is_empty() {
             shapes.push(SceneShape::BLOCKS);
         }
-        Some(shapes)
+        shapes
     }
 
     /// The nearest hits of the lanes in `active`. With `COHERENT` the rays traverse meshes as a packet.
@@ -264,10 +256,7 @@ impl SmallScene {
                     }
                 }
                 Kind::Blocks => nearest.test_blocks(asked, number, scene.blocks, rays),
-                Kind::Other(bounds) => {
-                    let near = asked & meet(bounds, nearest.t);
-                    nearest.test_each(near, number, shape, scene, rays);
-                }
+                Kind::Other => nearest.test_each(asked, number, shape, scene, rays),
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
@@ -282,7 +271,7 @@ impl SmallScene {
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[part].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(part), u, v),
-                Kind::Boxed(..) | Kind::Other(_) | Kind::Blocks => continue,
+                Kind::Boxed(..) | Kind::Other | Kind::Blocks => continue,
             };
             let t = nearest.t.as_array()[lane];
             hits[lane] = Some(Hit {
@@ -343,9 +332,7 @@ impl SmallScene {
                     any_of_blocks(asked, scene.blocks, rays, &is_clear, &mut obstacles);
                     continue;
                 }
-                Kind::Other(bounds) => {
-                    rays.lanes_where(asked & meet(bounds), |ray| shape.instance(scene).occluded(ray))
-                }
+                Kind::Other => rays.lanes_where(asked, |ray| shape.instance(scene).occluded(ray)),
             } & asked;
             if met != 0 {
                 obstacles.add(met, is_clear(shape.instance as usize));
@@ -368,7 +355,7 @@ impl SceneShape {
         let kind = match &instance.primitive {
             Primitive::Rectangle => Kind::Rectangle,
             Primitive::Sphere => Kind::Sphere,
-            Primitive::Disk | Primitive::Cylinder => Kind::Other(instance.world_bounds()),
+            Primitive::Disk | Primitive::Cylinder => Kind::Other,
             Primitive::Mesh(blas) => {
                 let is_invertible = |mesh: &AffineMesh| (placed * mesh.placed).inverse().as_affine3a().is_finite();
                 if let Some(mesh) = blas.affine.as_ref().filter(|mesh| is_invertible(mesh)) {

@@ -34,7 +34,7 @@ pub struct Tlas {
     pub(super) blocks: ShapeBlocks,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
-    /// The shapes in the order in which sixteen rays are tested against them, if there are no more than two thousand.
+    /// The shapes in the order in which sixteen rays are tested against them, in scenes that [`SmallScene`] takes.
     pub(super) small_scene: Option<SmallScene>,
     /// Whether the hierarchies, with those of all meshes and groups, are too large for the cache of a core.
     pub(super) is_large: bool,
@@ -76,7 +76,8 @@ impl Tlas {
 
     /// [`Self::with_placements`] from shapes that need not be copied.
     pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
-        // A list is what it is asked for to be, unless it is short. Scenes that can be edited in place are.
+        // With `Linear` the caller wants a list, so that only a short one is a small scene. Scenes of `FEWEST_EDITED` shapes or more are edited in place,
+        // which a small scene cannot follow.
         let is_list = method == SplitMethod::Linear && instances.len() > MOST_ALONE;
         let may_be_small = placements.is_empty() && !is_list && instances.len() < FEWEST_EDITED;
         Self::made(instances, groups, placements, method, may_be_small)

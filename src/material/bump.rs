@@ -69,7 +69,7 @@ impl<R: Real> BumpShadow<R> {
     pub fn factor(&self, wi: R::Vec3) -> R {
         let cos = wi.dot(self.surface);
         let is_lit = (cos * wi.dot(self.bumped)).is_more(R::ZERO);
-        let tan_squared = (R::ONE - cos.squared()).max(R::ZERO) / cos.squared();
+        let tan_squared = (R::ONE - cos.squared()).max(R::ZERO) / cos.squared().max(R::splat(f32::MIN_POSITIVE));
         let root = self.alpha_squared.mul_add(tan_squared, R::ONE).sqrt();
         (R::splat(2.0) / (R::ONE + root)).only(is_lit)
     }
@@ -201,7 +201,7 @@ impl Bump {
         }
     }
 
-    /// The factor of [`BumpShadow::factor`] of all maps.
+    /// The product of [`BumpShadow::factor`] over all maps.
     pub fn factor(&self, wi: Vec3) -> f32 {
         self.chain().map(|bump| bump.shadow.factor(wi)).product()
     }

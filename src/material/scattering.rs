@@ -112,7 +112,7 @@ impl<'a> Single<'a> {
         self.part.diffuse_lobe(self.tables)
     }
 
-    /// The model; None where maps lie in maps, or the path comes from a lamp and knows its viewers not yet.
+    /// The model; None where a map lies in another, or where a path from a lamp has come to a map: it does not yet know its viewers.
     pub(crate) fn model(&self) -> Option<Model<'_>> {
         let shadow = match (&self.part.bump, self.mode) {
             (None, _) => None,

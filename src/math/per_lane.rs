@@ -217,7 +217,8 @@ impl<M> Held<M> {
 }
 
 /// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
-/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form. With `#[same]` in front it is [`Same`] as well.
+/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form. With `#[same]` in front it is [`Same`] as well, and its fields are `R`,
+/// `R::Vec3`, or other such structs.
 ///
 /// ```ignore
 /// real_struct! {

@@ -111,6 +111,20 @@ fn room() -> SceneBuilder {
         bumped,
         None,
     );
+    // Maps whose normals lean, about a plain model, glass, and both sides of a sheet.
+    for (i, nested) in [0, 3, 6].into_iter().enumerate() {
+        let leaning = Material::NormalMap {
+            nested: MaterialId(nested),
+            normals: Parameter::Constant(Vec3::new(0.7, 0.35, 0.9)),
+            gltf_tangents: false,
+            options: BumpOptions {
+                flip_invalid_normals: true,
+                use_shadowing_function: true,
+            },
+        };
+        let at = Vec3::new(0.7 * i as f32 - 0.8, 0.1, -0.9);
+        room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.2), leaning, None);
+    }
     for (i, material) in others(&mut room.tables).into_iter().enumerate() {
         let at = Vec3::new(0.37 * i as f32 - 1.5, 0.5, -1.2);
         room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.18), material, None);

@@ -1,9 +1,8 @@
 //! Sixteen paths traced side by side, each from one vertex to the next in every step: what most of them do is done for all at once, in
 //! vectors.
 //!
-//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`] and no map of normals, the rest is done in
-//! lanes; a model below maps of normals is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are
-//! mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. Places of scattering in media are vertices
+//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in lanes; a model below maps that
+//! lie in each other is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. Places of scattering in media are vertices
 //! like those on surfaces. A path that has ended gives its lane to the next one. The numbers are those of one path at a time, but for rounding.
 //!
 //! [`PathState::advance`]: super::path_state::PathState::advance

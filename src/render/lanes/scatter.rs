@@ -312,7 +312,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
             wi: surfaces.frame.to_world(local.wi),
             ..local
         };
-        if let Some(factor) = self.vertices.shadow(sample.wi) {
+        if let Some(factor) = self.vertices.bump_shadow(sample.wi) {
             sample.weight = sample.weight * factor;
             sample.is_returned &= factor.simd_gt(Lanes::ZERO);
         }

@@ -30,8 +30,8 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     meshes: Option<SurfaceLanes>,
     /// The models.
     pub bsdf: BsdfLanes,
-    /// What the surfaces below maps leave of the light.
-    shadows: Held<BumpShadow<Lanes>>,
+    /// The shadows of the surfaces below maps.
+    bump_shadows: Held<BumpShadow<Lanes>>,
     /// The lanes that are in a medium and not on a surface, a bit each. Their shading normal is the direction in which
     /// the path has come.
     in_medium: u32,
@@ -83,7 +83,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
             axes: [Vec3Lanes::ZERO; 2],
             meshes: None,
             bsdf: BsdfLanes::new(),
-            shadows: Held::default(),
+            bump_shadows: Held::default(),
             in_medium: 0,
             phase: PlainPhase::ISOTROPIC,
             borders: 0,
@@ -100,7 +100,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         (self.lanes, self.framed) = (0, 0);
         self.meshes = None;
         self.bsdf.clear();
-        self.shadows.lanes = 0;
+        self.bump_shadows.lanes = 0;
         (self.in_medium, self.borders) = (0, 0);
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
         self.other_diffuse = 0;
@@ -180,7 +180,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
     ) -> (Vec3Lanes, Lanes) {
         let local = frame.to_local(wi);
         let (mut value, mut pdf) = self.bsdf.eval_and_pdf(tables, wo, local);
-        if let Some(factor) = self.shadow(wi) {
+        if let Some(factor) = self.bump_shadow(wi) {
             value = value * factor;
             pdf &= factor.simd_gt(Lanes::ZERO);
         }
@@ -190,10 +190,10 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// The factor of the light from the directions `wi`, in the world, that the surfaces below maps leave. None if there are no maps.
+    /// The factor by which the surfaces below maps dim light from `wi`, in the world; 1 without a map, None if no lane has one.
     #[inline(always)]
-    pub fn shadow(&self, wi: Vec3Lanes) -> Option<Lanes> {
-        let (here, shadow) = self.shadows.held()?;
+    pub fn bump_shadow(&self, wi: Vec3Lanes) -> Option<Lanes> {
+        let (here, shadow) = self.bump_shadows.held()?;
         Some(here.select(shadow.factor(wi), Lanes::ONE))
     }
 
@@ -380,7 +380,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
                 self.axes[0].set(lane, model.frame.s);
                 self.axes[1].set(lane, model.frame.t);
                 if let Some(shadow) = model.shadow {
-                    self.shadows.set(lane, shadow);
+                    self.bump_shadows.set(lane, shadow);
                 }
             }
             None => self.set_single(lane, single),
