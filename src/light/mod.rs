@@ -21,6 +21,7 @@ pub mod gain;
 mod hit;
 mod hosek_wilkie;
 mod infinite;
+mod plain;
 mod point;
 mod projector;
 mod rectangle;

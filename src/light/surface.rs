@@ -8,7 +8,8 @@ use glam::{Affine3A, Vec2, Vec3};
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
 use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
-use super::rectangle::{RectangleLight, UniformRectangle};
+use super::plain::{Glow, PlainSurface};
+use super::rectangle::RectangleLight;
 use super::reference::Reference;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
@@ -18,7 +19,7 @@ use crate::accel::{Blas, Instance, Primitive, Tlas};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
-use crate::math::{Aabb, Mask, Real, Same, Vector, offset_origin, real_struct};
+use crate::math::{Aabb, Mask, Real, Same, Vector, offset_origin};
 use crate::sampling::warp;
 use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 
@@ -445,39 +446,6 @@ impl SurfaceLight {
             EmitterShape::Ellipsoid(light) => light.pdf(reference, hit),
             EmitterShape::Mesh(triangles) => triangles[part as usize].pdf(reference, hit),
         }
-    }
-}
-
-/// A surface of a common shape that is equally bright all over and black from behind.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum PlainSurface {
-    Rectangle(UniformRectangle, Glow),
-    Sphere(SphereLight, Glow),
-}
-
-real_struct! {
-    #[same]
-    /// What a surface that is equally bright all over adds to a point of its shape.
-    pub(crate) struct Glow<R> {
-        radiance: R::Vec3,
-        /// The bound on the rounding error of points.
-        error: R,
-    }
-}
-
-impl Glow {
-    /// Black.
-    pub const NONE: Self = Self {
-        radiance: Rgb::ZERO,
-        error: 0.0,
-    };
-}
-
-impl<R: Real> Glow<R> {
-    /// The direction to a point of the surface.
-    #[inline(always)]
-    pub(super) fn towards(&self, point: SurfaceSample<R>, reference: R::Vec3) -> LightSample<R> {
-        point.towards(reference, self.error, self.radiance)
     }
 }
 

@@ -6,13 +6,10 @@ use glam::Vec2;
 use super::{LightTable, refined};
 use crate::light::choice::Chosen;
 use crate::light::finite::FiniteLight;
-use crate::light::hit::SurfaceSample;
-use crate::light::rectangle::UniformRectangle;
-use crate::light::sphere::SphereLight;
-use crate::light::surface::{Glow, PlainSurface};
+use crate::light::plain::{PlainLanes, PlainSurface};
 use crate::light::{LightId, LightReference, LightSample, ReferenceLanes};
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
-use crate::math::{Held, PerLane, Real, Same};
+use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
+use crate::math::{PerLane, Real};
 
 /// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast, unless other lanes have chosen surfaces of the same kind.
 const FEW_PARTS: usize = 4;
@@ -30,21 +27,12 @@ pub(crate) struct ChosenLanes {
     plain: PlainLanes,
 }
 
-/// Plain surfaces, each with the parameters of its own kind.
-#[derive(Default)]
-struct PlainLanes {
-    rectangles: Held<UniformRectangle<Lanes>>,
-    spheres: Held<SphereLight<Lanes>>,
-    glow: Held<Glow<Lanes>>,
-    /// The lanes that are not taken yet, a bit each.
-    left: u32,
-}
-
 impl ChosenLanes {
     /// Takes lanes that can be sampled at once. None if no lane is left.
     pub fn take_alike(&mut self) -> Option<Alike> {
-        if self.plain.left != 0 {
-            return Some(Alike::Plain(std::mem::take(&mut self.plain.left)));
+        match self.plain.take() {
+            0 => {}
+            plain => return Some(Alike::Plain(plain)),
         }
         let first = each_lane(self.left).next()?;
         if !self.are_few && matches!(self.chosen[first], Chosen::Part(_)) {
@@ -56,43 +44,6 @@ impl ChosenLanes {
             .fold(0, |lanes, lane| lanes | 1 << lane);
         self.left &= !alike;
         Some(Alike::Lanes(alike))
-    }
-}
-
-impl PlainLanes {
-    fn set(&mut self, lane: usize, surface: PlainSurface) {
-        self.left |= 1 << lane;
-        let glow = match surface {
-            PlainSurface::Rectangle(shape, glow) => {
-                self.rectangles.set(lane, shape);
-                glow
-            }
-            PlainSurface::Sphere(shape, glow) => {
-                self.spheres.set(lane, shape);
-                glow
-            }
-        };
-        self.glow.set(lane, glow);
-    }
-
-    /// Directions to the surfaces. There is none in the other lanes.
-    fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> LightSample<Lanes> {
-        let mut point = SurfaceSample {
-            position: Vec3Lanes::ZERO,
-            normal: Vec3Lanes::ZERO,
-            pdf_solid_angle: Lanes::ZERO,
-        };
-        if let Some((here, shape)) = self.rectangles.held() {
-            point = SurfaceSample::select(here, shape.sample(reference, u), point);
-        }
-        if let Some((here, shape)) = self.spheres.held() {
-            point = SurfaceSample::select(here, shape.sample(reference, u), point);
-        }
-        let glow = self
-            .glow
-            .held()
-            .map_or(Same::<Lanes>::same(Glow::NONE), |(_, glow)| *glow);
-        glow.towards(point, reference)
     }
 }
 
@@ -146,7 +97,7 @@ impl LightTable {
         }
     }
 
-    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each.
+    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each. None if no lane has chosen one.
     #[inline(never)]
     pub(crate) fn sample_plain(
         &self,
@@ -154,8 +105,8 @@ impl LightTable {
         choices: &ChosenLanes,
         from: &ReferenceLanes,
         u: [Lanes; 2],
-    ) -> ([LightId; LANES], LightSample<Lanes>) {
-        let sample = choices.plain.sample(from.position, u);
+    ) -> Option<([LightId; LANES], LightSample<Lanes>)> {
+        let sample = choices.plain.sample(from.position, u)?;
         let mut ids = [LightId(0); LANES];
         for lane in each_lane(lanes) {
             if let Chosen::Part(part) = choices.chosen[lane] {
@@ -163,7 +114,7 @@ impl LightTable {
             }
         }
         let pdf = (choices.pmf * sample.pdf).only(lanes_of(lanes));
-        (ids, LightSample { pdf, ..sample })
+        Some((ids, LightSample { pdf, ..sample }))
     }
 
     /// A direction to the light that a lane has chosen.
@@ -213,8 +164,10 @@ mod tests {
     use crate::light::point::PointLight;
     use crate::light::rectangle::RectangleLight;
     use crate::light::reference::Reference;
-    use crate::light::sphere::EllipsoidLight;
+    use crate::light::sphere::{EllipsoidLight, SphereLight};
+
     use crate::light::spot::{Spot, SpotLight};
+    use crate::math::Same;
     use crate::math::lanes::Vec3Lanes;
     use crate::sampling::hash::pcg3d;
     use crate::sampling::unit_float;

@@ -124,8 +124,9 @@ impl LightLanes {
                     chosen.set(lanes_of(lanes), &Self::of(ids, sample));
                 }
                 Alike::Plain(lanes) => {
-                    let (ids, sample) = lights.sample_plain(lanes, &choices, &seen_from, u);
-                    chosen.set(lanes_of(lanes), &Self::of(ids, sample));
+                    if let Some((ids, sample)) = lights.sample_plain(lanes, &choices, &seen_from, u) {
+                        chosen.set(lanes_of(lanes), &Self::of(ids, sample));
+                    }
                 }
                 Alike::Lane(lane) => {
                     if let Some((id, sample)) = lights.sample_lane(lane, &choices, &seen_from, u) {
