@@ -1,6 +1,6 @@
 //! Sunroom: a small level editor whose viewport is a path tracer.
 //!
-//! The package `sunroom-core` (`core.rs`) has everything without Bevy and is exported here again: the kernel, `document` and `gltf`.
+//! The package `sunroom-core` (the folder `core`) has everything without Bevy and is exported here again: the kernel, `document` and `gltf`.
 //! `scene` holds the authoring state as entities and assets; `engine` is the only place that knows both sides; `app` drives it with or
 //! without a window.
 

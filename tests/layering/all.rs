@@ -87,7 +87,26 @@ fn may_use(allowed: &[&str], module: &str) -> bool {
     allowed.contains(&module) || (allowed.contains(&"KERNEL") && (KERNEL.contains(&module) || module == "render"))
 }
 
-/// What is wrong with a file, as `line: what`. `file` is relative to `src`, with `/`.
+/// The folder of `sunroom-core` in `src`. Its modules are named without it, as `crate::` names them in both packages.
+const CORE: &str = "core/";
+
+/// The sources by their names in `crate::`: below `src` or `src/core`, with `/`.
+fn named_sources() -> Vec<(String, String)> {
+    let root = Path::new(ROOT).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    files.sort();
+    let named = files.iter().map(|path| {
+        let relative = path.strip_prefix(&root).expect("found inside").to_string_lossy();
+        let relative = relative.replace('\\', "/");
+        let text = fs::read_to_string(path).expect("the sources are text");
+        (relative.strip_prefix(CORE).unwrap_or(&relative).to_owned(), text)
+    });
+    // The crate roots only name the modules.
+    named.filter(|(file, _)| file != "lib.rs").collect()
+}
+
+/// What is wrong with a file, as `line: what`. `file` is named as in `named_sources`.
 fn violations(file: &str, text: &str) -> Vec<String> {
     let name = file.trim_end_matches(".rs");
     let own = name.split('/').next().unwrap_or(name);
@@ -221,28 +240,12 @@ fn results_lie_below_the_code_that_produces_them() {
 
 #[test]
 fn sources_keep_the_directions() {
-    let root = Path::new(ROOT).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
-    files.sort();
+    let files = named_sources();
     let mut found = Vec::new();
     let mut paths = 0;
-    for path in &files {
-        let relative = path
-            .strip_prefix(&root)
-            .expect("found inside")
-            .to_string_lossy()
-            .replace('\\', "/");
-        if relative == "lib.rs" || relative == "core.rs" {
-            continue; // The crate roots only name the modules.
-        }
-        let text = fs::read_to_string(path).expect("the sources are text");
-        paths += crate_paths(&code_of(&text)).len();
-        found.extend(
-            violations(&relative, &text)
-                .into_iter()
-                .map(|what| format!("src/{relative}:{what}")),
-        );
+    for (file, text) in &files {
+        paths += crate_paths(&code_of(text)).len();
+        found.extend(violations(file, text).into_iter().map(|what| format!("{file}:{what}")));
     }
     assert!(found.is_empty(), "\n{}", found.join("\n"));
     // Were the reading broken, nothing would be found at all.
@@ -284,15 +287,9 @@ fn openings(file: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn files_are_opened_in_one_place() {
-    let root = Path::new(ROOT).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
     let mut found = Vec::new();
-    for path in &files {
-        let relative = path.strip_prefix(&root).expect("found inside").to_string_lossy();
-        let text = fs::read_to_string(path).expect("the sources are text");
-        let openings = openings(&relative.replace('\\', "/"), &text);
-        found.extend(openings.into_iter().map(|what| format!("src/{relative}:{what}")));
+    for (file, text) in named_sources() {
+        found.extend(openings(&file, &text).into_iter().map(|what| format!("{file}:{what}")));
     }
     assert!(found.is_empty(), "\n{}", found.join("\n"));
 }

@@ -1,10 +1,7 @@
 //! Holds the directions between the modules of the editor in the same way, and keeps circles of imports small and within one module.
 
-use std::fs;
-use std::path::Path;
-
 use super::imports::{Sources, circles};
-use super::{ROOT, code_of, sources};
+use super::{code_of, named_sources};
 
 /// The folder of the editor, with its modules from the lowest to the highest and what each may use besides itself. `mod.rs` puts them
 /// together and may use all; no module may use what is in it.
@@ -49,15 +46,7 @@ const LARGEST_CIRCLE: usize = 3;
 
 /// The sources, without comments and tests.
 pub fn all_sources() -> Sources {
-    let root = Path::new(ROOT).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
-    let named = files.iter().map(|path| {
-        let relative = path.strip_prefix(&root).expect("found inside").to_string_lossy();
-        let text = fs::read_to_string(path).expect("the sources are text");
-        (relative.replace('\\', "/"), code_of(&text))
-    });
-    Sources::new(named)
+    Sources::new(named_sources().into_iter().map(|(file, text)| (file, code_of(&text))))
 }
 
 /// What is wrong with a file of the editor, as `line: what`.
@@ -109,7 +98,7 @@ fn modules_of_the_editor_keep_the_directions() {
         files += 1;
         paths += all.named(file).len();
         let violations = editor_violations(&all, file);
-        found.extend(violations.into_iter().map(|what| format!("src/{file}:{what}")));
+        found.extend(violations.into_iter().map(|what| format!("{file}:{what}")));
     }
     found.extend(bad_circles(&all));
     assert!(found.is_empty(), "\n{}", found.join("\n"));

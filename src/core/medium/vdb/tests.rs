@@ -5,9 +5,9 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use super::*;
 use crate::medium::Voxels;
 
-const SMOKE: &[u8] = include_bytes!("../../../tests/corpus/vdb/smoke-blosc.vdb");
-const FIRE: &[u8] = include_bytes!("../../../tests/corpus/vdb/fire-zip-half.vdb");
-const TURNED: &[u8] = include_bytes!("../../../tests/corpus/vdb/turned-mask.vdb");
+const SMOKE: &[u8] = include_bytes!("../../../../tests/corpus/vdb/smoke-blosc.vdb");
+const FIRE: &[u8] = include_bytes!("../../../../tests/corpus/vdb/fire-zip-half.vdb");
+const TURNED: &[u8] = include_bytes!("../../../../tests/corpus/vdb/turned-mask.vdb");
 
 const PLENTY: u64 = 1 << 20;
 

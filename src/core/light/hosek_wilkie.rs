@@ -56,7 +56,7 @@ struct Tables {
 }
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
-    let text = include_str!("../../assets/sky/hosek-wilkie-rgb.txt");
+    let text = include_str!("../../../assets/sky/hosek-wilkie-rgb.txt");
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     let mut numbers = lines
         .flat_map(str::split_whitespace)
